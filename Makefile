@@ -1,0 +1,44 @@
+# softfinger: every command that this project has. `make help` lists them.
+SHELL := /bin/bash
+.DEFAULT_GOAL := run
+UV := $(shell uv --version >/dev/null 2>&1 && command -v uv || echo .tools/bin/uv)
+BIN := .venv/bin
+CORES ?= 2
+SNAKEMAKE := $(BIN)/snakemake --cores $(CORES)
+
+.PHONY: help setup run quick test lint format benchmark lock
+
+help: ## list the commands
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)$$/\1\t\2/' | expand -t 18
+
+setup: .venv/.ready ## install everything that environment.lock names into .venv
+
+run: setup ## set-up and the main job: 100 filmed trials to a report (about 10 minutes)
+	$(SNAKEMAKE) --configfile config/default.yaml
+
+quick: setup ## the same with 12 trials (about 2 minutes)
+	$(SNAKEMAKE) --configfile config/default.yaml config/quick.yaml
+
+test: setup ## set-up and all the tests
+	$(BIN)/python -m pytest
+
+lint: setup ## check style, spelling and the workflow
+	$(BIN)/ruff check && $(BIN)/ruff format --check && $(BIN)/snakefmt --check Snakefile workflow && $(BIN)/codespell
+
+format: setup ## put code and rules into the project's style
+	$(BIN)/ruff check --fix && $(BIN)/ruff format && $(BIN)/snakefmt Snakefile workflow
+
+benchmark: setup ## time us beside our rivals, into results/benchmarks.json (at most 15 minutes)
+	$(BIN)/python -m benchmarks
+
+lock: | $(UV) ## renew environment.lock from pyproject.toml
+	$(UV) pip compile pyproject.toml --group dev --universal --generate-hashes --upgrade --python-version 3.12 --no-header --quiet --output-file environment.lock
+
+.venv/.ready: environment.lock .python-version pyproject.toml | $(UV)
+	$(UV) venv --quiet --allow-existing .venv
+	VIRTUAL_ENV=.venv $(UV) pip sync --quiet --require-hashes --compile-bytecode environment.lock
+	VIRTUAL_ENV=.venv $(UV) pip install --quiet --no-deps --no-build-isolation --editable .
+	touch $@
+
+.tools/bin/uv:
+	python3 -m venv .tools && .tools/bin/python -m pip install --quiet uv
