@@ -1,0 +1,20 @@
+"""The campaign folder: one finger, one rig, many trials. Read, validate, list every fault."""
+
+from softfinger.campaign.description import Camera, Finger, Intrinsics
+from softfinger.campaign.folder import Campaign, Trial, check_campaign, read_campaign
+from softfinger.campaign.load_log import read_load
+from softfinger.campaign.recordings import marker_names, read_angle_table, read_marker_table
+
+__all__ = [
+    "Camera",
+    "Campaign",
+    "Finger",
+    "Intrinsics",
+    "Trial",
+    "check_campaign",
+    "marker_names",
+    "read_angle_table",
+    "read_campaign",
+    "read_load",
+    "read_marker_table",
+]

@@ -1,0 +1,120 @@
+"""Load logs: from rows of a CSV file to a piecewise-linear load with jumps."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from softfinger.campaign.tables import check_columns, check_times, read_text_table, to_numbers
+from softfinger.faults import TrialFault
+
+if TYPE_CHECKING:
+    from softfinger.campaign.folder import Campaign, Trial
+
+LOAD_COLUMNS = ("tension_n", "torque_nm", "command")
+STEP_WITHIN_FRAME_INTERVALS = 1.5
+LARGEST_TENSION_N = 5000.0
+LARGEST_TORQUE_NM = 500.0
+
+
+def read_load(
+    campaign: Campaign, trial: Trial, frame_interval: float, first_frame: float
+) -> tuple[np.ndarray, np.ndarray, str]:
+    """Read the generalised torque that the base model puts on every joint of a trial.
+
+    A ``tension_n`` becomes the torque tension × wire offset; ``torque_nm`` and ``command`` act as
+    they stand. Without a log a unit command from the first frame is assumed.
+
+    Parameters
+    ----------
+    campaign, trial
+        Whose log is read.
+    frame_interval : float [s]
+        Median frame interval of the recording: rows of different value closer than 1.5 of these
+        are a step at the later row.
+    first_frame : float [s]
+        Time of the first frame, from which an assumed command acts.
+
+    Returns
+    -------
+    load_time : numpy.ndarray (knot,) [s]
+        Nondecreasing; a jump is a repeated time.
+    load_torque : numpy.ndarray (knot,) [N m, or units of the command]
+        Zero before the first knot, the last value after the last one.
+    kind : str
+        ``tension_n``, ``torque_nm``, ``command`` or ``assumed``.
+
+    Raises
+    ------
+    TrialFault
+        The log cannot be read, times run backwards, or a tension cannot be turned into a torque.
+    """
+    if trial.load is None:
+        return np.full(2, first_frame), np.array([0.0, 1.0]), "assumed"
+    path = trial.load
+    table = read_text_table(path)
+    kinds = [column for column in LOAD_COLUMNS if column in table.columns]
+    if len(kinds) != 1:
+        found = f"{' and '.join(kinds)} stand" if kinds else "none stands"
+        raise TrialFault(
+            f"{path.name}: expected time_s and one of {', '.join(LOAD_COLUMNS)}; {found} there"
+        )
+    kind = kinds[0]
+    check_columns(path, table, ["time_s", kind])
+    time, value = to_numbers(path, table, "time_s"), to_numbers(path, table, kind)
+    check_times(path, time)
+    load_time, load = build_load_array(time, value, STEP_WITHIN_FRAME_INTERVALS * frame_interval)
+    if kind == "tension_n":
+        load = load * _find_moment_arm(campaign, path.name, value)
+    elif kind == "torque_nm" and np.abs(value).max() > LARGEST_TORQUE_NM:
+        raise TrialFault(
+            f"{path.name}, column 'torque_nm': reaches {np.abs(value).max():g} N m; expected at "
+            f"most {LARGEST_TORQUE_NM:g} N m on a soft finger; is it in N mm?"
+        )
+    return load_time, load, kind
+
+
+def build_load_array(
+    time: np.ndarray, value: np.ndarray, step_within: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Knots of the piecewise-linear load that the rows of a log stand for.
+
+    Straight lines between rows, but rows of different value at most ``step_within`` seconds apart
+    are a jump at the later one: a straight line there would fake a delay of the response. Before
+    the first row the load is zero, so a first row with load is a jump at its time.
+
+    Examples
+    --------
+    >>> build_load_array(np.array([0.0, 0.02, 2.0]), np.array([0.0, 5.0, 6.0]), 0.05)
+    (array([0.  , 0.02, 0.02, 2.  ]), array([0., 0., 5., 6.]))
+    """
+    knots_t, knots_v = [time[0]], [value[0]]
+    if value[0] != 0.0:
+        knots_t, knots_v = [time[0], time[0]], [0.0, value[0]]
+    for t, v in zip(time[1:], value[1:], strict=True):
+        if v != knots_v[-1] and t - knots_t[-1] <= step_within:
+            if t != knots_t[-1]:
+                knots_t.append(t)
+                knots_v.append(knots_v[-1])
+            knots_t.append(t)
+            knots_v.append(v)
+        elif t != knots_t[-1] or v != knots_v[-1]:
+            knots_t.append(t)
+            knots_v.append(v)
+    return np.array(knots_t, float), np.array(knots_v, float)
+
+
+def _find_moment_arm(campaign: Campaign, file_name: str, tension: np.ndarray) -> float:
+    if tension.min() < 0.0 or tension.max() > LARGEST_TENSION_N:
+        worst = tension.min() if tension.min() < 0.0 else tension.max()
+        raise TrialFault(
+            f"{file_name}, column 'tension_n': holds {worst:g} N; a wire pulls with 0 to "
+            f"{LARGEST_TENSION_N:g} N"
+        )
+    if campaign.finger.wire_offset_m is None:
+        raise TrialFault(
+            f"{file_name}: a tension needs finger.wire_offset_m in campaign.yaml to become a "
+            "torque; declare it, or log torque_nm or command instead"
+        )
+    return campaign.finger.wire_offset_m

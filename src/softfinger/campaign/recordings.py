@@ -1,0 +1,164 @@
+"""Recordings that are tables: joint angles and marker positions."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+
+from softfinger.campaign.tables import check_columns, check_times, read_text_table, to_numbers
+from softfinger.faults import TrialFault
+
+if TYPE_CHECKING:
+    from softfinger.campaign.description import Camera
+    from softfinger.campaign.folder import Campaign, Trial
+
+LARGEST_JOINT_ANGLE = 2.0 * np.pi
+LARGEST_PIXEL = 1e5
+MARKER_NAME = re.compile(r"^(base|link_[1-9]\d*)_[1-9]\d*$")
+
+
+def marker_names(camera: Camera) -> list[str]:
+    """Names of the declared markers, base first: ``base_1, base_2, link_1_1, …``."""
+    links = ["base", *(f"link_{i + 1}" for i in range(len(camera.markers) - 1))]
+    return [f"{link}_{k + 1}" for link in links for k in range(len(camera.markers[link]))]
+
+
+def read_angle_table(campaign: Campaign, trial: Trial) -> xr.Dataset:
+    """Read a trial's relative joint angles.
+
+    Rows that share a time stamp (a clock coarser than the recording) become one frame, their mean.
+
+    Returns
+    -------
+    Dataset
+        ``time (frame) [s]``, strictly increasing; ``joint_angle (joint, frame) [rad]``, NaN where a
+        cell is empty; attribute ``repeated_times``: how many rows shared the stamp of the row
+        before.
+
+    Raises
+    ------
+    TrialFault
+        Missing or unknown column, text in a cell, times that run backwards, no usable frame,
+        or angles that no joint reaches (degrees taken for radians).
+    """
+    path = trial.recording
+    columns = [f"q{j + 1}_rad" for j in range(campaign.finger.joints)]
+    table = read_text_table(path)
+    check_columns(path, table, ["time_s", *columns])
+    time = to_numbers(path, table, "time_s")
+    check_times(path, time)
+    angle = np.stack([to_numbers(path, table, c, missing_allowed=True) for c in columns])
+    for column, values in zip(columns, angle, strict=True):
+        if not np.isfinite(values).any():
+            raise TrialFault(f"{path.name}, column '{column}': holds no number at all")
+        largest = np.nanmax(np.abs(values))
+        if largest > LARGEST_JOINT_ANGLE:
+            row = int(np.nanargmax(np.abs(values))) + 2
+            raise TrialFault(
+                f"{path.name}, row {row}, column '{column}': reaches {largest:g} rad; a relative "
+                "joint angle stays within 2π rad; is it in degrees?"
+            )
+    frame_time, mean_angle = _average_repeats_array(time, angle)
+    return xr.Dataset(
+        {"time": ("frame", frame_time), "joint_angle": (("joint", "frame"), mean_angle)},
+        attrs={"repeated_times": time.size - frame_time.size},
+    )
+
+
+def _average_repeats_array(time: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Mean of the numbers that share a time; NaN where there is none."""
+    frame_time, frame = np.unique(time, return_inverse=True)
+    seen = np.isfinite(angle)
+    total = np.zeros((angle.shape[0], frame_time.size))
+    count = np.zeros_like(total)
+    for joint in range(angle.shape[0]):
+        np.add.at(total[joint], frame, np.where(seen[joint], angle[joint], 0.0))
+        np.add.at(count[joint], frame, seen[joint])
+    return frame_time, np.where(count > 0, total / np.maximum(count, 1), np.nan)
+
+
+def read_marker_table(campaign: Campaign, trial: Trial) -> xr.Dataset:
+    """Read a trial's marker positions from a long table.
+
+    Returns
+    -------
+    Dataset
+        ``time (frame) [s]``, ``marker_position (frame, marker, axis) [px]`` in image coordinates
+        (y down), ``marker_position_sd (frame, marker) [px]``; NaN where a marker is not listed.
+
+    Raises
+    ------
+    TrialFault
+        Missing or unknown column, an unknown marker, one that appears twice at a time, times that
+        run backwards, or a link with fewer than two markers.
+    """
+    path = trial.recording
+    table = read_text_table(path)
+    check_columns(path, table, ["time_s", "marker", "x_px", "y_px"], ["sd_px"])
+    time = to_numbers(path, table, "time_s")
+    check_times(path, time)
+    name = table["marker"].str.strip()
+    names = _order_markers(path.name, name.unique().tolist(), campaign.finger.joints)
+    frame_time, frame = np.unique(time, return_inverse=True)
+    marker = name.map({n: k for k, n in enumerate(names)}).to_numpy()
+    _refuse_repeats(path.name, frame, marker, names, frame_time)
+    position = np.full((frame_time.size, len(names), 2), np.nan)
+    for axis, column in enumerate(("x_px", "y_px")):
+        values = to_numbers(path, table, column, missing_allowed=True)
+        if np.nanmax(np.abs(values), initial=0.0) > LARGEST_PIXEL:
+            raise TrialFault(
+                f"{path.name}, column '{column}': reaches {np.nanmax(np.abs(values)):g} px; "
+                f"expected less than {LARGEST_PIXEL:g} px"
+            )
+        position[frame, marker, axis] = values
+    sd = np.full((frame_time.size, len(names)), np.nan)
+    if "sd_px" in table.columns:
+        sd[frame, marker] = to_numbers(path, table, "sd_px", missing_allowed=True)
+        if np.nanmin(sd, initial=np.inf) <= 0.0:
+            raise TrialFault(f"{path.name}, column 'sd_px': holds {np.nanmin(sd):g}; expected > 0")
+    return xr.Dataset(
+        {
+            "time": ("frame", frame_time),
+            "marker_position": (("frame", "marker", "axis"), position),
+            "marker_position_sd": (("frame", "marker"), sd),
+        },
+        coords={"marker": names, "axis": ["x", "y"]},
+    )
+
+
+def _order_markers(file_name: str, found: list[str], joints: int) -> list[str]:
+    links = ["base", *(f"link_{i + 1}" for i in range(joints))]
+    unknown = [n for n in found if not MARKER_NAME.match(n) or n.rsplit("_", 1)[0] not in links]
+    if unknown:
+        raise TrialFault(
+            f"{file_name}, column 'marker': '{unknown[0]}' is unknown; a finger of {joints} "
+            f"joints has base_1, base_2, link_1_1, … link_{joints}_2"
+        )
+    ordered = sorted(
+        found, key=lambda n: (links.index(n.rsplit("_", 1)[0]), int(n.rsplit("_", 1)[1]))
+    )
+    for link in links:
+        count = sum(n.rsplit("_", 1)[0] == link for n in ordered)
+        if count < 2:
+            raise TrialFault(
+                f"{file_name}: {link} has {count} marker{'s' * (count != 1)}; its direction needs "
+                "at least two"
+            )
+    return ordered
+
+
+def _refuse_repeats(
+    file_name: str, frame: np.ndarray, marker: np.ndarray, names: list[str], time: np.ndarray
+) -> None:
+    cell = frame * len(names) + marker
+    order = np.argsort(cell, kind="stable")
+    repeated = np.flatnonzero(np.diff(cell[order]) == 0)
+    if repeated.size:
+        row = int(order[repeated[0] + 1])
+        raise TrialFault(
+            f"{file_name}, row {row + 2}: marker '{names[marker[row]]}' stands twice at "
+            f"{time[frame[row]]:g} s; each marker may stand once per time"
+        )
