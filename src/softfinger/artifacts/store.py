@@ -1,0 +1,148 @@
+"""Save and open artifacts. The only code that touches NetCDF."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+
+import xarray as xr
+
+from softfinger.artifacts.spec import ArtifactSpec, Variable, list_faults, list_tree_faults
+from softfinger.faults import ArtifactFault
+from softfinger.provenance import Provenance
+
+ENGINE = "h5netcdf"
+COMPRESSION = {"zlib": True, "complevel": 4, "shuffle": True}
+
+
+@contextmanager
+def write_atomically(path: Path | str) -> Iterator[Path]:
+    """Give a temporary name beside ``path`` that replaces it only when all went well."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f".{path.stem}.{os.getpid()}.partial{path.suffix}")
+    try:
+        yield temporary
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def save_artifact(
+    dataset: xr.Dataset, spec: ArtifactSpec, path: Path | str, provenance: Provenance
+) -> None:
+    """Validate a dataset, stamp units, meaning and provenance on it, and write it whole or not.
+
+    Units are set from the spec, never trusted from the arrays: arithmetic carries them on wrongly.
+
+    Raises
+    ------
+    ArtifactFault
+        The dataset is not what the spec declares; all faults are listed.
+    """
+    _refuse(str(path), list_faults(spec, dataset))
+    declared = {**spec.variables, **spec.coords}
+    stamped = _stamp(dataset, declared)
+    stamped.attrs = {key: dataset.attrs[key] for key in spec.attrs} | _root_attrs(spec, provenance)
+    encoding = {
+        name: COMPRESSION if declared[name].compress else {}
+        for name in stamped.variables
+        if declared[name].kind != "text"
+    }
+    with write_atomically(path) as temporary:
+        stamped.to_netcdf(temporary, engine=ENGINE, encoding=encoding)
+
+
+def save_tree(
+    tree: xr.DataTree, spec: ArtifactSpec, path: Path | str, provenance: Provenance
+) -> None:
+    """Validate and write a tree of ArviZ groups, as :func:`save_artifact` does for a dataset.
+
+    Raises
+    ------
+    ArtifactFault
+        A declared group or variable is missing or wrong; all faults are listed.
+    """
+    _refuse(str(path), list_tree_faults(spec, tree))
+    stamped = tree.map_over_datasets(_drop_machine_attrs)
+    for group, variables in spec.groups.items():
+        stamped[group].dataset = _stamp(stamped[group].to_dataset(), variables)
+    stamped.attrs = {key: tree.attrs[key] for key in spec.attrs} | _root_attrs(spec, provenance)
+    with write_atomically(path) as temporary:
+        stamped.to_netcdf(temporary, engine=ENGINE)
+
+
+def open_artifact(path: Path | str, spec: ArtifactSpec) -> xr.Dataset:
+    """Load an artifact into memory.
+
+    Raises
+    ------
+    ArtifactFault
+        The file is missing, damaged, or not this artifact; all faults are listed.
+    """
+    dataset = _load(Path(path), xr.load_dataset)
+    _refuse(str(path), [*_list_schema_faults(spec, dataset.attrs), *list_faults(spec, dataset)])
+    return dataset
+
+
+def open_tree(path: Path | str, spec: ArtifactSpec) -> xr.DataTree:
+    """Load a tree of groups into memory.
+
+    Raises
+    ------
+    ArtifactFault
+        As :func:`open_artifact`.
+    """
+    tree = _load(Path(path), xr.load_datatree)
+    _refuse(str(path), [*_list_schema_faults(spec, tree.attrs), *list_tree_faults(spec, tree)])
+    return tree
+
+
+def _load[Content](path: Path, load: Callable[..., Content]) -> Content:
+    if not path.is_file():
+        raise ArtifactFault(str(path), ["the file does not exist; run the rule that makes it"])
+    try:
+        return load(path, engine=ENGINE)
+    except (OSError, ValueError, KeyError, RuntimeError) as error:
+        reason = " ".join(str(error).split())
+        message = f"it is no whole NetCDF file ({reason}); delete it and make it again"
+        raise ArtifactFault(str(path), [message]) from None
+
+
+def _list_schema_faults(spec: ArtifactSpec, attrs: Mapping) -> list[str]:
+    faults = []
+    if attrs.get("schema") != spec.name:
+        faults.append(f"attribute 'schema' is {attrs.get('schema')!r}; expected '{spec.name}'")
+    if attrs.get("schema_version") != spec.version:
+        found = attrs.get("schema_version")
+        faults.append(f"attribute 'schema_version' is {found}; this program reads {spec.version}")
+    return faults
+
+
+def _refuse(place: str, faults: list[str]) -> None:
+    if faults:
+        raise ArtifactFault(place, faults)
+
+
+def _stamp(dataset: xr.Dataset, declared: Mapping[str, Variable]) -> xr.Dataset:
+    stamped = dataset.copy()
+    for name in stamped.variables:
+        stamped[name].encoding = {}
+        if name in declared:
+            variable = declared[str(name)]
+            stamped[name].attrs = {"units": variable.units, "long_name": variable.long_name}
+    return stamped
+
+
+def _root_attrs(spec: ArtifactSpec, provenance: Provenance) -> dict[str, str | int]:
+    schema = {"title": spec.title, "schema": spec.name, "schema_version": spec.version}
+    return schema | provenance.to_attrs()
+
+
+def _drop_machine_attrs(dataset: xr.Dataset) -> xr.Dataset:
+    # ArviZ and the samplers note clocks, durations and versions: not ours to keep.
+    clean = dataset.copy()
+    clean.attrs = {}
+    return clean
