@@ -90,6 +90,8 @@ def find_modules(module: str) -> list[Path]:
 
     Files that are no Python (templates, styles) count with the modules beside them.
     """
+    if _locate(module) is None:
+        raise ModuleNotFoundError(f"no module '{module}' in {PACKAGE}")
     found: set[Path] = set()
     waiting = [module]
     while waiting:
@@ -175,3 +177,14 @@ def _hash_files(files: Path | str | Sequence[Path | str]) -> str:
         with Path(files).open("rb") as stream:
             return hashlib.file_digest(stream, "sha256").hexdigest()
     return _hash_text("".join(_hash_files(file) for file in files))
+
+
+def derive_seed(seed: int, stage: str) -> int:
+    """Seed of a stage's own random stream, from the root seed and the stage's name.
+
+    Examples
+    --------
+    >>> derive_seed(1, "fit") != derive_seed(1, "track")
+    True
+    """
+    return int(_hash_text(f"{seed} {stage}")[:15], 16)

@@ -1,0 +1,17 @@
+rule angles:
+    input:
+        tables=TABLES + RECORDED_TABLES,
+        markers=expand(OUT / "markers/{batch}.nc", batch=BATCHES),
+    output:
+        angles=OUT / "angles.nc",
+    params:
+        folder=CAMPAIGN,
+        config=config["tracking"],
+        seed=config["seed"],
+        code=code_hash("angles"),
+    log:
+        OUT / "logs/angles.log",
+    message:
+        "Turn marker positions and angle tables into joint angles and loads"
+    script:
+        "../scripts/angles.py"

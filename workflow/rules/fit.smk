@@ -1,0 +1,34 @@
+rule least_squares:
+    input:
+        angles=OUT / "angles.nc",
+    output:
+        least_squares=OUT / "least_squares.nc",
+    params:
+        config=config["estimation"],
+        seed=config["seed"],
+        code=code_hash("least_squares"),
+    log:
+        OUT / "logs/least_squares.log",
+    message:
+        "Fit each trial by least squares, the paper's way"
+    script:
+        "../scripts/least_squares.py"
+
+
+rule fit:
+    input:
+        angles=OUT / "angles.nc",
+    output:
+        posterior=OUT / "posterior.nc",
+        sampling=OUT / "sampling.nc",
+    params:
+        config=config["estimation"],
+        seed=config["seed"],
+        code=code_hash("fit"),
+    log:
+        OUT / "logs/fit.log",
+    threads: 2
+    message:
+        "Sample the hierarchical posterior"
+    script:
+        "../scripts/fit.py"

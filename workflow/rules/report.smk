@@ -1,0 +1,33 @@
+ARTIFACTS = ["angles", "least_squares", "posterior", "sampling", "bands", "densities", "sobol"]
+
+
+rule report:
+    input:
+        **{name: OUT / f"{name}.nc" for name in ARTIFACTS},
+    output:
+        report=report(OUT / "report.html", caption="../report/report.rst"),
+    params:
+        config=config,
+        code=code_hash("report"),
+    log:
+        OUT / "logs/report.log",
+    message:
+        "Write the report"
+    script:
+        "../scripts/report.py"
+
+
+rule check_artifacts:
+    input:
+        artifacts=[OUT / f"{name}.nc" for name in ARTIFACTS],
+        markers=expand(OUT / "markers/{batch}.nc", batch=BATCHES),
+    output:
+        receipt=OUT / "receipt.csv",
+    params:
+        code=code_hash("check_artifacts"),
+    log:
+        OUT / "logs/check_artifacts.log",
+    message:
+        "Check every artifact against its declaration"
+    script:
+        "../scripts/check_artifacts.py"

@@ -1,0 +1,39 @@
+# The instrument simulator: only run when the config names no campaign folder.
+if SIMULATED:
+
+    rule virtual_rig:
+        output:
+            truth=OUT / "truth.nc",
+            folder_files=TABLES + RECORDED_TABLES,
+        params:
+            folder=CAMPAIGN,
+            config=config["virtual_rig"],
+            seed=config["seed"],
+            code=code_hash("virtual_rig"),
+        log:
+            OUT / "logs/virtual_rig.log",
+        message:
+            "Draw a finger's trials and move it by the full equations of motion"
+        script:
+            "../scripts/virtual_rig.py"
+
+    for batch, names in BATCHES.items():
+
+        rule:
+            name:
+                f"film_{batch}"
+            input:
+                truth=OUT / "truth.nc",
+            output:
+                videos=[VIDEOS[name] for name in names],
+            params:
+                trials=names,
+                config=config["virtual_rig"],
+                seed=config["seed"],
+                code=code_hash("film"),
+            log:
+                OUT / f"logs/film_{batch}.log",
+            message:
+                f"Film {len(names)} trials, from {names[0]}"
+            script:
+                "../scripts/film.py"

@@ -1,0 +1,4 @@
+from softfinger.stages.angles import angles
+from softfinger.stages.glue import run_stage
+
+run_stage(angles, snakemake)

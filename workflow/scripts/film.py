@@ -1,0 +1,4 @@
+from softfinger.stages.film import film
+from softfinger.stages.glue import run_stage
+
+run_stage(film, snakemake)

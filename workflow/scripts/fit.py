@@ -1,0 +1,4 @@
+from softfinger.stages.fit import fit
+from softfinger.stages.glue import run_stage
+
+run_stage(fit, snakemake)

@@ -1,0 +1,4 @@
+from softfinger.stages.propagate import propagate
+from softfinger.stages.glue import run_stage
+
+run_stage(propagate, snakemake)

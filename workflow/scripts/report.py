@@ -1,0 +1,4 @@
+from softfinger.stages.report import report
+from softfinger.stages.glue import run_stage
+
+run_stage(report, snakemake)
