@@ -2,9 +2,9 @@
 
 Noise of joint j is a stationary Ornstein–Uhlenbeck process seen at the frames: sd σ_j and
 correlation ρ_j^(Δt/median interval) across Δt. In quiet zones, away from changes of load, every
-motion of the finger is smooth: a cubic in time follows it over a window of at most 100 frames.
-What the cubic leaves is noise, and the restricted likelihood (REML) of the window takes account of
-the noise that the cubic swallowed:
+motion of the finger is smooth: a quartic in time follows it over a window of at most 200 frames.
+What the quartic leaves is noise, and the restricted likelihood (REML) of the window takes account of
+the noise that the quartic swallowed:
 
     −2 log L(σ, ρ) = (n − p) log σ² + log|R| + log|XᵀR⁻¹X| + yᵀ(R⁻¹ − R⁻¹X(XᵀR⁻¹X)⁻¹XᵀR⁻¹)y / σ²
 
@@ -23,9 +23,9 @@ from scipy.optimize import minimize_scalar
 
 from softfinger.population.frames import select_frames
 
-WINDOW_FRAMES = 100
+WINDOW_FRAMES = 200
 LEAST_WINDOW_FRAMES = 25
-DEGREE = 3
+DEGREE = 4
 SHARE_UNSETTLED = 0.2  # of the time between two changes of load, counted from the first
 
 
@@ -172,7 +172,7 @@ def _profile_windows(
 
 
 class _Windows(NamedTuple):
-    """Quiet windows of one joint, end to end: rows (n, DEGREE + 2) hold the cubic and the angle."""
+    """Quiet windows of one joint, end to end: rows (n, DEGREE + 2) hold the powers and the angle."""
 
     rows: NDArray
     gap: NDArray
