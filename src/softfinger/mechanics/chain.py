@@ -1,0 +1,170 @@
+"""The chain of N links in a plane: M(q) q̈ + h(q, q̇), from the Lagrangian, once for any N.
+
+    L = Σ_i ½ m_i |v_i|² + ½ I_i θ̇_i²,   θ_i = Σ_{j≤i} q_j   (absolute direction of link i)
+
+In the directions θ the kinetic energy is ½ Σ_jk a_jk cos(θ_j − θ_k) θ̇_j θ̇_k with constants
+
+    a_jk = Σ_i m_i b_ij b_ik + δ_jk I_j,   b_ij = link_length_j (j < i) or link_centre_i (j = i),
+
+so that Lagrange's equations read Σ_k a_jk [cos(θ_j − θ_k) θ̈_k + sin(θ_j − θ_k) θ̇_k²] = Q_j, and
+a sum from each joint to the tip, over rows and columns, takes them to the joint angles q. The
+finger moves in the horizontal plane: no gravity.
+"""
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike, NDArray
+
+from softfinger.mechanics.geometry import FingerGeometry
+
+
+def compute_inertia_coefficients(geometry: FingerGeometry) -> NDArray[np.float64]:
+    """Compute the constants a_jk (joint, joint) [kg m²] of the kinetic energy.
+
+    >>> rod = FingerGeometry.uniform([1.0], [3.0], 0.008, 0.005)
+    >>> compute_inertia_coefficients(rod)  # m l²/3 about its end
+    array([[1.]])
+    """
+    reach = np.tril(np.broadcast_to(geometry.link_length, (geometry.joints,) * 2), -1)
+    reach = reach + np.diag(geometry.link_centre)
+    return np.einsum("i,ij,ik->jk", geometry.link_mass, reach, reach) + np.diag(
+        geometry.link_inertia
+    )
+
+
+def compute_inertia_matrix_array(
+    joint_angle: ArrayLike, coefficients: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Compute M(q).
+
+    Parameters
+    ----------
+    joint_angle
+        (…, joint) [rad].
+    coefficients
+        (joint, joint) [kg m²] of `compute_inertia_coefficients`.
+
+    Returns
+    -------
+    (…, joint, joint) [kg m²], symmetric, positive definite.
+    """
+    return _evaluate(joint_angle, np.zeros_like(joint_angle, dtype=float), coefficients)[0]
+
+
+def compute_nonlinear_term_array(
+    joint_angle: ArrayLike, joint_velocity: ArrayLike, coefficients: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Compute h(q, q̇), the Coriolis and centrifugal torques.
+
+    Parameters
+    ----------
+    joint_angle, joint_velocity
+        (…, joint) [rad], [rad/s].
+    coefficients
+        (joint, joint) [kg m²] of `compute_inertia_coefficients`.
+
+    Returns
+    -------
+    (…, joint) [N m].
+    """
+    return _evaluate(joint_angle, joint_velocity, coefficients)[1]
+
+
+def _evaluate(
+    joint_angle: ArrayLike, joint_velocity: ArrayLike, coefficients: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    angle, velocity = np.broadcast_arrays(
+        np.asarray(joint_angle, float), np.asarray(joint_velocity, float)
+    )
+    joints = angle.shape[-1]
+    matrix, term = _fill_rows(
+        np.ascontiguousarray(angle).reshape(-1, joints),
+        np.ascontiguousarray(velocity).reshape(-1, joints),
+        coefficients,
+    )
+    return matrix.reshape(*angle.shape, joints), term.reshape(angle.shape)
+
+
+@njit(cache=True)
+def _fill_rows(angle: NDArray, velocity: NDArray, coefficients: NDArray) -> tuple[NDArray, NDArray]:
+    rows, joints = angle.shape
+    matrix, term = np.empty((rows, joints, joints)), np.empty((rows, joints))
+    for row in range(rows):
+        fill_inertia_and_nonlinear_term(
+            angle[row], velocity[row], coefficients, matrix[row], term[row]
+        )
+    return matrix, term
+
+
+@njit(cache=True)
+def fill_inertia_and_nonlinear_term(
+    angle: NDArray, velocity: NDArray, coefficients: NDArray, matrix: NDArray, term: NDArray
+) -> None:
+    """Write M(q) into `matrix` (joint, joint) and h(q, q̇) into `term` (joint,)."""
+    n = angle.size
+    for j in range(n):
+        matrix[j, j] = coefficients[j, j]
+        term[j] = 0.0
+    spin_j = 0.0
+    for j in range(n):
+        spin_j += velocity[j]
+        relative, spin_k = 0.0, spin_j
+        for k in range(j + 1, n):
+            relative += angle[k]  # θ_k − θ_j
+            spin_k += velocity[k]
+            cosine, sine = np.cos(relative), np.sin(relative)
+            matrix[j, k] = matrix[k, j] = coefficients[j, k] * cosine
+            pull = coefficients[j, k] * sine
+            term[j] -= pull * spin_k * spin_k
+            term[k] += pull * spin_j * spin_j
+    sum_to_tip(matrix)
+    for j in range(n - 2, -1, -1):
+        term[j] += term[j + 1]
+
+
+@njit(cache=True)
+def fill_slopes(
+    angle: NDArray,
+    velocity: NDArray,
+    acceleration: NDArray,
+    coefficients: NDArray,
+    by_angle: NDArray,
+    by_velocity: NDArray,
+) -> None:
+    """Write ∂(M q̈ + h)/∂q and ∂h/∂q̇ (joint, joint) at fixed acceleration."""
+    n = angle.size
+    by_angle[:] = 0.0
+    by_velocity[:] = 0.0
+    spin_j, turn_j = 0.0, 0.0
+    for j in range(n):
+        spin_j += velocity[j]
+        turn_j += acceleration[j]
+        relative, spin_k, turn_k = 0.0, spin_j, turn_j
+        for k in range(j + 1, n):
+            relative += angle[k]
+            spin_k += velocity[k]
+            turn_k += acceleration[k]
+            level = coefficients[j, k] * np.cos(relative)
+            pull = coefficients[j, k] * np.sin(relative)
+            to_k = -pull * turn_k - level * spin_k * spin_k  # row j by θ_k
+            to_j = pull * turn_j - level * spin_j * spin_j  # row k by θ_j
+            by_angle[j, k] += to_k
+            by_angle[j, j] -= to_k
+            by_angle[k, j] += to_j
+            by_angle[k, k] -= to_j
+            by_velocity[j, k] = -2.0 * pull * spin_k
+            by_velocity[k, j] = 2.0 * pull * spin_j
+    sum_to_tip(by_angle)
+    sum_to_tip(by_velocity)
+
+
+@njit(cache=True)
+def sum_to_tip(matrix: NDArray) -> None:
+    """Replace each entry by the sum of those from its row and column on, in place."""
+    n = matrix.shape[0]
+    for j in range(n - 2, -1, -1):
+        for k in range(n):
+            matrix[j, k] += matrix[j + 1, k]
+    for j in range(n):
+        for k in range(n - 2, -1, -1):
+            matrix[j, k] += matrix[j, k + 1]
