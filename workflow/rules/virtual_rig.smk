@@ -4,7 +4,7 @@ if SIMULATED:
     rule virtual_rig:
         output:
             truth=OUT / "truth.nc",
-            folder_files=TABLES + RECORDED_TABLES,
+            tables=TABLES + RECORDED_TABLES,
         params:
             folder=CAMPAIGN,
             config=config["virtual_rig"],
@@ -27,7 +27,6 @@ if SIMULATED:
             output:
                 videos=[VIDEOS[name] for name in names],
             params:
-                trials=names,
                 config=config["virtual_rig"],
                 seed=config["seed"],
                 code=code_hash("film"),

@@ -1,0 +1,1 @@
+"""Speed and accuracy beside rivals, each as a figure of one run."""

@@ -1,0 +1,21 @@
+"""Rule `virtual_rig`: draw a finger, move it, write its campaign folder but for the videos."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from softfinger.artifacts import save_artifact
+from softfinger.artifacts.specs.truth import SPEC
+from softfinger.provenance import derive_seed, describe_run
+from softfinger.virtual_rig.campaign_folder import write_campaign_folder
+from softfinger.virtual_rig.motion import draw_motion
+
+
+def virtual_rig(*, truth: Path, folder: Path, config: Mapping[str, Any], seed: int) -> None:
+    """Write a synthetic campaign to ``folder``, and beside it what is true of it."""
+    stream = derive_seed(seed, "virtual_rig")
+    motion = draw_motion(dict(config), stream)
+    write_campaign_folder(motion, dict(config), Path(folder), stream)
+    save_artifact(motion, SPEC, truth, describe_run("virtual_rig", {}, config, seed))
