@@ -1,0 +1,76 @@
+"""The knobs of the virtual rig, each with its unit in its name."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from softfinger.faults import ListedFault
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+N_JOINTS = 3  # the paper's table has three
+
+
+class VirtualRigConfig(BaseModel):
+    """Every knob of the virtual rig; an unknown or missing key is a fault."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    n_trials: Annotated[int, Field(ge=1)]
+    level: Literal["video", "angles"]
+    duration_s: Positive
+    fps: Positive
+    load_time_s: Annotated[list[float], Field(min_length=1)]
+    load_tension_n: Annotated[list[NotNegative], Field(min_length=1)]
+    wire_geometry: Literal["constant_arm", "paper"]
+    link_length_m: Annotated[list[Positive], Field(min_length=N_JOINTS, max_length=N_JOINTS)]
+    link_mass_kg: Annotated[list[Positive], Field(min_length=N_JOINTS, max_length=N_JOINTS)]
+    joint_length_m: Positive
+    wire_offset_m: Positive
+    trial_interval_s: Positive
+    metres_per_pixel: Positive
+    marker_diameter_m: Positive
+    marker_contrast_grey: Annotated[float, Field(gt=0, le=190)]
+    blur_px: Annotated[float, Field(ge=0.3, le=5)]  # sharper discs would need finer area sampling
+    light_unevenness: Annotated[float, Field(ge=0, lt=1)]
+    camera_noise_grey: NotNegative
+    video_quality: Annotated[int, Field(ge=1, le=100)]
+    angle_noise_sd_rad: NotNegative
+    angle_noise_autocorrelation: Annotated[float, Field(gt=-1, lt=1)]
+
+    @model_validator(mode="after")
+    def _check_load(self) -> Self:
+        if len(self.load_time_s) != len(self.load_tension_n):
+            raise ValueError(
+                f"load_time_s has {len(self.load_time_s)} values but load_tension_n "
+                f"{len(self.load_tension_n)}; give one tension per time"
+            )
+        if sorted(self.load_time_s) != self.load_time_s:
+            raise ValueError("load_time_s runs backwards; give times that never decrease")
+        return self
+
+    @property
+    def n_frames(self) -> int:
+        """Frames per trial; the first is taken at time 0."""
+        return max(1, round(self.duration_s * self.fps))
+
+
+def read_config(config: dict) -> VirtualRigConfig:
+    """Validate the virtual rig's block of the configuration.
+
+    Raises
+    ------
+    ListedFault
+        Lists every key that is unknown, missing or out of range.
+    """
+    try:
+        return VirtualRigConfig.model_validate(config)
+    except ValidationError as error:
+        faults = [
+            ".".join(map(str, fault["loc"]))
+            + ": " * bool(fault["loc"])
+            + fault["msg"].removeprefix("Value error, ")
+            + (f", got {fault['input']!r}" if fault["type"] != "missing" and fault["loc"] else "")
+            for fault in error.errors()
+        ]
+        raise ListedFault("the virtual rig's configuration", faults) from None

@@ -1,0 +1,48 @@
+"""True motion: every trial's finger pulled by the same load, inertia included."""
+
+import numpy as np
+import xarray as xr
+
+from softfinger.mechanics.dynamics import simulate_full_dynamics
+from softfinger.mechanics.geometry import FingerGeometry
+from softfinger.virtual_rig.config import read_config
+from softfinger.virtual_rig.population import draw_parameters
+
+
+def draw_motion(config: dict, seed: int) -> xr.Dataset:
+    """Draw every trial's parameters and simulate its motion with the full equations of motion.
+
+    Parameters
+    ----------
+    config
+        The virtual rig's block of the configuration.
+    seed
+        Root of the trials' streams; trial k is the same however many trials follow.
+
+    Returns
+    -------
+    Dataset
+        The truth: k_v [N m/rad], c_v, c_p [N m s/rad], q_ini [rad] (trial, joint); joint_angle
+        (trial, joint, frame) [rad], with time (frame) [s]; load_time [s], load_tension [N] (knot);
+        population_mean, population_sd (joint, parameter), of the logarithm except for q_ini.
+    """
+    rig = read_config(config)
+    drawn = draw_parameters(rig.n_trials, seed)
+    time = np.arange(rig.n_frames) / rig.fps
+    load_time, load_tension = np.array(rig.load_time_s), np.array(rig.load_tension_n)
+    geometry = FingerGeometry.uniform(
+        rig.link_length_m, rig.link_mass_kg, rig.joint_length_m, rig.wire_offset_m
+    )
+    motion = simulate_full_dynamics(
+        drawn[["k_v", "c_v", "c_p", "q_ini"]],
+        geometry,
+        time,
+        load_time,
+        load_tension,
+        rig.wire_geometry,
+    )
+    return drawn.assign(
+        joint_angle=motion.joint_angle,
+        load_time=("knot", load_time),
+        load_tension=("knot", load_tension),
+    )
