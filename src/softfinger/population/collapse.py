@@ -1,0 +1,123 @@
+"""Every trial reduced, once and exactly, to small matrices that its likelihood is computed from.
+
+With the basis U of `basis`, the residual of joint j at frame i is linear in known rows,
+
+    r_j(i) = w_jᵀ ψ(i),   ψ = [U_1 … U_M, ∫u, 1, y_1 … y_J] / scale,
+    w_j = [c(x_j) / k_v, 1 / c_p, q_ini, −1 at y_j]
+
+and AR(1) noise, correlated between joints, needs only the sums of products of neighbouring rows
+
+    N = Σ_g ψ(i) ψ(i)ᵀ,   B = Σ_g ψ(i−1) ψ(i−1)ᵀ,   X = Σ_g ψ(i−1) ψ(i)ᵀ
+
+per gap g, and the first row. ρ, σ and the joints' correlation stay free.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from softfinger.mechanics.load import integrate_load_array
+from softfinger.population.basis import (
+    ElasticTable,
+    Protocol,
+    build_elastic_modes,
+    build_elastic_table,
+)
+from softfinger.population.gaps import place_gap_nodes_array, spread_gaps_array
+
+
+class Collapse(NamedTuple):
+    """What is left of a campaign's frames; D = modes + 2 + joints, node = a gap between frames."""
+
+    table: ElasticTable
+    gap: NDArray[np.float64]  # (node,) in median frame intervals
+    products: NDArray[np.float64]  # (trial, node, 3, D, D): N, B, X
+    first: NDArray[np.float64]  # (trial, D): the first used row
+    count: NDArray[np.float64]  # (trial, node): pairs of frames
+    log_scale: NDArray[np.float64]  # (trial,): Σ log frame_scale, of one joint
+    present: NDArray[np.bool_]  # (trial, joint)
+
+
+def collapse_angles(angles: xr.Dataset, frames: xr.Dataset) -> Collapse:
+    """Reduce every trial to the matrices of its likelihood.
+
+    Parameters
+    ----------
+    angles
+        The `angles` artifact.
+    frames
+        What `select_frames` says of it.
+    """
+    series = [_gather_trial(angles, frames, i) for i in range(angles.sizes["trial"])]
+    protocols = {_fingerprint(s.protocol): s.protocol for s in series if len(s.angle)}
+    table = build_elastic_table(list(protocols.values()))
+    modes = {key: build_elastic_modes(table, value) for key, value in protocols.items()}
+    gaps = [np.diff(s.protocol[0][s.kept]) / float(frames["frame_interval"]) for s in series]
+    nodes = place_gap_nodes_array(np.concatenate(gaps))
+    size = table.value.shape[1] + 2 + angles.sizes["joint"]
+    n = len(series)
+    products, first = np.zeros((n, len(nodes), 3, size, size)), np.zeros((n, size))
+    count = np.zeros((n, len(nodes)))
+    for i, (trial, gap) in enumerate(zip(series, gaps, strict=True)):
+        if len(trial.angle) == 0:
+            continue
+        rows = _build_rows(trial, modes[_fingerprint(trial.protocol)])
+        weights = spread_gaps_array(gap, nodes)
+        first[i], count[i] = rows[0], weights.sum(axis=0)
+        products[i] = _sum_products(rows, weights)
+    log_scale = np.array([np.log(s.scale).sum() for s in series])
+    present = frames["present"].transpose("trial", "joint").values
+    return Collapse(table, nodes, products, first, count, log_scale, present)
+
+
+class _Series(NamedTuple):
+    """One trial: its protocol at all its times, the frames kept of it, and what they show."""
+
+    protocol: Protocol
+    kept: NDArray
+    angle: NDArray  # (kept, joint), 0 where the joint is not present
+    scale: NDArray  # (kept,)
+
+
+def _gather_trial(angles: xr.Dataset, frames: xr.Dataset, trial: int) -> _Series:
+    time = angles["time"].transpose("trial", "frame").values[trial]
+    used = frames["used"].values[trial]
+    load = [angles[name].transpose("trial", "knot").values[trial] for name in _LOAD]
+    angle = angles["joint_angle"].transpose("trial", "frame", "joint").values[trial]
+    angle = np.where(frames["present"].values[trial], angle, 0.0)
+    usable = _find_increasing(time, used)
+    protocol = (time[usable], load[0], load[1])
+    return _Series(protocol, used[usable], angle[used], frames["frame_scale"].values[trial][used])
+
+
+_LOAD = ("load_time", "load_torque")
+
+
+def _find_increasing(time: NDArray, used: NDArray) -> NDArray[np.bool_]:
+    """All frames with a time where they increase, so that equal clocks share one basis."""
+    known = np.isfinite(time)
+    return known if (np.diff(time[known]) > 0).all() else used
+
+
+def _fingerprint(protocol: Protocol) -> bytes:
+    return b"".join(part.tobytes() for part in protocol)
+
+
+def _build_rows(trial: _Series, modes: NDArray) -> NDArray:
+    integral = integrate_load_array(*trial.protocol)
+    rows = [modes[:, trial.kept], integral[trial.kept][None], np.ones((1, len(trial.angle)))]
+    return (np.concatenate([*rows, trial.angle.T]) / trial.scale).T
+
+
+def _sum_products(rows: NDArray, weights: NDArray) -> NDArray:
+    before, now = rows[:-1], rows[1:]
+    products = np.empty((weights.shape[1], 3, rows.shape[1], rows.shape[1]))
+    for node, weight in enumerate(weights.T):
+        some = weight != 0
+        heavy, lag, weighted = now[some], before[some], weight[some, None]
+        products[node, 0] = heavy.T @ (weighted * heavy)
+        products[node, 1] = lag.T @ (weighted * lag)
+        products[node, 2] = lag.T @ (weighted * heavy)
+    return products
