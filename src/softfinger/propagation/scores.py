@@ -1,0 +1,160 @@
+"""How well predicted distributions of a new trial agree with recordings: coverage and CRPS.
+
+References
+----------
+Gneiting, Raftery (2007), J. Am. Stat. Assoc. 102, 359, doi:10.1198/016214506000001437.
+"""
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+CI_PROBS = (0.5, 0.9)
+WINDOWS = {"whole": np.inf, "first_second": 1.0}  # up to this time [s]
+
+
+def compute_coverage_array(
+    observed: NDArray[np.float64], lower: NDArray[np.float64], upper: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Compute the share of observations (…, n) inside bounds; NaN observations do not count.
+
+    >>> compute_coverage_array(np.array([0.0, 2.0, np.nan]), np.full(3, -1.0), np.full(3, 1.0))
+    array(0.5)
+    """
+    seen = np.isfinite(observed)
+    inside = seen & (observed >= lower) & (observed <= upper)
+    count = seen.sum(axis=-1)
+    return np.where(count > 0, inside.sum(axis=-1) / np.maximum(count, 1), np.nan)
+
+
+def compute_crps_array(observed: ArrayLike, predicted: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Compute the continuous ranked probability score of observations (…) [rad].
+
+    Parameters
+    ----------
+    observed
+        (…) [rad]; NaN gives NaN.
+    predicted
+        (m, …) [rad]: m equally probable values in rising order, best quantiles at (i + ½)/m.
+
+    Returns
+    -------
+    (…) [rad]: (2/m) Σ (1{y < x_i} − (i + ½)/m) (x_i − y), which for one value is |y − x|.
+
+    Examples
+    --------
+    >>> compute_crps_array(1.0, np.array([0.0, 2.0]))
+    np.float64(0.5)
+    """
+    observed = np.asarray(observed, float)
+    m = len(predicted)
+    level = ((np.arange(m) + 0.5) / m).reshape(-1, *[1] * observed.ndim)
+    loss = ((observed < predicted) - level) * (predicted - observed)
+    return 2 * loss.mean(axis=0)
+
+
+def bootstrap_mean_array(
+    values: NDArray[np.float64], probability: float, rng: np.random.Generator, n: int = 2000
+) -> NDArray[np.float64]:
+    """Bootstrap the mean over trials: equal-tailed bounds (2, …) of values (trial, …).
+
+    A NaN value leaves its trial out of that mean. With fewer than two trials the bounds are NaN.
+
+    >>> bootstrap_mean_array(np.ones((4, 1)), 0.9, np.random.default_rng(1))
+    array([[1.],
+           [1.]])
+    """
+    if len(values) < 2:
+        return np.full((2, *values.shape[1:]), np.nan)
+    weight = rng.multinomial(len(values), np.full(len(values), 1 / len(values)), size=n)
+    seen = np.isfinite(values)
+    total = np.tensordot(weight, np.where(seen, values, 0.0), axes=1)
+    count = np.tensordot(weight, seen, axes=1)
+    mean = np.where(count > 0, total / np.maximum(count, 1), np.nan)
+    tail = (1 - probability) / 2
+    unknown = ~seen.any(axis=0)
+    mean[:, unknown] = 0.0
+    bounds = np.nanquantile(mean, [tail, 1 - tail], axis=0)
+    bounds[:, unknown] = np.nan
+    return bounds
+
+
+def score_recordings(
+    time: NDArray[np.float64],
+    angle: NDArray[np.float64],
+    grid: NDArray[np.float64],
+    predicted: xr.Dataset,
+    rng: np.random.Generator,
+) -> xr.Dataset:
+    """Score predictions of a protocol against its recordings, frame by frame, averaged per trial.
+
+    Parameters
+    ----------
+    time, angle
+        (trial, frame) [s], (trial, joint, frame) [rad], NaN = missing.
+    grid
+        (time,) [s] of the predictions, which are interpolated to the frames.
+    predicted
+        predicted_quantile (joint, time, quantile) and predicted_level (joint, time, level) [rad].
+
+    Returns
+    -------
+    Dataset
+        coverage (window, joint, ci_prob), means over trials, coverage_bound (…, bound) of 90 % by
+        bootstrap over trials, crps (window, joint) [rad]. NaN where nothing was recorded.
+    """
+    bands = predicted["predicted_quantile"]
+    edges = [[(1 - p) / 2, (1 + p) / 2] for p in CI_PROBS]
+    bands = bands.sel(quantile=np.ravel(edges), method="nearest", tolerance=1e-9)
+    both = np.concatenate([bands.to_numpy(), predicted["predicted_level"].to_numpy()], axis=2)
+    per_trial = [
+        _score_trial(t, a, _interpolate(both, grid, t)) for t, a in zip(time, angle, strict=True)
+    ]
+    coverage, crps = (np.stack(values) for values in zip(*per_trial, strict=True))
+    dims = ("window", "joint", "ci_prob")
+    bound = np.moveaxis(bootstrap_mean_array(coverage, 0.9, rng), 0, -1)
+    return xr.Dataset(
+        {
+            "coverage": (dims, mean_over_trials(coverage)),
+            "coverage_bound": ((*dims, "bound"), bound),
+            "crps": (dims[:2], mean_over_trials(crps)),
+        },
+        coords={"window": list(WINDOWS), "ci_prob": list(CI_PROBS), "bound": ["lower", "upper"]},
+    )
+
+
+def mean_over_trials(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Mean over the first axis of what is known; NaN where nothing is.
+
+    >>> mean_over_trials(np.array([[1.0, np.nan], [np.nan, np.nan]]))
+    array([ 1., nan])
+    """
+    seen = np.isfinite(values)
+    count = seen.sum(axis=0)
+    total = np.where(seen, values, 0.0).sum(axis=0)
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+
+
+def _score_trial(time: NDArray, angle: NDArray, predicted: NDArray) -> tuple[NDArray, NDArray]:
+    """Coverage (window, joint, ci_prob) and CRPS (window, joint) of one trial."""
+    n_edges = 2 * len(CI_PROBS)
+    crps = compute_crps_array(angle, np.moveaxis(predicted[..., n_edges:], -1, 0))
+    coverage = np.empty((len(WINDOWS), len(angle), len(CI_PROBS)))
+    score = np.empty(coverage.shape[:2])
+    for w, end in enumerate(WINDOWS.values()):
+        within = np.where(time <= end, angle, np.nan)
+        for p in range(len(CI_PROBS)):
+            lower, upper = predicted[..., 2 * p], predicted[..., 2 * p + 1]
+            known = np.where(np.isfinite(lower), within, np.nan)
+            coverage[w, :, p] = compute_coverage_array(known, lower, upper)
+        score[w] = mean_over_trials(np.where(np.isfinite(within), crps, np.nan).T)
+    return coverage, score
+
+
+def _interpolate(values: NDArray, grid: NDArray, time: NDArray) -> NDArray:
+    """Values (joint, time, m) at frames: (joint, frame, m), NaN outside the grid."""
+    known = np.where(np.isfinite(time), time, 0.0)
+    after = np.clip(np.searchsorted(grid, known, side="left"), 1, grid.size - 1)
+    share = (known - grid[after - 1]) / (grid[after] - grid[after - 1])
+    share = np.where((share < 0) | (share > 1 + 1e-9) | np.isnan(time), np.nan, share)[:, None]
+    return values[:, after - 1] * (1 - share) + values[:, after] * share
