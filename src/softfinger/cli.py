@@ -15,7 +15,7 @@ from softfinger.faults import Fault
 from softfinger.provenance import PROJECT
 
 app = typer.Typer(
-    help="Raw rig videos of a wire-driven soft finger → posterior, propagation, sensitivity, report.",
+    help="From rig videos of a wire-driven soft finger to its posterior, its spread and a report.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
@@ -75,8 +75,19 @@ def run(
 
 
 @app.command()
-def virtual_rig(out: Out, config: ConfigFile = None) -> None:
+def virtual_rig(
+    out: Out,
+    config: ConfigFile = None,
+    example: Annotated[
+        bool, typer.Option("--example", help="Write the small example campaign, and nothing else.")
+    ] = False,
+) -> None:
     """Draw, move and film a finger: writes OUT/campaign, and the truth beside it."""
+    if example:
+        from softfinger.virtual_rig.example import write_example_campaign
+
+        write_example_campaign(out)
+        return
     from softfinger.stages.film import film
     from softfinger.stages.virtual_rig import virtual_rig
 

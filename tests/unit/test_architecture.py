@@ -10,12 +10,13 @@ import pytest
 import softfinger
 
 PACKAGE = Path(softfinger.__file__).parent
-EVERYWHERE = {"faults", "progress"}
+EVERYWHERE = {"faults", "progress", "settings"}
 GROUND = EVERYWHERE | {"campaign", "artifacts", "provenance", "mechanics", "population"}
 STAGES = ("tracking", "estimation", "propagation", "mismatch", "virtual_rig", "figures", "report")
 ALLOWED = {
     "faults": set(),
     "progress": set(),
+    "settings": {"faults"},
     "provenance": EVERYWHERE,
     "campaign": EVERYWHERE,
     "artifacts": EVERYWHERE | {"provenance"},

@@ -1,1 +1,4 @@
-"""One module per rule: open artifacts, make one library call, save. Scripts and command line share them."""
+"""One module per rule: open artifacts, make one library call, save.
+
+The scripts of the workflow and the command line share them.
+"""

@@ -2,19 +2,17 @@
 
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
-from softfinger.faults import ListedFault
+from softfinger.settings import Settings, read_settings
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0)]
+NotNegative = Annotated[float, Field(ge=0)]
 N_JOINTS = 3  # the paper's table has three
 
 
-class VirtualRigConfig(BaseModel):
+class VirtualRigConfig(Settings):
     """Every knob of the virtual rig; an unknown or missing key is a fault."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     n_trials: Annotated[int, Field(ge=1)]
     level: Literal["video", "angles"]
@@ -63,14 +61,4 @@ def read_config(config: dict) -> VirtualRigConfig:
     ListedFault
         Lists every key that is unknown, missing or out of range.
     """
-    try:
-        return VirtualRigConfig.model_validate(config)
-    except ValidationError as error:
-        faults = [
-            ".".join(map(str, fault["loc"]))
-            + ": " * bool(fault["loc"])
-            + fault["msg"].removeprefix("Value error, ")
-            + (f", got {fault['input']!r}" if fault["type"] != "missing" and fault["loc"] else "")
-            for fault in error.errors()
-        ]
-        raise ListedFault("the virtual rig's configuration", faults) from None
+    return read_settings(VirtualRigConfig, config, "virtual_rig")

@@ -12,12 +12,12 @@ def test_counts_the_frames_of_a_trial(config):
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
-        ({"fsp": 30.0}, "fsp: Extra inputs are not permitted, got 30.0"),
-        ({"fps": -1.0}, "fps: Input should be greater than 0, got -1.0"),
-        ({"blur_px": 0.0}, "blur_px: Input should be greater than or equal to 0.3, got 0.0"),
+        ({"fsp": 30.0}, "fsp: extra inputs are not permitted, got 30.0"),
+        ({"fps": -1.0}, "fps: input should be greater than 0, got -1.0"),
+        ({"blur_px": 0.0}, "blur_px: input should be greater than or equal to 0.3, got 0.0"),
         ({"load_time_s": [0.0]}, "load_time_s has 1 values but load_tension_n 4"),
         ({"load_time_s": [0.0, 0.3, 0.2, 0.7]}, "load_time_s runs backwards"),
-        ({"link_length_m": [0.025]}, "link_length_m: List should have at least 3 items"),
+        ({"link_length_m": [0.025]}, "link_length_m: list should have at least 3 items"),
     ],
 )
 def test_names_the_key_and_the_value(config, change, sentence):
