@@ -1,0 +1,1 @@
+"""Which physics was left out: locate it, name it, say what it did, propose what would show it."""

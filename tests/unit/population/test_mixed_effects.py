@@ -1,0 +1,81 @@
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from softfinger.population.mixed_effects import LOG_TWO_PI, Prior, fit_linear, hold_omega
+
+TRIALS, OWN, SHARED = 7, 4, 2
+
+
+def draw(rng, trials=TRIALS, rows=11, block=2):
+    """Whitened trials of a linear model with known answers: gram, (design, value) and truth."""
+    omega = np.zeros((OWN, OWN))
+    for first in range(0, OWN, block):
+        factor = rng.normal(size=(block, block)) * 0.4 + 0.3 * np.eye(block)
+        omega[first : first + block, first : first + block] = factor @ factor.T
+    mu, phi = rng.normal(size=OWN), rng.normal(size=SHARED)
+    parts = []
+    for _ in range(trials):
+        design = rng.normal(size=(rows, OWN + SHARED))
+        own = rng.multivariate_normal(mu, omega)
+        parts.append((design, design @ np.append(own, phi) + rng.normal(size=rows)))
+    gram = np.stack([(c := np.column_stack(part)).T @ c for part in parts])
+    return gram, parts, (mu, phi, omega)
+
+
+@pytest.fixture
+def prior():
+    mean = np.linspace(-0.5, 0.5, OWN + SHARED)
+    return Prior(mean, np.linspace(0.2, 0.6, OWN + SHARED), np.full(OWN, 0.3), 2.0, 2)
+
+
+def test_evidence_is_that_of_the_joint_normal_distribution(prior):
+    gram, parts, (_, _, omega) = draw(np.random.default_rng(1))
+    fit = hold_omega(gram, prior, omega)
+    design = np.concatenate([part[0] for part in parts])
+    value = np.concatenate([part[1] for part in parts])
+    covariance = np.eye(len(value)) + design @ np.diag(1 / prior.precision) @ design.T
+    begin = 0
+    for part, _ in parts:
+        rows = slice(begin, begin + len(part))
+        covariance[rows, rows] += part[:, :OWN] @ omega @ part[:, :OWN].T
+        begin += len(part)
+    expected = multivariate_normal.logpdf(value, design @ prior.mean, covariance)
+    spread = prior.weight * np.sum(np.diag(np.linalg.inv(omega)) * prior.spread**2)
+    expected += -0.5 * prior.weight * np.linalg.slogdet(omega)[1] - 0.5 * spread
+    assert fit.log_evidence - 0.5 * LOG_TWO_PI * len(value) == pytest.approx(expected, abs=1e-8)
+
+
+def test_the_spread_between_trials_is_at_its_maximum(prior):
+    gram, _, _ = draw(np.random.default_rng(2))
+    fit = fit_linear(gram, prior, np.eye(OWN), rounds=400, tolerance=1e-10)
+    for a, b in [(0, 0), (1, 1), (0, 1), (3, 2)]:
+        for size in (0.03, -0.03):
+            other = fit.omega.copy()
+            other[a, b] += size * np.sqrt(fit.omega[a, a] * fit.omega[b, b])
+            other[b, a] = other[a, b]
+            assert hold_omega(gram, prior, other).log_evidence < fit.log_evidence
+    assert fit.omega[0, 2] == 0.0
+
+
+def test_intervals_of_shared_parameters_hold_their_truth():
+    prior = Prior(np.zeros(OWN + SHARED), np.full(OWN + SHARED, 0.1), np.full(OWN, 0.3), 2.0, 2)
+    scores = []
+    for seed in range(60):
+        gram, _, (_, phi, _) = draw(np.random.default_rng(seed), trials=9)
+        fit = fit_linear(gram, prior, np.eye(OWN))
+        scores.append((fit.shared[OWN:] - phi) / np.sqrt(np.diag(fit.shared_covariance)[OWN:]))
+    assert np.mean(np.square(scores)) == pytest.approx(1.0, abs=0.35)
+
+
+def test_one_trial_without_information_returns_the_prior(prior):
+    gram = np.zeros((1, OWN + SHARED + 1, OWN + SHARED + 1))
+    fit = fit_linear(gram, prior, np.eye(OWN), rounds=200, tolerance=1e-9)
+    np.testing.assert_allclose(fit.own[0], prior.mean[:OWN], atol=1e-9)
+    assert fit.log_evidence == pytest.approx(
+        -0.5
+        * prior.weight
+        * (np.sum(np.log(np.diag(fit.omega))) + np.sum(0.09 / np.diag(fit.omega)))
+        - 0.5 * np.linalg.slogdet(np.eye(OWN) + 0 * fit.omega)[1],
+        abs=1e-6,
+    )
