@@ -1,6 +1,6 @@
-"""Gaps between used frames, gathered on few nodes so that AR(1) noise stays free in the likelihood.
+"""Gaps between used frames, gathered on few nodes: AR(1) noise stays free in the likelihood.
 
-The noise enters a trial's likelihood through functions of (gap, σ, ρ, C) that are smooth in log gap.
+The noise enters a likelihood through functions of (gap, σ, ρ, C) that are smooth in log gap.
 Few distinct gaps (even sampling with missing frames) are kept as they are; many (uneven sampling)
 are spread over Chebyshev nodes in log gap by the weights of polynomial interpolation.
 """

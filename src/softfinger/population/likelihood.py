@@ -208,7 +208,7 @@ def _start_pull(
 def _add_pairs(
     weight: NDArray, products: NDArray, pair: NDArray, moved: NDArray, pull: NDArray, sums: NDArray
 ) -> float:
-    """Square of the residuals' gains over one gap; adds its slope to `pull`, its parts to `sums`."""
+    """Square of the residuals' gains over a gap; adds slopes to `pull`, parts to `sums`."""
     joints, size = weight.shape
     data = size - joints
     moved[:] = 0.0

@@ -3,8 +3,8 @@
 Noise of joint j is a stationary Ornstein–Uhlenbeck process seen at the frames: sd σ_j and
 correlation ρ_j^(Δt/median interval) across Δt. In quiet zones, away from changes of load, every
 motion of the finger is smooth: a quartic in time follows it over a window of at most 200 frames.
-What the quartic leaves is noise, and the restricted likelihood (REML) of the window takes account of
-the noise that the quartic swallowed:
+What the quartic leaves is noise, and the restricted likelihood (REML) of the window takes account
+of the noise that the quartic swallowed:
 
     −2 log L(σ, ρ) = (n − p) log σ² + log|R| + log|XᵀR⁻¹X| + yᵀ(R⁻¹ − R⁻¹X(XᵀR⁻¹X)⁻¹XᵀR⁻¹)y / σ²
 
@@ -172,7 +172,7 @@ def _profile_windows(
 
 
 class _Windows(NamedTuple):
-    """Quiet windows of one joint, end to end: rows (n, DEGREE + 2) hold the powers and the angle."""
+    """Quiet windows of a joint, end to end: rows (n, DEGREE + 2) hold powers and the angle."""
 
     rows: NDArray
     gap: NDArray
