@@ -1,0 +1,1 @@
+"""Video → marker positions → joint angles, each with its uncertainty."""

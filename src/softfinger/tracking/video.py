@@ -1,0 +1,109 @@
+"""Frames of a video, one at a time, and every way in which a video can be broken."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")  # its complaints become our sentences
+
+import cv2
+import numpy as np
+
+from softfinger.faults import TrialFault
+
+LARGEST_RATE_ERROR = 0.01
+_PLAUSIBLE_COUNT = 10_000_000
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One picture (row, column, channel) and the time at which it was taken [s]."""
+
+    index: int
+    time: float
+    picture: np.ndarray
+
+
+def read_frames(path: Path, fps: float) -> Iterator[Frame]:
+    """Read a video frame by frame; memory does not grow with its length.
+
+    Times are the container's own time stamps where it has them, else index / rate.
+
+    Parameters
+    ----------
+    path : Path
+        The video.
+    fps : float [1/s]
+        The declared frame rate.
+
+    Raises
+    ------
+    TrialFault
+        The file is missing, empty, in a format that cannot be decoded, at a frame rate more than
+        1 % off the declared one, or cut off; or its frames change their size.
+    """
+    capture = _open(path)
+    try:
+        claimed = capture.get(cv2.CAP_PROP_FRAME_COUNT)
+        rate = capture.get(cv2.CAP_PROP_FPS)
+        _check_rate(path, rate, fps)
+        size = None
+        index = 0
+        last = -np.inf
+        while True:
+            read, picture = capture.read()
+            if not read:
+                break
+            picture = picture[:, :, None] if picture.ndim == 2 else picture
+            size = size or picture.shape
+            if picture.shape != size:
+                raise TrialFault(
+                    f"{path.name}, frame {index + 1}: is {picture.shape[1]} × {picture.shape[0]} "
+                    f"px, the frames before {size[1]} × {size[0]} px; record with one size"
+                )
+            stamp = capture.get(cv2.CAP_PROP_POS_MSEC) / 1e3
+            time = stamp if stamp > last else index / rate
+            last = time
+            yield Frame(index, time, picture)
+            index += 1
+    finally:
+        capture.release()
+    _check_count(path, index, claimed, rate)
+
+
+def _open(path: Path) -> cv2.VideoCapture:
+    if not path.is_file():
+        raise TrialFault(f"{path.name}: the file {path} does not exist")
+    if path.stat().st_size == 0:
+        raise TrialFault(f"{path.name}: the file is empty (0 bytes); copy or record it again")
+    capture = cv2.VideoCapture(str(path))
+    if not capture.isOpened():
+        capture.release()
+        raise TrialFault(
+            f"{path.name}: cannot be decoded; it is cut off, no video, or in a codec that OpenCV "
+            "does not know; convert it to Motion JPEG or FFV1"
+        )
+    return capture
+
+
+def _check_rate(path: Path, rate: float, fps: float) -> None:
+    if not np.isfinite(rate) or abs(rate / fps - 1.0) > LARGEST_RATE_ERROR:
+        raise TrialFault(
+            f"{path.name}: its frame rate is {rate:g} /s, but campaign.yaml declares camera.fps "
+            f"{fps:g}; they may differ by at most {100 * LARGEST_RATE_ERROR:g} %"
+        )
+
+
+def _check_count(path: Path, count: int, claimed: float, rate: float) -> None:
+    if count == 0:
+        raise TrialFault(f"{path.name}: not one frame can be decoded; record it again")
+    # Containers without an index (a recorder that was killed) claim nonsense; those that count by
+    # duration may be off by one.
+    if 0 < claimed < _PLAUSIBLE_COUNT and count < claimed - 1:
+        raise TrialFault(
+            f"{path.name}: is cut off: {count} frames ({count / rate:.2f} s) of the {claimed:.0f} "
+            "that it should hold can be decoded; copy or record it again"
+        )
