@@ -1,0 +1,99 @@
+"""How the spread of the parameters becomes spread of the motion."""
+
+from __future__ import annotations
+
+import matplotlib as mpl
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from softfinger.figures.style import (
+    PARAMETER_LABELS,
+    PARAMETER_STYLES,
+    build_joint_axes,
+    get_source,
+    measure_joint_rows,
+    new_figure,
+    styled,
+)
+
+EARLY = 1.0
+"""End of the second row of the Sobol figure [s]."""
+
+
+@styled
+def draw_sobol(sobol: xr.Dataset) -> Figure:
+    """Draw first-order Sobol indices over time, all of it above, the first second below.
+
+    Lines: the share of the angle's variance that each parameter causes alone. Bands: the interval
+    that the posterior leaves, where the artifact has one. Thin lines: the total effect.
+
+    Parameters
+    ----------
+    sobol
+        `first_order`, `total` ([quantile,] joint, time, parameter).
+    """
+    joints = sobol["joint"]
+    figure = new_figure(get_source(sobol), height=0.6 + 1.6 * measure_joint_rows(joints.size, 2))
+    axes = build_joint_axes(figure, joints.size, 2, sharex=False, sharey=True)
+    for column, joint in zip(axes.T, joints.values, strict=True):
+        column[0].set_title(f"joint {joint}")
+        for ax, end in zip(column, (None, EARLY), strict=True):
+            draw_indices(ax, sobol.sel(joint=joint, time=slice(None, end)))
+            ax.set_xlabel("time [s]")
+    axes[0, 0].set_ylim(-0.02, 1.02)
+    figure.supylabel("share of the variance", size=7)
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper left", ncols=4)
+    return figure
+
+
+def draw_indices(ax: Axes, sobol: xr.Dataset) -> None:
+    """Draw the indices of one joint over time."""
+    time = sobol["time"].values
+    for parameter in sobol["parameter"].values:
+        colour, line = PARAMETER_STYLES[str(parameter)]
+        first, total = (sobol[name].sel(parameter=parameter) for name in ("first_order", "total"))
+        if "quantile" in first.dims:
+            low, high = (first.isel(quantile=place) for place in (0, -1))
+            ax.fill_between(time, low, high, color=colour, alpha=0.2, linewidth=0)
+        label = PARAMETER_LABELS[str(parameter)]
+        ax.plot(time, take_middle(first), color=colour, linestyle=line, label=label)
+        ax.plot(time, take_middle(total), color=colour, linewidth=0.5)
+
+
+def take_middle(values: xr.DataArray) -> xr.DataArray:
+    """Take the middle quantile, where there are quantiles."""
+    if "quantile" not in values.dims:
+        return values
+    return values.isel(quantile=values.sizes["quantile"] // 2)
+
+
+@styled
+def draw_densities(densities: xr.Dataset) -> Figure:
+    """Draw the density of the joint angle at several times, one panel per joint.
+
+    Parameters
+    ----------
+    densities
+        `density` (joint, time, angle) [1/rad] over `joint_angle` (joint, time, angle) [rad], and
+        `density_bound` (joint, time, angle, bound).
+    """
+    joints, times = densities["joint"], densities["time"].values
+    figure = new_figure(
+        get_source(densities), height=0.7 + 1.8 * measure_joint_rows(joints.size, 1)
+    )
+    axes = build_joint_axes(figure, joints.size, sharex=False)[0]
+    colours = mpl.colormaps["viridis"](np.linspace(0, 0.9, times.size))
+    for ax, joint in zip(axes, joints.values, strict=True):
+        for time, colour in zip(times, colours, strict=True):
+            here = densities.sel(joint=joint, time=time)
+            angle, bound = here["joint_angle"].values, here["density_bound"]
+            low, high = (bound.sel(bound=end).values for end in ("lower", "upper"))
+            ax.fill_between(angle, low, high, color=colour, alpha=0.2, linewidth=0)
+            ax.plot(angle, here["density"].values, color=colour, label=f"{time:g} s")
+        ax.set(title=f"joint {joint}", xlabel="joint angle [rad]")
+        ax.set_ylim(bottom=0)
+    figure.supylabel("density [1/rad]", size=7)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper left", ncols=8)
+    return figure

@@ -1,0 +1,77 @@
+"""What the model leaves: residuals over the time since the load changed, and their spectrum."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
+
+from softfinger.figures.style import BLUE, GREY, PALE, RED, get_source, new_figure, styled
+
+CHANGE_STYLES = {"rise": (BLUE, "after the load rose"), "fall": (RED, "after the load fell")}
+
+
+@styled
+def draw_residuals(residuals: xr.Dataset) -> Figure:
+    """Draw the mean residual over the time since the load changed, and the residual's spectrum.
+
+    Left: recording minus model, the mean over trials; the band is what chance leaves of it, two
+    standard errors. Whatever stands out of the band is motion that most trials share and the model
+    does not have. Right: the residual's power times frequency, so that equal areas are equal
+    variance; a narrow peak is a ring.
+
+    Parameters
+    ----------
+    residuals
+        `mean_residual`, `residual_se` (change, joint, since_change) [rad];
+        `residual_power` (change, joint, frequency) [rad2], frequency times power spectral density;
+        `peak_frequency` (change, joint) [Hz], NaN where no narrow peak stands out.
+    """
+    joints = residuals["joint"]
+    figure = new_figure(get_source(residuals), height=0.5 + 1.6 * joints.size)
+    axes = figure.subplots(joints.size, 2, squeeze=False, sharex="col", width_ratios=[1.6, 1])
+    for (left, right), joint in zip(axes, joints.values, strict=True):
+        draw_mean_residual(left, residuals.sel(joint=joint))
+        draw_spectrum(right, residuals.sel(joint=joint))
+        left.set(ylabel="recording − model [mrad]", title=f"joint {joint}")
+        right.set(ylabel="frequency × power [mrad²]")
+    axes[-1, 0].set(xlabel="time since the load changed [s]")
+    axes[-1, 1].set(xlabel="frequency [Hz]")
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper left", ncols=2)
+    return figure
+
+
+def draw_mean_residual(ax: Axes, residuals: xr.Dataset) -> None:
+    """Draw the mean residual of one joint with its band of chance around zero [mrad]."""
+    time = residuals["since_change"].values
+    ax.axhline(0, color=GREY, linewidth=0.6)
+    for change in residuals["change"].values:
+        colour, label = CHANGE_STYLES[str(change)]
+        here = residuals.sel(change=change)
+        chance = 2e3 * here["residual_se"].values
+        ax.fill_between(time, -chance, chance, color=PALE, alpha=0.6, linewidth=0)
+        ax.plot(time, 1e3 * here["mean_residual"].values, color=colour, label=label)
+
+
+def draw_spectrum(ax: Axes, residuals: xr.Dataset) -> None:
+    """Draw frequency × power spectral density of one joint's residuals, its ring named."""
+    frequency = residuals["frequency"].values
+    for change in residuals["change"].values:
+        colour, _ = CHANGE_STYLES[str(change)]
+        here = residuals.sel(change=change)
+        power = 1e6 * here["residual_power"].values
+        ax.plot(frequency, power, color=colour)
+        peak = float(here["peak_frequency"])
+        if np.isfinite(peak):
+            height = float(np.interp(peak, frequency, power))
+            ax.annotate(
+                f"{peak:.1f} Hz", (peak, height), (4, 2), textcoords="offset points", color=colour
+            )
+    ax.set_xscale("log")
+    ax.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    ax.xaxis.set_major_formatter("{x:g}")
+    ax.xaxis.set_minor_formatter(NullFormatter())
+    ax.margins(x=0.02, y=0.15)
+    ax.set_ylim(bottom=0)

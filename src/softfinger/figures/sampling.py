@@ -1,0 +1,78 @@
+"""Did the sampler do its work: agreement of chains and effective number of draws."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from softfinger.figures.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PINK,
+    RED,
+    get_source,
+    new_figure,
+    styled,
+)
+
+CHAIN_COLOURS = (BLUE, ORANGE, GREEN, PINK)
+
+
+@styled
+def draw_sampling(sampling: xr.Dataset) -> Figure:
+    """Draw R-hat and effective sample size of every quantity, and the worst chain's trace.
+
+    Parameters
+    ----------
+    sampling
+        `r_hat`, `ess_bulk`, `ess_tail` (quantity); `worst_draws` (chain, draw), the draws of the
+        quantity of the largest R-hat, standardised; attrs `r_hat_max`, `ess_min`, `source`.
+    """
+    figure = new_figure(get_source(sampling), height=2.1)
+    left, middle, right = figure.subplots(1, 3, width_ratios=[1, 1, 1.3])
+    draw_sorted(left, sampling["r_hat"].values, BLUE)
+    draw_limit(left, sampling.attrs["r_hat_max"], 0.02)
+    left.set(xlabel="quantities, sorted", ylabel="R-hat", title="chains agree")
+    draw_sorted(middle, sampling["ess_bulk"].values, BLUE, "bulk")
+    draw_sorted(middle, sampling["ess_tail"].values, ORANGE, "tail")
+    draw_limit(middle, sampling.attrs["ess_min"], 0.6)
+    middle.set_yscale("log")
+    middle.set(xlabel="quantities, sorted", ylabel="effective draws", title="draws suffice")
+    middle.legend()
+    draw_trace(right, sampling["worst_draws"])
+    return figure
+
+
+def draw_sorted(ax: Axes, values: np.ndarray, colour: str, label: str | None = None) -> None:
+    """Draw values in ascending order."""
+    style = {"marker": ".", "ms": 3, "ls": "none", "color": colour, "rasterized": True}
+    ax.plot(np.arange(1, values.size + 1), np.sort(values), label=label, **style)
+
+
+def draw_limit(ax: Axes, limit: float, place: float) -> None:
+    """Draw the limit that values are held against, its name at a share of the axis."""
+    ax.axhline(limit, color=RED, linewidth=0.8, linestyle="--")
+    ax.annotate(
+        f"limit {limit:g}",
+        (place, limit),
+        (0, 2),
+        ("axes fraction", "data"),
+        textcoords="offset points",
+        color=RED,
+        size=6,
+    )
+
+
+def draw_trace(ax: Axes, draws: xr.DataArray) -> None:
+    """Draw the chains of one quantity, running means thick."""
+    for chain, values in enumerate(draws.transpose("chain", "draw").values):
+        colour = CHAIN_COLOURS[chain % len(CHAIN_COLOURS)]
+        ax.plot(values, color=colour, linewidth=0.4, alpha=0.6, rasterized=True)
+        running = np.cumsum(values) / np.arange(1, values.size + 1)
+        ax.plot(running, color=colour, linewidth=1.4)
+    ax.axhline(0, color=GREY, linewidth=0.5)
+    ax.set(xlabel="draw", ylabel="standard deviations", title="the least agreed quantity")

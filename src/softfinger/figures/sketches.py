@@ -1,0 +1,133 @@
+"""Sketches drawn by code: the finger's geometry and the joint's springs and dashpots.
+
+They show what words mean, not data, so they carry no stamp.
+"""
+
+from __future__ import annotations
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Arc, Circle
+
+from softfinger.figures.style import BLACK, BLUE, GREY, PALE, RED, SINGLE_COLUMN, styled
+
+BEND = 0.35
+"""Angle of each joint in the sketch [rad]."""
+LINK, JOINT, OFFSET = 1.0, 0.3, 0.2
+"""Lengths in the sketch, in link lengths."""
+
+
+@styled
+def draw_finger_sketch(n_joint: int) -> Figure:
+    """Draw the finger from above: links, joints, two wires, relative angles, markers."""
+    figure = Figure(figsize=(SINGLE_COLUMN, 2.3))
+    ax = figure.subplots()
+    centre, heading = np.zeros(2), 0.0
+    draw_link(ax, centre - [LINK, 0], heading, "base")
+    for joint in range(1, n_joint + 1):
+        draw_joint(ax, centre, heading, joint)
+        heading += BEND
+        draw_link(ax, centre, heading, f"link {joint}")
+        centre = centre + LINK * along(heading)
+    ax.annotate(
+        "wire: tension f", (-LINK, OFFSET), (-LINK - 0.75, OFFSET),
+        arrowprops={"arrowstyle": "<-", "color": RED}, color=RED, va="center", ha="right",
+    )  # fmt: skip
+    ax.text(-LINK - 0.1, -OFFSET, "slack wire", color=GREY, ha="right", va="center")
+    ax.annotate("", (-0.53, 0), (-0.53, OFFSET), arrowprops={"arrowstyle": "|-|,widthA=.2,widthB=.2", "lw": 0.6})  # fmt: skip
+    ax.text(-0.49, OFFSET / 2, "d", ha="left", va="center", style="italic")
+    ax.set(aspect="equal")
+    ax.margins(0.06)
+    ax.set_axis_off()
+    return figure
+
+
+def along(heading: float) -> np.ndarray:
+    """Unit vector of a heading."""
+    return np.array([np.cos(heading), np.sin(heading)])
+
+
+def draw_link(ax: Axes, start: np.ndarray, heading: float, name: str) -> None:
+    """Draw one link between two joint centres: its body, wires and markers."""
+    forward, side = along(heading), along(heading + np.pi / 2)
+    body = start + forward * JOINT / 2, start + forward * (LINK - JOINT / 2)
+    half = 1.45 * OFFSET
+    corners = [body[0] - side * half, body[1] - side * half, body[1] + side * half]
+    ax.fill(*np.array([*corners, body[0] + side * half]).T, color=PALE, ec=GREY, lw=0.8, zorder=1)
+    for place, colour in ((OFFSET, RED), (-OFFSET, GREY)):
+        ax.plot(*np.array([point + side * place for point in body]).T, color=colour, lw=1, zorder=3)
+    for share in (0.32, 0.68):
+        ax.add_patch(Circle(tuple(start + forward * LINK * share), 0.055, color=BLACK, zorder=4))
+    ax.text(*(start + forward * LINK / 2 - side * 0.5), name, ha="center", va="center", color=GREY)
+
+
+def draw_joint(ax: Axes, centre: np.ndarray, heading: float, joint: int) -> None:
+    """Draw one constricted joint, the wires across it and its relative angle."""
+    bent = heading + BEND
+    for place, colour, width in ((OFFSET, RED, 1), (-OFFSET, GREY, 1), (0.0, GREY, 5)):
+        ends = [
+            centre - along(heading) * JOINT / 2 + along(heading + np.pi / 2) * place,
+            centre + along(bent) * JOINT / 2 + along(bent + np.pi / 2) * place,
+        ]
+        ax.plot(*np.array(ends).T, color=colour, lw=width, solid_capstyle="butt", zorder=2)
+    ax.add_patch(Circle(tuple(centre), 0.045, color="white", ec=BLUE, zorder=5))
+    ends = np.array([centre, centre + along(heading) * 1.0])
+    ax.plot(*ends.T, color=BLUE, lw=0.6, ls=":", zorder=5)
+    degrees = np.degrees((heading, bent))
+    ax.add_patch(Arc(tuple(centre), 1.76, 1.76, theta1=degrees[0], theta2=degrees[1], color=BLUE, lw=1, zorder=5))  # fmt: skip
+    ax.text(*(centre + along(heading + BEND / 2) * 1.06), f"$q_{{{joint}}}$", color=BLUE, ha="center", va="center", zorder=6)  # fmt: skip
+
+
+@styled
+def draw_joint_model_sketch() -> Figure:
+    """Draw the joint's model: spring and dashpot side by side, then a dashpot in series."""
+    figure = Figure(figsize=(SINGLE_COLUMN, 1.35))
+    ax = figure.subplots()
+    with mpl.rc_context({"lines.linewidth": 1.0}):
+        draw_rods(ax)
+        draw_spring(ax, 0.6, 2.4, 0.45)
+        draw_dashpot(ax, 0.6, 2.4, -0.45)
+        draw_dashpot(ax, 2.9, 4.7, 0.0)
+    ax.text(1.5, 0.72, "$k_v$", ha="center", va="bottom")
+    ax.text(1.5, -0.78, "$c_v$", ha="center", va="top")
+    ax.text(3.8, -0.33, "$c_p$", ha="center", va="top")
+    for start, end, name in ((0.3, 2.65, "$q_v$"), (2.65, 5.0, "$q_p$")):
+        ax.annotate("", (start, 1.3), (end, 1.3), arrowprops={"arrowstyle": "<->", "color": BLUE})
+        ax.text((start + end) / 2, 1.35, name, color=BLUE, ha="center", va="bottom")
+    ax.annotate(
+        "τ", (4.95, 0), (5.6, 0), arrowprops={"arrowstyle": "<-", "color": RED},
+        color=RED, va="center", ha="left",
+    )  # fmt: skip
+    ax.set(xlim=(-0.3, 6), ylim=(-1.25, 1.75))
+    ax.set_axis_off()
+    return figure
+
+
+def draw_rods(ax: Axes) -> None:
+    """Draw the wall and the rods that hold the elements together."""
+    ax.plot([0, 0], [-0.8, 0.8], color=BLACK, lw=2.5)
+    for x in (0.3, 2.65):
+        ax.plot([x, x], [-0.45, 0.45], color=BLACK)
+    rods = ((0, 0.3, 0), (2.65, 2.9, 0), (4.7, 5.0, 0))
+    rods += tuple((a, b, y) for y in (0.45, -0.45) for a, b in ((0.3, 0.6), (2.4, 2.65)))
+    for start, end, y in rods:
+        ax.plot([start, end], [y, y], color=BLACK)
+
+
+def draw_spring(ax: Axes, start: float, end: float, y: float) -> None:
+    """Draw a zigzag."""
+    x = np.linspace(start, end, 14)
+    height = np.r_[0, 0, np.tile([0.2, -0.2], 5), 0, 0]
+    ax.plot(x, y + height, color=BLACK)
+
+
+def draw_dashpot(ax: Axes, start: float, end: float, y: float) -> None:
+    """Draw a piston in a cup."""
+    middle = (start + end) / 2
+    ax.plot([start, middle], [y, y], color=BLACK)
+    ax.plot([middle, middle], [y - 0.14, y + 0.14], color=BLACK, lw=2.5)
+    cup = (middle - 0.3, middle + 0.3)
+    ax.plot([cup[0], cup[1], cup[1], cup[0]], [y + 0.22, y + 0.22, y - 0.22, y - 0.22], color=BLACK)
+    ax.plot([cup[1], end], [y, y], color=BLACK)

@@ -1,0 +1,126 @@
+"""The style that every figure shares: widths, colours, the stamp, and the way it is saved."""
+
+from __future__ import annotations
+
+import functools
+import io
+from collections.abc import Callable
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+STYLE_FILE = Path(__file__).with_name("softfinger.mplstyle")
+SINGLE_COLUMN, DOUBLE_COLUMN = 89 / 25.4, 183 / 25.4
+"""Journal column widths [inch], the unit of matplotlib."""
+
+BLACK, GREY, PALE = "#000000", "#767676", "#cccccc"
+BLUE, RED, GREEN, ORANGE, SKY, PINK = (
+    "#0072B2",
+    "#D55E00",
+    "#009E73",
+    "#E69F00",
+    "#56B4E9",
+    "#CC79A7",
+)
+RECORDED, POSTERIOR, TWO_STAGE, TRUTH = BLACK, BLUE, RED, GREEN
+ESTIMATE_COLOURS = {"posterior": POSTERIOR, "two_stage": TWO_STAGE}
+ESTIMATE_LABELS = {"posterior": "posterior", "two_stage": "two-stage (the paper's way)"}
+PARAMETER_STYLES = {
+    "k_v": (BLUE, "-"),
+    "c_v": (ORANGE, "--"),
+    "c_p": (RED, "-."),
+    "q_ini": (GREEN, ":"),
+}
+PARAMETER_LABELS = {
+    "k_v": "$k_v$",
+    "c_v": "$c_v$",
+    "c_p": "$c_p$",
+    "q_ini": r"$q_\mathrm{ini}$",
+}
+
+
+def styled[**P](draw: Callable[P, Figure]) -> Callable[P, Figure]:
+    """Make `draw` draw in the project's style, whatever the caller's settings are."""
+
+    @functools.wraps(draw)
+    def wrapper(*args: P.args, **kwargs: P.kwargs) -> Figure:
+        with mpl.rc_context(fname=STYLE_FILE):
+            return draw(*args, **kwargs)
+
+    return wrapper
+
+
+def new_figure(source: str, height: float, width: float = DOUBLE_COLUMN) -> Figure:
+    """Open a figure of `width` × `height` [inch], stamped `synthetic` or `measured`.
+
+    The stamp is the `source` attr of the artifact that is drawn; a figure without one is refused,
+    because nobody could tell afterwards whether it shows a simulation.
+    """
+    if source not in {"synthetic", "measured"}:
+        raise ValueError(
+            f"source is {source!r}; a figure must be of 'synthetic' or 'measured' data"
+        )
+    figure = Figure(figsize=(width, height))
+    colour = RED if source == "synthetic" else GREY
+    figure.suptitle(source, x=0.995, ha="right", color=colour, weight="bold")
+    return figure
+
+
+def get_source(dataset: xr.Dataset) -> str:
+    """Return the `source` attr, or an empty string that `new_figure` refuses."""
+    return str(dataset.attrs.get("source", ""))
+
+
+def label_load_unit(angles: xr.Dataset) -> str:
+    """Return the unit of the load: `N m`, or `command` where the load is one or only assumed.
+
+    >>> label_load_unit(xr.Dataset({"load_kind": ("trial", ["command", "command"])}))
+    'command'
+    """
+    kinds = set(angles["load_kind"].values.astype(str).tolist())
+    return "N m" if kinds <= {"tension_n", "torque_nm"} else "command"
+
+
+def label_parameter_unit(parameter: str, load_unit: str) -> str:
+    """Return the unit of a parameter; for a command, per unit of it.
+
+    >>> label_parameter_unit("c_p", "N m"), label_parameter_unit("q_ini", "command")
+    ('N m s/rad', 'rad')
+    """
+    return {"k_v": f"{load_unit}/rad", "q_ini": "rad"}.get(parameter, f"{load_unit} s/rad")
+
+
+def build_joint_axes(
+    figure: Figure, n_joint: int, n_row: int = 1, *, sharex: str | bool = True, sharey: bool = False
+) -> np.ndarray:
+    """Lay out axes (row, joint): a column per joint up to four, else a row per joint."""
+    if n_joint <= 4:
+        return figure.subplots(n_row, n_joint, squeeze=False, sharex=sharex, sharey=sharey)
+    return figure.subplots(n_joint, n_row, squeeze=False, sharex=sharex, sharey=sharey).T
+
+
+def measure_joint_rows(n_joint: int, n_row: int) -> int:
+    """Count the rows that `build_joint_axes` lays out, for the height of the figure."""
+    return n_row if n_joint <= 4 else n_joint
+
+
+def render_figure(figure: Figure, form: str = "svg") -> bytes:
+    """Return the bytes of a figure as `svg`, `pdf` or `png`; the same figure, the same bytes."""
+    metadata = {
+        "svg": {"Date": None, "Creator": None},
+        "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
+        "png": {"Software": None},
+    }[form]
+    buffer = io.BytesIO()
+    with mpl.rc_context(fname=STYLE_FILE):
+        figure.savefig(buffer, format=form, metadata=metadata)
+    return buffer.getvalue()
+
+
+def save_figure(figure: Figure, path: Path | str) -> None:
+    """Write a figure to `path`, in the form that its suffix names (.svg, .pdf, .png)."""
+    path = Path(path)
+    path.write_bytes(render_figure(figure, path.suffix.removeprefix(".")))

@@ -1,0 +1,147 @@
+"""What a page is made of: plain text in small pieces; the template turns them into HTML."""
+
+from __future__ import annotations
+
+import base64
+from dataclasses import dataclass
+from typing import ClassVar
+
+from matplotlib.figure import Figure
+
+from softfinger.figures.style import render_figure
+
+ON_SCREEN = 1.25
+"""Type of seven points is small on a screen."""
+
+
+@dataclass(frozen=True)
+class Paragraph:
+    """One paragraph; `tone` is plain, note or warning."""
+
+    kind: ClassVar[str] = "paragraph"
+    text: str
+    tone: str = "plain"
+
+
+@dataclass(frozen=True)
+class Listing:
+    """A list of sentences."""
+
+    kind: ClassVar[str] = "listing"
+    items: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Fragment:
+    """A fixed piece of the page that the template holds, such as the model's equations."""
+
+    kind: ClassVar[str] = "fragment"
+    name: str
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A table's cell: what is read, and the number behind it for sorting and export."""
+
+    text: str
+    value: float | None = None
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table with a caption that names where its numbers come from."""
+
+    kind: ClassVar[str] = "table"
+    name: str
+    caption: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+    folded: bool = False
+
+    def is_numeric(self, column: int) -> bool:
+        """Say whether a column holds numbers, and is set flush right."""
+        return any(row[column].value is not None for row in self.rows)
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure with its alternative text and caption; a photograph keeps its colours in the dark."""
+
+    kind: ClassVar[str] = "picture"
+    name: str
+    title: str
+    figure: Figure
+    alt: str
+    caption: str
+    photograph: bool = False
+
+    @property
+    def address(self) -> str:
+        """The figure as a data address, so that the page needs no other file."""
+        code = base64.b64encode(render_figure(self.figure, "svg")).decode()
+        return f"data:image/svg+xml;base64,{code}"
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height on the screen [CSS px], a little larger than on paper."""
+        width, height = self.figure.get_size_inches() * 96 * ON_SCREEN
+        return round(width), round(height)
+
+
+@dataclass(frozen=True)
+class Check:
+    """One check against a limit; `passed` is None where it could not be made."""
+
+    name: str
+    found: str
+    limit: str
+    passed: bool | None
+    meaning: str
+
+    @property
+    def word(self) -> str:
+        """The result in a word."""
+        return {True: "passed", False: "failed", None: "not made"}[self.passed]
+
+
+@dataclass(frozen=True)
+class Checks:
+    """Checks that answer one question together."""
+
+    kind: ClassVar[str] = "checks"
+    name: str
+    caption: str
+    checks: tuple[Check, ...]
+
+
+Block = Paragraph | Listing | Fragment | Table | Picture | Checks
+
+
+@dataclass(frozen=True)
+class Section:
+    """A numbered part of the page."""
+
+    anchor: str
+    title: str
+    blocks: tuple[Block, ...]
+
+
+@dataclass(frozen=True)
+class Tile:
+    """One of the verdicts at the head of the page; `passed` None = not judged."""
+
+    question: str
+    answer: str
+    passed: bool | None
+    detail: str
+    anchor: str
+
+
+def text(value: object) -> Cell:
+    """Make a cell of words."""
+    return Cell(str(value))
+
+
+def number(shown: str, value: float) -> Cell:
+    """Make a cell of a number as it is read, and in full."""
+    return Cell(shown, float(value))

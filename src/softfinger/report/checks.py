@@ -1,0 +1,164 @@
+"""The checks that decide what the report may claim, each against a stated limit."""
+
+from __future__ import annotations
+
+import arviz as az
+import numpy as np
+import xarray as xr
+
+from softfinger.report.blocks import Check
+from softfinger.report.formatting import format_number, format_percent, join_words
+from softfinger.report.material import Material
+
+NOT_RUN = "the fit was not run"
+
+
+def check_computation(material: Material) -> tuple[Check, ...]:
+    """Check that the draws represent the posterior."""
+    sampling, limits = material.sampling, material.limits
+    if sampling is None:
+        meaning = "Without draws there is no posterior to judge."
+        return (Check("posterior", NOT_RUN, "a sampled posterior", None, meaning),)
+    worst = float(sampling["r_hat"].max())
+    checks = [
+        Check(
+            "largest R-hat",
+            format_number(worst, 4),
+            f"below {format_number(limits.r_hat_max, 4)}",
+            worst < limits.r_hat_max,
+            "Independent chains found the same distribution.",
+        )
+    ]
+    for kind, where in (("bulk", "centre"), ("tail", "tails")):
+        least = float(sampling[f"ess_{kind}"].min())
+        checks.append(
+            Check(
+                f"smallest effective number of draws, {kind}",
+                f"{least:.0f}",
+                f"at least {format_number(limits.ess_min)}",
+                least >= limits.ess_min,
+                f"Enough independent draws for the {where} of every quantity.",
+            )
+        )
+    return (*checks, check_divergences(material), check_pareto(material))
+
+
+def check_divergences(material: Material) -> Check:
+    """Check that the sampler met no region that it could not follow."""
+    name, meaning = "divergent transitions", "The sampler met no region that it could not follow."
+    limit = f"at most {material.limits.divergences_max}"
+    stats = material.artifacts["posterior"].children.get("sample_stats")
+    if stats is None or "diverging" not in stats.dataset:
+        return Check(name, "the sampler reports none", limit, None, meaning)
+    count = int(stats.dataset["diverging"].sum())
+    return Check(name, str(count), limit, count <= material.limits.divergences_max, meaning)
+
+
+def check_pareto(material: Material) -> Check:
+    """Check that leaving one trial out could be estimated, where the fit kept what that needs."""
+    name = "largest Pareto k, leaving one trial out"
+    limit = f"below {format_number(material.limits.pareto_k_max)}"
+    meaning = "No single trial decides the population; leave-one-out scores can be trusted."
+    tree = material.artifacts["posterior"]
+    if "log_likelihood" not in tree.children:
+        return Check(name, "no log-likelihood per trial was kept", limit, None, meaning)
+    worst = float(np.max(az.loo(tree, pointwise=True).pareto_k))
+    passed = worst < material.limits.pareto_k_max
+    return Check(name, format_number(worst, 2), limit, passed, meaning)
+
+
+def check_fit(material: Material) -> tuple[Check, ...]:
+    """Check that what the model leaves is noise, and not shared by the trials."""
+    residuals = material.residuals
+    if residuals is None:
+        meaning = "Residuals need fitted parameters."
+        return (Check("residuals", NOT_RUN, "a fitted model", None, meaning),)
+    excess = measure_shared_residual(residuals)
+    limit = material.limits.shared_residual_max
+    return (
+        Check(
+            "residual shared by the trials, over what chance leaves",
+            format_number(excess, 2),
+            f"below {format_number(limit)}",
+            excess < limit,
+            "Averaged over trials, the residual is what independent trials leave by chance.",
+        ),
+        check_ring(residuals),
+    )
+
+
+def measure_shared_residual(residuals: xr.Dataset) -> float:
+    """Return the rms of the mean residual over its standard error's, the worst joint and change.
+
+    Near 1 where the trials share nothing, whatever the noise's autocorrelation.
+    """
+    known = residuals["residual_se"] > 0
+    mean, error = (residuals[name].where(known) for name in ("mean_residual", "residual_se"))
+    ratio = np.sqrt((mean**2).mean("since_change") / (error**2).mean("since_change"))
+    return float(ratio.max())
+
+
+def check_ring(residuals: xr.Dataset) -> Check:
+    """Check that no narrow line stands out of the residual's spectrum."""
+    peaks = residuals["peak_frequency"].values
+    rings = sorted({f"{peak:.1f} Hz" for peak in peaks[np.isfinite(peaks)]})
+    return Check(
+        "ring in the residual",
+        join_words(rings) or "none",
+        "none",
+        not rings,
+        "No oscillation that most trials share is missing in the model.",
+    )
+
+
+def check_calibration(material: Material) -> tuple[Check, ...]:
+    """Check that the predictive bands hold as many recorded frames as they claim."""
+    if "bands" not in material:
+        meaning = "Bands come from the rule propagate."
+        return (Check("coverage", "the bands were not computed", "bands", None, meaning),)
+    limits = material.limits
+    checks = []
+    for window, words in (("whole", "whole recording"), ("first_second", "first second")):
+        pooled = pool_coverage(material.bands, limits.ci_prob, window)
+        claimed = float(pooled["ci_prob"])
+        gap = np.abs(pooled["coverage"] - claimed)
+        worst = pooled.isel(joint=int(gap.argmax("joint")))
+        allowed = np.maximum(limits.coverage_tolerance, 2 * pooled["coverage_se"].fillna(0))
+        joint, found = worst["joint"].item(), float(worst["coverage"])
+        reach = float(allowed.max())
+        low, high = claimed - reach, min(claimed + reach, 1.0)
+        checks.append(
+            Check(
+                f"coverage of the {format_percent(claimed)} bands, {words}, worst joint ({joint})",
+                format_percent(found, 1),
+                f"{format_percent(low, 1)} to {format_percent(high, 1)}",
+                bool((gap <= allowed).all()),
+                "The predictive bands hold the share of recorded frames that they claim, but for "
+                "what so few trials leave open.",
+            )
+        )
+    return tuple(checks)
+
+
+def pool_coverage(bands: xr.Dataset, ci_prob: float, window: str) -> xr.Dataset:
+    """Pool the posterior's coverage and its standard error (joint) over protocols by trials."""
+    chosen = bands[["coverage", "coverage_bound"]].sel(estimate="posterior", window=window)
+    chosen = chosen.sel(ci_prob=ci_prob, method="nearest")
+    n = bands["recorded_n"].max(["time", "joint"]).astype(float)
+    share = n / n.sum()
+    bound = chosen["coverage_bound"]
+    # the artifact's bounds hold 90 %, which is 3.29 standard errors of a normal
+    error = (bound.sel(bound="upper") - bound.sel(bound="lower")) / 3.29
+    pooled = (chosen["coverage"] * share).sum("protocol")
+    return xr.Dataset(
+        {"coverage": pooled, "coverage_se": np.sqrt((error**2 * share**2).sum("protocol"))}
+    ).assign_coords(ci_prob=chosen["ci_prob"])
+
+
+def combine(checks: tuple[Check, ...]) -> bool | None:
+    """Combine checks: False if any failed, True if the rest holds at least one pass, else None.
+
+    >>> combine(())
+    """
+    results = {check.passed for check in checks}
+    return False if False in results else True if True in results else None

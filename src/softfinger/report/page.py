@@ -1,0 +1,115 @@
+"""The report: one self-contained HTML page from the artifacts of one campaign."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import jinja2
+from markupsafe import Markup, escape
+
+from softfinger.report.config import read_config
+from softfinger.report.material import Artifact, Material
+from softfinger.report.sections.data import build_data
+from softfinger.report.sections.mismatch import build_mismatch
+from softfinger.report.sections.model import build_model
+from softfinger.report.sections.origin import build_origin
+from softfinger.report.sections.outlook import build_outlook
+from softfinger.report.sections.parameters import build_parameters
+from softfinger.report.sections.quality import (
+    build_calibration,
+    build_computation,
+    build_predictive,
+)
+from softfinger.report.sections.sensitivity import build_sensitivity
+from softfinger.report.sections.summary import build_question, judge
+
+HERE = Path(__file__).parent
+SECTIONS = (
+    build_question,
+    build_data,
+    build_model,
+    build_computation,
+    build_calibration,
+    build_predictive,
+    build_parameters,
+    build_sensitivity,
+    build_mismatch,
+    build_outlook,
+    build_origin,
+)
+
+
+def write_report(
+    artifacts: Mapping[str, Artifact],
+    config: Mapping[str, Any],
+    path: Path | str,
+    commit: str | None = None,
+) -> None:
+    """Write the report of one campaign as one HTML file that needs no other and no network.
+
+    A failed check turns its verdict red; the report is written all the same.
+
+    Parameters
+    ----------
+    artifacts
+        By name: `angles` (needed); `markers` (one batch), `picture` (a frame: row, column[,
+        channel], with scalar coords trial and frame), `least_squares`, `posterior`, `bands`,
+        `densities`, `sobol`, `truth`, and `verdict` (the mapping of verdict.json). What is missing
+        is said to be missing.
+    config
+        The whole configuration; its block `report` holds the limits of the checks.
+    path
+        The file to write.
+    commit
+        Commit of the code, for the provenance block.
+
+    Raises
+    ------
+    Fault
+        If `angles` is missing.
+    ListedFault
+        If the block `report` of the configuration has unknown keys or wrong values.
+    """
+    material = Material(artifacts, read_config(config), config, commit)
+    Path(path).write_text(render_report(material), encoding="utf-8")
+
+
+def render_report(material: Material) -> str:
+    """Render the page; every word that is not ours is escaped."""
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(HERE),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["symbols"] = set_symbols
+    script = (HERE / "report.js").read_text(encoding="utf-8")
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    return environment.get_template("report.html.j2").render(
+        campaign=material.campaign,
+        source=material.source,
+        load_unit=material.load_unit,
+        tiles=judge(material),
+        sections=[build(material) for build in SECTIONS],
+        style=Markup((HERE / "report.css").read_text(encoding="utf-8")),
+        script=Markup(script),
+        script_hash=digest,
+    )
+
+
+SYMBOL = re.compile(r"\b([kcq])_(v|p|ini)\b")
+
+
+def set_symbols(words: str) -> Markup:
+    """Escape words and set the model's symbols with their indices low.
+
+    >>> set_symbols("k_v < c_p")
+    Markup('<i>k</i><sub>v</sub> &lt; <i>c</i><sub>p</sub>')
+    """
+    return Markup(SYMBOL.sub(r"<i>\1</i><sub>\2</sub>", str(escape(words))))

@@ -1,0 +1,130 @@
+"""What was recorded, and what of it is not used."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from softfinger.report.blocks import Block, Paragraph, Section, Table, number, text
+from softfinger.report.formatting import (
+    count_things,
+    format_number,
+    format_percent,
+    join_words,
+)
+from softfinger.report.material import Material
+from softfinger.report.pictures import capital, picture_recordings, picture_tracking
+
+FLAGS = {"missing": 1, "stale": 2, "jump": 4}
+ALWAYS_SHOWN = 12
+"""A longer table of trials is folded."""
+
+
+def build_data(material: Material) -> Section:
+    """Build the section on the data: counts, pictures, every trial set aside."""
+    blocks: list[Block | None] = [
+        Paragraph(describe_recordings(material)),
+        *describe_loads(material),
+        picture_recordings(material),
+        picture_tracking(material),
+        *build_set_aside(material),
+        build_trial_table(material),
+    ]
+    return Section("data", "What was recorded", tuple(block for block in blocks if block))
+
+
+def describe_recordings(material: Material) -> str:
+    """Say in a sentence or two how much was recorded and how finely."""
+    angles = material.angles
+    time = angles["time"].values
+    duration = np.nanmax(time, axis=1)
+    interval = float(np.nanmedian(np.diff(time, axis=1)))
+    shares = {name: measure_flagged(angles, bit) for name, bit in FLAGS.items()}
+    words = [f"{format_percent(share, 1)} {name}" for name, share in shares.items()]
+    return (
+        f"{count_things(angles['trial'].size, 'trial')} of "
+        f"{count_things(angles['joint'].size, 'joint')} are used, "
+        f"{material.n_frames} frames in all, "
+        f"{describe_span(duration)} s long, "
+        f"about {format_number(1 / interval)} frames a second. Of the angles, {join_words(words)} "
+        "(stale: the camera repeated a frame; jump: a marker was lost to another spot). Flagged "
+        "angles take no part in any fit."
+    )
+
+
+def describe_span(values: np.ndarray) -> str:
+    """Write the span of values, or the one value that they share.
+
+    >>> describe_span(np.array([30.0, 30.0])), describe_span(np.array([5.0, 30.0]))
+    ('30', '5 to 30')
+    """
+    low, high = (format_number(float(end)) for end in (values.min(), values.max()))
+    return low if low == high else f"{low} to {high}"
+
+
+def measure_flagged(angles: xr.Dataset, bit: int) -> float:
+    """Return the share of the angles within the recordings that carry a flag."""
+    inside = np.isfinite(angles["time"])
+    flagged = (angles["angle_flag"] & bit) > 0
+    return float((flagged & inside).sum() / (inside.sum() * angles["joint"].size))
+
+
+def describe_loads(material: Material) -> list[Block]:
+    """Say what loaded the finger, and warn where nobody wrote it down."""
+    kinds = {str(kind) for kind in material.angles["load_kind"].values}
+    blocks: list[Block] = []
+    if "command" in kinds:
+        blocks.append(
+            Paragraph(
+                "The load is a command without a physical unit (a PWM level, a pressure). Stiffness "
+                "and damping are therefore per unit of that command and cannot be compared with "
+                "other fingers.",
+                "note",
+            )
+        )
+    if "assumed" in kinds:
+        blocks.append(
+            Paragraph(
+                "Some trials have no load log: a unit command from the first frame was assumed. "
+                "Stiffness and damping are per unit of that assumption, and what needs the log "
+                "(delays, friction, thresholds) cannot be tested.",
+                "warning",
+            )
+        )
+    return blocks
+
+
+def build_set_aside(material: Material) -> list[Block]:
+    """List every trial that is not used, with its reason."""
+    names = material.angles["set_aside_trial"].values
+    if not names.size:
+        return [Paragraph("No trial was set aside.")]
+    reasons = material.angles["set_aside_reason"].values
+    rows = tuple((text(n), text(r)) for n, r in zip(names, reasons, strict=True))
+    caption = f"Trials set aside, with the reason. {capital(material.cite('angles'))}."
+    return [Table("set_aside", caption, ("trial", "reason"), rows)]
+
+
+def build_trial_table(material: Material) -> Table:
+    """List every trial that is used."""
+    angles = material.angles
+    rows = []
+    for name in angles["trial"].values:
+        trial = angles.sel(trial=name)
+        time = trial["time"].values
+        load = float(trial["load_torque"].values[np.abs(trial["load_torque"].values).argmax()])
+        flagged = float((trial["angle_flag"] > 0).where(np.isfinite(trial["time"])).mean())
+        duration = float(np.nanmax(time))
+        frames = int(np.isfinite(time).sum())
+        rows.append(
+            (
+                text(name),
+                number(str(frames), frames),
+                number(format_number(duration), duration),
+                number(format_number(load), load),
+                number(format_percent(flagged, 1), flagged),
+            )
+        )
+    columns = ("trial", "frames", "length [s]", f"largest load [{material.load_unit}]", "flagged")
+    caption = f"Every trial that is used. {capital(material.cite('angles'))}."
+    return Table("trials", caption, columns, tuple(rows), folded=len(rows) > ALWAYS_SHOWN)

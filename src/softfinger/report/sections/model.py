@@ -1,0 +1,22 @@
+"""The model in words and symbols, and what its priors say before any data."""
+
+from __future__ import annotations
+
+from softfinger.report.blocks import Fragment, Paragraph, Section
+from softfinger.report.material import Material
+from softfinger.report.pictures import picture_finger, picture_joint_model, picture_prior
+
+
+def build_model(material: Material) -> Section:
+    """Build the section on the model: sketches, equations, priors on the angle scale."""
+    return Section(
+        "model",
+        "The model, and what its priors expect",
+        (
+            Fragment("equations"),
+            picture_finger(material),
+            picture_joint_model(material),
+            picture_prior(material)
+            or Paragraph("The prior predictive was not saved with this fit.", "note"),
+        ),
+    )

@@ -1,0 +1,105 @@
+"""What would change the conclusion."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from softfinger.report.blocks import Block, Listing, Paragraph, Section
+from softfinger.report.checks import check_calibration, check_computation, check_fit
+from softfinger.report.formatting import count_things, format_number, format_percent
+from softfinger.report.material import Material
+
+UNSURE = 0.5
+"""Relative standard deviation of a population's spread above which it counts as hardly known."""
+
+
+def build_outlook(material: Material) -> Section:
+    """Build the list of what the conclusion hangs on, each read from this campaign."""
+    items = [
+        *list_failed(material),
+        *list_data_limits(material),
+        *list_unsure(material),
+        *list_assumptions(material),
+    ]
+    lead = Paragraph("The conclusion hangs on the following; each would change it if it fell.")
+    blocks: tuple[Block, ...] = (lead, Listing(tuple(items)))
+    return Section("outlook", "What would change the conclusion?", blocks)
+
+
+def list_failed(material: Material) -> list[str]:
+    """List failed checks as reasons for doubt."""
+    consequence = {
+        check_computation: "until it passes, no interval of this report should be quoted",
+        check_calibration: "the bands are too narrow or too wide for a new trial",
+        check_fit: "physics is missing; parameters absorb part of it and are biased",
+    }
+    return [
+        f"Failed: {check.name} is {check.found} (limit: {check.limit}): {meaning}."
+        for checks, meaning in consequence.items()
+        for check in checks(material)
+        if check.passed is False
+    ]
+
+
+def list_data_limits(material: Material) -> list[str]:
+    """List what the amount and kind of data leave open."""
+    angles = material.angles
+    n = angles["trial"].size
+    items = [
+        f"The number of trials: with {count_things(n, 'trial')} the spread between trials is known "
+        f"to about ± {format_percent(1 / np.sqrt(2 * max(n - 1, 1)))} at best."
+    ]
+    load = angles["load_torque"].values
+    if np.ptp(load, axis=1).max() <= 1e-9 * np.abs(load).max():
+        items.append(
+            "The protocol: one constant load per trial. Effects that depend on the load or show "
+            "when it is released (friction, thresholds, stiffening) cannot be seen and would be "
+            "taken for parameters; levels with release would show them."
+        )
+    if "assumed" in angles["load_kind"].values.astype(str):
+        items.append("The load of some trials was assumed, not logged.")
+    if angles["set_aside_trial"].size:
+        items.append(
+            f"{count_things(angles['set_aside_trial'].size, 'trial')} set aside: if the reason has "
+            "to do with how the finger moved, what is left is no fair sample."
+        )
+    return items
+
+
+def list_unsure(material: Material) -> list[str]:
+    """List spreads that the recordings hardly determine."""
+    summary = material.hyperparameters
+    if summary is None:
+        return []
+    spread = summary.sel(statistic="sigma")
+    relative = spread["sd"] / spread["quantile_value"].sel(quantile=0.5)
+    unsure = [
+        f"{parameter} at joint {joint}"
+        for parameter in summary["parameter"].values
+        for joint in summary["joint"].values
+        if float(relative.sel(parameter=parameter, joint=joint)) > UNSURE
+    ]
+    if not unsure:
+        return []
+    return [
+        f"Hardly determined spreads, which the prior decides as much as the data: "
+        f"{', '.join(unsure)} (posterior sd above {format_percent(UNSURE)} of the spread). Longer "
+        "recordings would help for c_p, faster ones for c_v."
+    ]
+
+
+def list_assumptions(material: Material) -> list[str]:
+    """List what the model takes for granted."""
+    duration = format_number(float(material.angles["time"].max()))
+    items = [
+        "The model itself: inertia is left out, the torque does not depend on the angle, and "
+        f"c_p is taken to flow at a constant rate for all of the {duration} s; nothing is claimed "
+        "beyond them.",
+        "Trials are taken as exchangeable: no trend with trial number, temperature or rest.",
+    ]
+    if material.load_unit == "N m":
+        items.append(
+            "The moment arm is taken as constant. A finger whose arm grows as it bends would "
+            "bias k_v and c_p low by some 10 to 25 %, without showing in any single trial."
+        )
+    return items

@@ -1,0 +1,146 @@
+"""The population's parameters, with units, intervals, and what else is known of them."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from softfinger.figures.style import label_parameter_unit
+from softfinger.report.blocks import Block, Cell, Paragraph, Section, Table, number, text
+from softfinger.report.formatting import (
+    format_interval,
+    format_measure,
+    format_number,
+    format_percent,
+)
+from softfinger.report.material import Material
+from softfinger.report.pictures import capital, picture_histograms, picture_hyperparameters
+
+
+def build_parameters(material: Material) -> Section:
+    """Build the section on the hyperparameters."""
+    if material.hyperparameters is None:
+        blocks: list[Block | None] = [Paragraph("The fit was not run.", "warning")]
+    else:
+        blocks = [
+            Paragraph(describe_scales(material)),
+            build_centre_table(material),
+            build_spread_table(material),
+            picture_hyperparameters(material),
+        ]
+    blocks += [
+        picture_histograms(material, initial=False),
+        picture_histograms(material, initial=True),
+    ]
+    return Section("parameters", "The parameters of the finger", tuple(b for b in blocks if b))
+
+
+def describe_scales(material: Material) -> str:
+    """Say what centre and spread mean, and whether the paper's table can stand beside them."""
+    words = (
+        "Each parameter varies from trial to trial. Its centre is the median over trials, on its "
+        "own scale; its spread is the standard deviation over trials of its natural logarithm (0.2 "
+        "is about ± 20 %), and for q_ini, which is normal, in rad. "
+    )
+    if material.is_like_the_paper:
+        return words + (
+            "The paper's table stands beside them: it describes the paper's own finger, by the "
+            "two-stage way, so agreement is expected only of that finger."
+        )
+    return words + (
+        "The paper's table is not shown: it describes three joints under a torque in N m, which "
+        "this campaign does not have."
+    )
+
+
+def build_centre_table(material: Material) -> Table:
+    """Tabulate the centre of every parameter at every joint."""
+    summary = material.hyperparameters
+    share = format_percent(material.limits.ci_prob)
+    rows = []
+    for parameter, joint, here in each_parameter(summary):
+        centre, sd = float(here["centre"]), float(here["centre_sd"])
+        low, high = here["centre_quantile"].values[[0, -1]]
+        row = [
+            text(parameter),
+            number(str(joint), joint),
+            text(label_parameter_unit(parameter, material.load_unit)),
+            number(format_measure(centre, sd), centre),
+            text(format_interval(float(low), float(high))),
+        ]
+        row += [show_rival(here, name, parameter, "mu") for name in list_rivals(summary)]
+        rows.append(tuple(row))
+    columns = ("parameter", "joint", "unit", "centre, median ± sd", f"{share} interval")
+    caption = (
+        f"Centre of every parameter over n = {material.angles['trial'].size} trials: posterior "
+        f"median ± posterior standard deviation, {share} equal-tailed interval"
+        f"{explain_rivals(summary)}. {capital(material.cite('posterior', 'least_squares'))}."
+    )
+    return Table("centres", caption, (*columns, *name_rivals(summary)), tuple(rows))
+
+
+def build_spread_table(material: Material) -> Table:
+    """Tabulate the spread of every parameter at every joint."""
+    summary = material.hyperparameters
+    share = format_percent(material.limits.ci_prob)
+    rows = []
+    for parameter, joint, here in each_parameter(summary):
+        draws = here.sel(statistic="sigma")
+        quantiles, sd = draws["quantile_value"].values, float(draws["sd"])
+        row = [
+            text(parameter),
+            number(str(joint), joint),
+            text("rad" if parameter == "q_ini" else "1 (of ln)"),
+            number(format_measure(float(quantiles[2]), sd), float(quantiles[2])),
+            text(format_interval(float(quantiles[0]), float(quantiles[-1]))),
+        ]
+        row += [show_rival(here, name, parameter, "sigma") for name in list_rivals(summary)]
+        rows.append(tuple(row))
+    columns = ("parameter", "joint", "unit", "spread σ, median ± sd", f"{share} interval")
+    caption = (
+        f"Spread of every parameter over n = {material.angles['trial'].size} trials: posterior "
+        f"median ± posterior standard deviation, {share} equal-tailed interval"
+        f"{explain_rivals(summary)}. {capital(material.cite('posterior', 'least_squares'))}."
+    )
+    return Table("spreads", caption, (*columns, *name_rivals(summary)), tuple(rows))
+
+
+def each_parameter(summary: xr.Dataset) -> list[tuple[str, int, xr.Dataset]]:
+    """List parameter, joint and what is known of them."""
+    return [
+        (str(parameter), int(joint), summary.sel(parameter=parameter, joint=joint))
+        for parameter in summary["parameter"].values
+        for joint in summary["joint"].values
+    ]
+
+
+RIVALS = {"two_stage": "two-stage", "paper": "the paper", "truth": "truth"}
+
+
+def list_rivals(summary: xr.Dataset) -> list[str]:
+    """List what stands beside the posterior."""
+    return [name for name in RIVALS if name in summary]
+
+
+def name_rivals(summary: xr.Dataset) -> tuple[str, ...]:
+    """Name the columns beside the posterior."""
+    return tuple(RIVALS[name] for name in list_rivals(summary))
+
+
+def explain_rivals(summary: xr.Dataset) -> str:
+    """Explain the columns beside the posterior."""
+    words = {
+        "two_stage": "two-stage: least squares per trial, outliers dropped, then a distribution "
+        "fitted to the estimates",
+        "paper": "the paper: its printed table",
+        "truth": "truth: what the simulation drew from",
+    }
+    return "".join(f"; {words[name]}" for name in list_rivals(summary))
+
+
+def show_rival(here: xr.Dataset, name: str, parameter: str, statistic: str) -> Cell:
+    """Show another estimate on the scale of the table."""
+    value = float(here[name].sel(statistic=statistic))
+    if statistic == "mu" and parameter != "q_ini":
+        value = float(np.exp(value))
+    return number(format_number(value), value)

@@ -1,0 +1,103 @@
+"""Which parameter's spread causes the spread of the motion."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from softfinger.report.blocks import Paragraph, Section, Table, number, text
+from softfinger.report.formatting import format_number, format_percent
+from softfinger.report.material import Material
+from softfinger.report.pictures import capital, picture_densities, picture_sobol, select_sobol
+
+
+def build_sensitivity(material: Material) -> Section:
+    """Build the section on the spread of the motion and its causes."""
+    if "sobol" not in material:
+        blocks: tuple = (Paragraph("The sensitivity was not computed.", "note"),)
+    else:
+        blocks = (
+            picture_sobol(material),
+            build_sobol_table(material),
+            build_design_table(material),
+        )
+    densities = picture_densities(material)
+    return Section(
+        "sensitivity", "What causes the spread?", tuple(b for b in (*blocks, densities) if b)
+    )
+
+
+def choose_times(sobol: xr.Dataset) -> list[float]:
+    """Choose the moments to tabulate: early, middle and end, where the artifact has them."""
+    end = float(sobol["time"].max())
+    return sorted({float(t) for t in (0.1, 1.0, end / 3, end) if t <= end})
+
+
+def build_sobol_table(material: Material) -> Table:
+    """Tabulate first-order indices with their bounds at a few moments."""
+    sobol = material.get("sobol").sel(estimate="posterior")
+    rows = []
+    for moment in choose_times(sobol):
+        now = sobol.sel(time=moment, method="nearest")
+        for joint in now["joint"].values:
+            for parameter in now["parameter"].values:
+                here = now.sel(joint=joint, parameter=parameter)
+                first, total = float(here["first_order"]), float(here["total"])
+                low, high = here["first_order_quantile"].values[[0, -1]]
+                rows.append(
+                    (
+                        number(format_number(float(now["time"])), float(now["time"])),
+                        number(str(joint), joint),
+                        text(parameter),
+                        number(format_percent(first, 1), first),
+                        text(f"{format_percent(low, 1)} to {format_percent(high, 1)}"),
+                        number(format_percent(total, 1), total),
+                    )
+                )
+    columns = ("time [s]", "joint", "parameter", "alone", "90 % interval", "with others")
+    caption = (
+        "Share of the variance between trials that each parameter causes, alone and together with "
+        "others (first-order and total Sobol indices): means over the posterior, 90 % equal-tailed "
+        f"interval over its draws. {capital(material.cite('sobol'))}."
+    )
+    return Table("sobol", caption, columns, tuple(rows), folded=len(rows) > 16)
+
+
+def build_design_table(material: Material) -> Table | None:
+    """Tabulate by how much the spread would shrink if one parameter varied half as much."""
+    sobol = material.get("sobol")
+    if "spread_shrinkage" not in sobol:
+        return None
+    shrinkage = sobol["spread_shrinkage"].sel(estimate="posterior", change="halved")
+    bounds = sobol["spread_shrinkage_quantile"].sel(change="halved")
+    rows = []
+    for run in sobol["running_time"].values:
+        for joint in sobol["joint"].values:
+            for parameter in sobol["parameter"].values:
+                place = {"running_time": run, "joint": joint, "parameter": parameter}
+                value = float(shrinkage.sel(place))
+                low, high = bounds.sel(place).values[[0, -1]]
+                rows.append(
+                    (
+                        number(format_number(float(run)), run),
+                        number(str(joint), joint),
+                        text(parameter),
+                        number(format_percent(value, 1), value),
+                        text(f"{format_percent(low, 1)} to {format_percent(high, 1)}"),
+                    )
+                )
+    columns = ("running time [s]", "joint", "parameter", "spread shrinks by", "90 % interval")
+    caption = (
+        "For design: by how much the angle's spread over a running time would shrink if one "
+        "parameter varied half as much from trial to trial. "
+        f"{capital(material.cite('sobol'))}."
+    )
+    return Table("design", caption, columns, tuple(rows), folded=len(rows) > 16)
+
+
+def find_main_cause(sobol: xr.Dataset, joint: int) -> tuple[str, float, float]:
+    """Find the parameter of the largest first-order index at the end: its name, share, time."""
+    end = select_sobol(sobol).isel(time=-1).sel(joint=joint)["first_order"]
+    end = end.sel(quantile=0.5) if "quantile" in end.dims else end
+    place = int(np.argmax(end.values))
+    return str(end["parameter"].values[place]), float(end[place]), float(end["time"])

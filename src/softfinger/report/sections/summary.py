@@ -1,0 +1,114 @@
+"""The head of the page: the question, the verdicts, and the answer in a few sentences."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from softfinger.report.blocks import Check, Listing, Section, Tile
+from softfinger.report.checks import (
+    check_calibration,
+    check_computation,
+    check_fit,
+    combine,
+    measure_shared_residual,
+)
+from softfinger.report.formatting import (
+    count_things,
+    format_number,
+    format_percent,
+    join_words,
+)
+from softfinger.report.material import Material
+from softfinger.report.sections.mismatch import judge_mismatch
+from softfinger.report.sections.sensitivity import find_main_cause
+
+
+def judge(material: Material) -> tuple[Tile, ...]:
+    """Judge computation, fit and calibration; a single failed check makes a tile red."""
+    return (
+        judge_checks(
+            "Computation", ("sound", "not sound"), check_computation(material), "computation"
+        ),
+        judge_checks(
+            "Calibration", ("as claimed", "off"), check_calibration(material), "calibration"
+        ),
+        judge_checks(
+            "Model against recordings", ("agree", "differ"), check_fit(material), "predictive"
+        ),
+        judge_mismatch(material),
+    )
+
+
+def judge_checks(
+    question: str, answers: tuple[str, str], checks: tuple[Check, ...], anchor: str
+) -> Tile:
+    """Sum checks up in one tile that names what failed."""
+    passed = combine(checks)
+    failed = [f"{check.name} {check.found}" for check in checks if check.passed is False]
+    made = sum(check.passed is not None for check in checks)
+    detail = join_words(failed) if failed else f"{made} of {len(checks)} checks made, none failed"
+    answer = "not judged" if passed is None else answers[0] if passed else answers[1]
+    return Tile(question, answer, passed, detail, anchor)
+
+
+def build_question(material: Material) -> Section:
+    """Build the answer in short."""
+    sentences = [describe_campaign(material), *describe_fit(material), *describe_causes(material)]
+    return Section(
+        "question", "The question, and the answer in short", (Listing(tuple(sentences)),)
+    )
+
+
+def describe_campaign(material: Material) -> str:
+    """Say what was recorded."""
+    angles = material.angles
+    aside = angles["set_aside_trial"].size
+    return (
+        f"{count_things(angles['trial'].size, 'trial')} of one finger of "
+        f"{count_things(angles['joint'].size, 'joint')} are used, "
+        f"{f'{aside} set aside' if aside else 'none was set aside'}; the data are {material.source}."
+    )
+
+
+def describe_fit(material: Material) -> list[str]:
+    """Say how stiff the joints are, how much they vary, and what the model leaves."""
+    summary, residuals = material.hyperparameters, material.residuals
+    if summary is None or residuals is None:
+        return ["The fit was not run."]
+    stiff = summary.sel(parameter="k_v")
+    spread = stiff["quantile_value"].sel(statistic="sigma", quantile=0.5)
+    parts = [
+        f"{format_number(float(centre))} (± {format_percent(float(sigma))}) at joint {joint}"
+        for joint, centre, sigma in zip(
+            stiff["joint"].values, stiff["centre"].values, spread.values, strict=True
+        )
+    ]
+    unit = f"{material.load_unit}/rad"
+    sentences = [f"Stiffness k_v [{unit}], with its spread between trials: {join_words(parts)}."]
+    excess = measure_shared_residual(residuals)
+    if excess >= material.limits.shared_residual_max:
+        largest = 1e3 * float(np.abs(residuals["mean_residual"]).max())
+        sentences.append(
+            f"The model misses motion that the trials share: up to {format_number(largest, 2)} mrad "
+            f"on average, {format_number(excess, 2)} times what chance leaves."
+        )
+    peaks = residuals["peak_frequency"].values
+    rings = sorted({f"{peak:.1f} Hz" for peak in peaks[np.isfinite(peaks)]})
+    if rings:
+        sentences.append(
+            f"After each change of load the finger rings at {join_words(rings)}, which the model "
+            "does not have: it leaves out the finger's inertia."
+        )
+    return sentences
+
+
+def describe_causes(material: Material) -> list[str]:
+    """Say which parameter causes most of the spread at the end."""
+    if "sobol" not in material:
+        return []
+    parts = []
+    for joint in material.angles["joint"].values:
+        name, share, end = find_main_cause(material.get("sobol"), int(joint))
+        parts.append(f"{name} at joint {joint} ({format_percent(share)})")
+    when = format_number(end)
+    return [f"After {when} s most of the spread between trials is caused by {join_words(parts)}."]

@@ -1,0 +1,280 @@
+"""Artifacts of the declared shapes, drawn from simple formulae: 5 trials, 3 joints, 41 frames."""
+
+import numpy as np
+import xarray as xr
+
+PARAMETERS = ["k_v", "c_v", "c_p", "q_ini"]
+CENTRE = np.array([-2.4, -3.6, 3.0, 0.02])
+SPREAD = np.array([0.2, 0.5, 0.7, 0.01])
+QUANTILES = [0.05, 0.25, 0.5, 0.75, 0.95]
+LOAD = 0.04
+CONFIG = {
+    "seed": 7,
+    "campaign": "/somewhere/of/ours",
+    "report": {
+        "ci_prob": 0.9,
+        "r_hat_max": 1.01,
+        "ess_min": 400.0,
+        "divergences_max": 0,
+        "pareto_k_max": 0.7,
+        "shared_residual_max": 2.0,
+        "coverage_tolerance": 0.05,
+    },
+}
+
+
+def creep(parameters, time, load):
+    """The step solution; parameters (..., 4) on their own scale."""
+    k_v, c_v, c_p, q_ini = np.moveaxis(np.asarray(parameters)[..., None, :], -1, 0)
+    return load / k_v * (1 - np.exp(-k_v / c_v * time)) + load / c_p * time + q_ini
+
+
+def make_parameters(n_trial, n_joint, seed=1):
+    draws = CENTRE + SPREAD * np.random.default_rng(seed).standard_normal((n_trial, n_joint, 4))
+    draws[..., :3] = np.exp(draws[..., :3])
+    return draws
+
+
+def make_angles(n_trial=5, n_joint=3, n_frame=41, *, load_kind="tension_n", load_scale=1.0):
+    parameters = make_parameters(n_trial, n_joint)
+    parameters[..., :3] *= load_scale
+    time = np.broadcast_to(np.linspace(0, 30, n_frame), (n_trial, n_frame))
+    level = LOAD * load_scale * (1 + (np.arange(n_trial) % 2 if load_kind == "command" else 0))
+    level = np.broadcast_to(level, n_trial)
+    angle = creep(parameters, time[:, None], level[:, None, None])
+    angle += 0.003 * np.random.default_rng(2).standard_normal(angle.shape)
+    flag = np.zeros(angle.shape, np.uint8)
+    angle[1, 0, 5], flag[1, 0, 5] = np.nan, 1
+    angle[2, -1, 7], flag[2, -1, 7] = np.nan, 4
+    joint = np.arange(1, n_joint + 1)
+    return xr.Dataset(
+        {
+            "time": (("trial", "frame"), time),
+            "joint_angle": (("trial", "joint", "frame"), angle),
+            "joint_angle_covariance": (
+                ("trial", "frame", "joint", "other_joint"),
+                np.full((n_trial, n_frame, n_joint, n_joint), np.nan),
+            ),
+            "angle_flag": (("trial", "joint", "frame"), flag),
+            "load_time": (("trial", "knot"), np.tile([0.0, 30.0], (n_trial, 1))),
+            "load_torque": (("trial", "knot"), np.repeat(level[:, None], 2, axis=1)),
+            "load_kind": ("trial", [load_kind] * n_trial),
+            "started_at": ("trial", np.arange(n_trial) * 120.0),
+            "covariate_value": (("trial", "covariate"), 20.0 + np.zeros((n_trial, 1))),
+            "link_length": ("joint", np.full(n_joint, 0.025)),
+            "link_mass": ("joint", np.full(n_joint, 0.005)),
+            "link_centre": ("joint", np.full(n_joint, 0.0125)),
+            "link_inertia": ("joint", np.full(n_joint, 2.6e-7)),
+            "joint_length": ((), 0.008),
+            "wire_offset": ((), 0.005),
+            "set_aside_reason": ("set_aside_trial", ["video/trial_x.avi: no frame can be read"]),
+        },
+        coords={
+            "trial": [f"trial_{i:03d}" for i in range(1, n_trial + 1)],
+            "joint": joint,
+            "other_joint": joint,
+            "covariate": ["temperature_c"],
+            "set_aside_trial": ["trial_x"],
+        },
+        attrs={
+            "campaign": "example of a campaign",
+            "source": "synthetic",
+            "noise_sd_rad": 0.003,
+        },
+    )
+
+
+def make_markers(n_trial=2, n_frame=41):
+    names = ["base_1", "base_2", "link_1_1", "link_1_2", "link_2_1", "link_2_2"]
+    time = np.linspace(0, 30, n_frame)
+    heading = np.linspace(0, 1, len(names)) * np.linspace(0, 1, n_frame)[:, None]
+    along = 60 * np.arange(len(names))
+    position = np.stack([100 + along * np.cos(heading), 300 - along * np.sin(heading)], axis=-1)
+    shape = (n_trial, n_frame, len(names))
+    return xr.Dataset(
+        {
+            "time": (("trial", "frame"), np.broadcast_to(time, (n_trial, n_frame))),
+            "marker_position": (
+                ("trial", "frame", "marker", "axis"),
+                np.broadcast_to(position, (*shape, 2)),
+            ),
+            "marker_position_sd": (("trial", "frame", "marker"), np.full(shape, 0.02)),
+            "marker_flag": (("trial", "frame", "marker"), np.zeros(shape, np.uint8)),
+            "set_aside_reason": ("trial", [""] * n_trial),
+        },
+        coords={
+            "trial": [f"trial_{i:03d}" for i in range(1, n_trial + 1)],
+            "marker": names,
+            "axis": ["x", "y"],
+        },
+    )
+
+
+def make_least_squares(angles):
+    trial, joint = angles["trial"], angles["joint"]
+    estimate = make_parameters(trial.size, joint.size)
+    if str(angles["load_kind"].values[0]) == "command":
+        estimate[..., :3] *= float(angles["load_torque"].min()) / LOAD
+    value = np.concatenate([np.log(estimate[..., :3]), estimate[..., 3:]], axis=-1)
+    kept = np.ones(estimate.shape, bool)
+    kept[0, 0, 2] = False
+    dims = ("trial", "joint", "parameter")
+    return xr.Dataset(
+        {
+            "estimate": (dims, estimate),
+            "estimate_sd": (dims, 0.01 * estimate),
+            "kept": (dims, kept),
+            "residual_rms": (("trial", "joint"), np.full(estimate.shape[:2], 0.003)),
+            "population_mean": (("joint", "parameter"), value.mean(axis=0)),
+            "population_sd": (("joint", "parameter"), value.std(axis=0, ddof=1)),
+        },
+        coords={"trial": trial, "joint": joint, "parameter": PARAMETERS},
+    )
+
+
+def make_posterior(angles, least_squares, n_chain=4, n_draw=60):
+    rng = np.random.default_rng(3)
+    joint, trial = angles["joint"], angles["trial"]
+    shape = (n_chain, n_draw, joint.size)
+    mean, sd = (least_squares[f"population_{name}"].values for name in ("mean", "sd"))
+    groups = {"posterior": {}, "prior": {}}
+    for place, name in enumerate(["log_k_v", "log_c_v", "log_c_p", "q_ini"]):
+        error = sd[:, place] / np.sqrt(trial.size)
+        hyper = {
+            f"mu_{name}": mean[:, place] + error * rng.standard_normal(shape),
+            f"sigma_{name}": sd[:, place] * np.exp(0.3 * rng.standard_normal(shape)),
+        }
+        groups["posterior"] |= {key: (("chain", "draw", "joint"), v) for key, v in hyper.items()}
+        wide = mean[:, place] + rng.standard_normal((1, 50, joint.size))
+        groups["prior"][f"mu_{name}"] = (("chain", "draw", "joint"), wide)
+        own = least_squares["estimate"].values[..., place]
+        own = own if name == "q_ini" else np.log(own)
+        draws = own + 0.01 * sd[:, place] * rng.standard_normal((n_chain, n_draw, *own.shape))
+        groups["posterior"][name] = (("chain", "draw", "trial", "joint"), draws)
+    noise = {
+        "noise_sd": 0.003 * np.exp(0.01 * rng.standard_normal(shape)),
+        "noise_autocorrelation": 0.3 + 0.02 * rng.standard_normal(shape),
+    }
+    groups["posterior"] |= {key: (("chain", "draw", "joint"), v) for key, v in noise.items()}
+    coords = {"joint": joint.values, "trial": trial.values}
+    trees = {name: xr.Dataset(variables, coords=coords) for name, variables in groups.items()}
+    trees["sample_stats"] = xr.Dataset(
+        {"diverging": (("chain", "draw"), np.zeros((n_chain, n_draw), bool))}
+    )
+    return xr.DataTree.from_dict(trees)
+
+
+def make_bands(angles, n_time=31):
+    protocols = np.unique(angles["load_torque"].values[:, -1])
+    joint, time = angles["joint"].values, 30 * np.linspace(0, 1, n_time) ** 2
+    shape = (protocols.size, joint.size, n_time)
+    middle = 0.4 * (1 - np.exp(-time)) + 0.002 * time + np.zeros(shape)
+    width = np.array([-1.6, -0.7, 0, 0.7, 1.6]) * 0.05
+    quantiles = middle[..., None] + width
+    both = ("estimate", "protocol", "joint", "time")
+    twice = np.broadcast_to(middle, (2, *shape))
+    levels, windows = [0.5, 0.9], ["whole", "first_second"]
+    scored = ("estimate", "protocol", "window", "joint")
+    covered = np.broadcast_to(levels, (2, protocols.size, 2, joint.size, 2)) - 0.01
+    bounds = np.stack([covered - 0.05, np.minimum(covered + 0.04, 1)], axis=-1)
+    model = np.stack([quantiles * 1.02, quantiles])
+    of_trial = np.searchsorted(protocols, angles["load_torque"].values[:, -1]) + 1
+    return xr.Dataset(
+        {
+            "joint_angle_mean": (both, twice),
+            "joint_angle_sd": (both, np.full(twice.shape, 0.05)),
+            "joint_angle_quantile": ((*both, "quantile"), model),
+            "predicted_quantile": ((*both, "quantile"), model),
+            "recorded_mean": (both[1:], middle),
+            "recorded_sd": (both[1:], np.full(shape, 0.05)),
+            "recorded_quantile": ((*both[1:], "quantile"), quantiles * 0.99),
+            "recorded_n": (both[1:], np.full(shape, 5)),
+            "coverage": ((*scored, "ci_prob"), covered),
+            "coverage_bound": ((*scored, "ci_prob", "bound"), bounds),
+            "crps": (scored, np.full(covered.shape[:-1], 0.02)),
+            "protocol_of_trial": ("trial", [f"protocol_{i}" for i in of_trial]),
+        },
+        coords={
+            "estimate": ["two_stage", "posterior"],
+            "protocol": [f"protocol_{i + 1}" for i in range(protocols.size)],
+            "window": windows,
+            "joint": joint,
+            "time": time,
+            "quantile": QUANTILES,
+            "ci_prob": levels,
+            "bound": ["lower", "upper"],
+            "trial": angles["trial"].values,
+        },
+        attrs={"bands_are": "in-sample: the scored trials took part in the estimates"},
+    )
+
+
+def make_densities(joints, n_time=4, n_angle=101):
+    time = np.array([0.1, 1.0, 10.0, 30.0])[:n_time]
+    centre = 0.4 * (1 - np.exp(-time)) + 0.002 * time
+    sd = 0.02 + 0.002 * time
+    angle = centre[:, None] + sd[:, None] * np.linspace(-4, 4, n_angle)
+    density = np.exp(-0.5 * np.linspace(-4, 4, n_angle) ** 2) / (np.sqrt(2 * np.pi) * sd[:, None])
+    dims, shape = ("joint", "time", "angle"), (joints.size, n_time, n_angle)
+    both = np.broadcast_to(density, (2, *shape))
+    return xr.Dataset(
+        {
+            "joint_angle": (dims, np.broadcast_to(angle, shape)),
+            "density": (("estimate", *dims), both),
+            "density_bound": ((*dims, "bound"), np.stack([0.9 * both[1], 1.1 * both[1]], -1)),
+            "probability_shown": (("estimate", *dims[:2]), np.full((2, *shape[:2]), 0.99)),
+        },
+        coords={
+            "estimate": ["two_stage", "posterior"],
+            "joint": joints.values,
+            "time": time,
+            "bound": ["lower", "upper"],
+        },
+    )
+
+
+def make_sobol(joints, n_time=31):
+    time = np.linspace(0, 30, n_time)
+    weight = np.stack([0.3 + 0 * time, np.exp(-2 * time), time / 30, 0.02 + np.exp(-5 * time)], -1)
+    share = weight / weight.sum(axis=-1, keepdims=True)
+    first = np.broadcast_to(0.97 * share, (2, joints.size, n_time, 4))
+    bounds = np.stack([0.9 * first[1], first[1], np.minimum(1.1 * first[1], 1)], axis=-1)
+    dims = ("joint", "time", "parameter")
+    return xr.Dataset(
+        {
+            "first_order": (("estimate", *dims), first),
+            "total": (("estimate", *dims), first / 0.97),
+            "first_order_quantile": ((*dims, "quantile"), bounds),
+        },
+        coords={
+            "estimate": ["two_stage", "posterior"],
+            "joint": joints.values,
+            "time": time,
+            "parameter": PARAMETERS,
+            "quantile": [0.05, 0.5, 0.95],
+        },
+    )
+
+
+def make_artifacts(**options):
+    angles = make_angles(**options)
+    least_squares = make_least_squares(angles)
+    artifacts = {
+        "angles": angles,
+        "markers": make_markers(),
+        "least_squares": least_squares,
+        "posterior": make_posterior(angles, least_squares),
+        "bands": make_bands(angles),
+        "densities": make_densities(angles["joint"]),
+        "sobol": make_sobol(angles["joint"]),
+    }
+    for artifact in artifacts.values():
+        artifact.attrs |= {
+            "stage": "fit",
+            "inputs": '{"angles": "0123456789abcdef"}',
+            "code_sha256": "ab" * 32,
+            "environment_sha256": "cd" * 32,
+            "params_sha256": "ef" * 32,
+            "seed": 7,
+        }
+    return artifacts
