@@ -4,3 +4,9 @@ The paper's joint is a sum of three independent parts under any load history: th
 (k_v, c_v), the flow of c_p and q_ini. Its moments, indices and densities are therefore exact up to
 quadratures of one or two dimensions. Other forward models take the sampling routes of `general`.
 """
+
+from softfinger.propagation.bands import compute_bands
+from softfinger.propagation.densities import compute_densities
+from softfinger.propagation.sobol import compute_sobol
+
+__all__ = ["compute_bands", "compute_densities", "compute_sobol"]

@@ -1,23 +1,24 @@
 """The knobs of bands, densities and indices, each with its unit in its name."""
 
-from typing import Annotated
+from collections.abc import Mapping
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field
 
-from softfinger.faults import ListedFault
+from softfinger.settings import Settings, read_settings
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Time = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0)]
+Time = Annotated[float, Field(ge=0)]
 
 
-class PropagationConfig(BaseModel):
-    """Every knob of the propagation; an unknown or missing key is a fault.
+class PropagationConfig(Settings):
+    """Every knob of the propagation.
 
-    `c_p_truncation_sd` cuts the log-normal population of c_p at that many log-sd on either side;
-    None keeps it whole, and with a heavy tail the mean and sd of the angle are then what they are.
+    `draws` of the posterior at most carry the bounds. `band_samples` new trials make the quantiles
+    of the bands, on at most `band_times` times. `c_p_truncation_sd` cuts the log-normal population
+    of c_p at that many log-sd on either side; None keeps it whole, and with a heavy tail the mean
+    and the sd of the angle are then what they are.
     """
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
     draws: Annotated[int, Field(ge=1)]
     band_samples: Annotated[int, Field(ge=64)]
@@ -29,7 +30,7 @@ class PropagationConfig(BaseModel):
     c_p_truncation_sd: Positive | None
 
 
-def read_config(config: dict) -> PropagationConfig:
+def read_config(config: Mapping[str, Any]) -> PropagationConfig:
     """Validate the propagation's block of the configuration.
 
     Raises
@@ -37,12 +38,4 @@ def read_config(config: dict) -> PropagationConfig:
     ListedFault
         Lists every key that is unknown, missing or out of range.
     """
-    try:
-        return PropagationConfig.model_validate(config)
-    except ValidationError as error:
-        faults = [
-            f"{'.'.join(map(str, fault['loc']))}: {fault['msg']}"
-            + (f", got {fault['input']!r}" if fault["type"] != "missing" else "")
-            for fault in error.errors()
-        ]
-        raise ListedFault("the propagation's configuration", faults) from None
+    return read_settings(PropagationConfig, config, "propagation")
