@@ -8,7 +8,7 @@ from softfinger.propagation.density import compute_density_array
 
 MU = {1: [-2.4441, -3.6635, 2.8538, 0.02], 3: [-1.88, -3.8777, 1.3114, 0.02]}
 SIGMA = {1: [0.1973, 0.5232, 0.7011, 0.01], 3: [0.3957, 0.8223, 3.2316, 0.01]}
-ANGLE = np.linspace(-0.01, 0.9, 23)
+ANGLE = np.linspace(-0.01, 0.6, 19)
 
 
 def integrate_flow_and_initial_angle(v, impulse, mu, sigma, sd):
@@ -32,7 +32,7 @@ def integrate_all(joint, time):
     impulse = 0.04 * time
     rest = integrate_flow_and_initial_angle(v, impulse, mu[2], sigma[2], sigma[3])
     rest = make_interp_spline(v, rest, k=7)
-    z = np.linspace(-7, 7, 281)
+    z = np.linspace(-7, 7, 341)
     weight = np.exp(-(z**2) / 2)
     weight /= weight.sum()
     k, c = np.exp(mu[0] + sigma[0] * z)[:, None], np.exp(mu[1] + sigma[1] * z)
