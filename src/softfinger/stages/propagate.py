@@ -1,0 +1,41 @@
+"""Rule `propagate`: what the spread of the parameters does to the joint angles."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from softfinger.artifacts import open_artifact, open_tree, save_artifact
+from softfinger.artifacts.specs import angles as angles_spec
+from softfinger.artifacts.specs import bands as bands_spec
+from softfinger.artifacts.specs import densities as densities_spec
+from softfinger.artifacts.specs import least_squares as least_squares_spec
+from softfinger.artifacts.specs import posterior as posterior_spec
+from softfinger.propagation import compute_bands, compute_densities
+from softfinger.provenance import derive_seed, describe_run
+
+
+def propagate(
+    *,
+    angles: Path,
+    least_squares: Path,
+    posterior: Path,
+    bands: Path,
+    densities: Path,
+    config: Mapping[str, Any],
+    seed: int,
+) -> None:
+    """Write bands and densities of the joint angles of new trials."""
+    roles = {"angles": angles, "least_squares": least_squares, "posterior": posterior}
+    provenance = describe_run("propagate", roles, config, seed)
+    inputs = (
+        open_artifact(angles, angles_spec.SPEC),
+        open_artifact(least_squares, least_squares_spec.SPEC),
+        open_tree(posterior, posterior_spec.SPEC),
+    )
+    rng = np.random.default_rng(derive_seed(seed, "propagate"))
+    save_artifact(compute_bands(*inputs, config, rng), bands_spec.SPEC, bands, provenance)
+    save_artifact(compute_densities(*inputs, config), densities_spec.SPEC, densities, provenance)

@@ -1,0 +1,29 @@
+"""Rule `track`: follow the markers through the videos of some trials."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from softfinger.artifacts import save_artifact
+from softfinger.artifacts.specs.markers import SPEC
+from softfinger.campaign import read_campaign
+from softfinger.provenance import describe_run
+from softfinger.tracking import track_trials
+
+
+def track(
+    *,
+    folder: Path,
+    trials: Sequence[str],
+    tables: Sequence[Path],
+    videos: Sequence[Path],
+    markers: Path,
+    config: Mapping[str, Any],
+    seed: int,
+) -> None:
+    """Write the marker positions of the named trials of a campaign."""
+    provenance = describe_run("track", {"tables": tables, "videos": videos}, config, seed)
+    found = track_trials(read_campaign(folder), trials)
+    save_artifact(found, SPEC, markers, provenance)

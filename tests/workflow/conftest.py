@@ -1,0 +1,58 @@
+"""One small run of the whole workflow from raw video, shared by the tests of this folder."""
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+PROJECT = Path(__file__).parents[2]
+SMALL = """\
+out: results
+trials_per_job: 2
+virtual_rig: {n_trials: 3, duration_s: 4.0, fps: 15.0, load_time_s: [0.0, 4.0]}
+"""
+
+
+@dataclass(frozen=True)
+class Project:
+    """A copy of the project in which a test may edit code."""
+
+    root: Path
+
+    def snakemake(self, *arguments: str) -> str:
+        """Run Snakemake on the copy's own code; what it says."""
+        command = [sys.executable, "-m", "snakemake", *arguments, "--configfile", "small.yaml"]
+        environment = os.environ | {"PYTHONPATH": str(self.root / "src")}
+        done = subprocess.run(
+            command, cwd=self.root, env=environment, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout + done.stderr
+
+
+@pytest.fixture(scope="session")
+def copy_project(tmp_path_factory) -> Callable[[], Project]:
+    def copy() -> Project:
+        root = tmp_path_factory.mktemp("project")
+        for name in ("src", "workflow", "config", "profiles"):
+            shutil.copytree(
+                PROJECT / name, root / name, ignore=shutil.ignore_patterns("*.nbi", "*.nbc")
+            )
+        for name in ("Snakefile", "environment.lock"):
+            shutil.copy(PROJECT / name, root / name)
+        (root / "small.yaml").write_text(SMALL)
+        return Project(root)
+
+    return copy
+
+
+@pytest.fixture(scope="session")
+def finished(copy_project) -> Project:
+    project = copy_project()
+    project.snakemake("all", "--cores", "2")
+    return project
