@@ -1,0 +1,70 @@
+"""The catalogue of left-out physics: one file each, open to effects of others.
+
+A package adds its own by an entry point in the group `softfinger.effects` that names an `Effect`.
+"""
+
+from functools import cache
+from importlib.metadata import entry_points
+
+from softfinger.faults import Fault
+from softfinger.mechanics.effects import (
+    actuator_lag,
+    camera_delay,
+    contact_stop,
+    fatigue_softening,
+    fractional_creep,
+    gravity,
+    inertia,
+    joint_coupling,
+    lens_distortion,
+    moment_arm,
+    preload_memory,
+    second_retardation,
+    strain_stiffening,
+    stress_nonlinear_flow,
+    temperature,
+    wire_friction,
+    yield_threshold,
+)
+from softfinger.mechanics.effects.effect import Effect
+
+MODULES = (
+    second_retardation,
+    fractional_creep,
+    strain_stiffening,
+    wire_friction,
+    moment_arm,
+    actuator_lag,
+    fatigue_softening,
+    temperature,
+    preload_memory,
+    contact_stop,
+    yield_threshold,
+    stress_nonlinear_flow,
+    joint_coupling,
+    gravity,
+    inertia,
+    camera_delay,
+    lens_distortion,
+)
+
+
+@cache
+def list_effects() -> dict[str, Effect]:
+    """List every known effect by its id, the built-in ones first.
+
+    >>> list(list_effects())[:2]
+    ['second_retardation', 'fractional_creep']
+    """
+    effects = {module.EFFECT.id: module.EFFECT for module in MODULES}
+    for point in entry_points(group="softfinger.effects"):
+        effect = point.load()
+        if not isinstance(effect, Effect):
+            raise Fault(
+                f"entry point {point.value!r} in group softfinger.effects is no Effect: "
+                "it must name an instance of softfinger.mechanics.effects.effect.Effect"
+            )
+        if effect.id in effects:
+            raise Fault(f"effect id {effect.id!r} of {point.value!r} is taken: choose another")
+        effects[effect.id] = effect
+    return effects

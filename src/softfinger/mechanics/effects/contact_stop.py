@@ -1,0 +1,37 @@
+"""A joint that meets a stop: a spring that acts beyond an angle, hard or soft."""
+
+import numpy as np
+
+from softfinger.mechanics.effects.effect import Effect, Form, Parameter, Setting, Values, positive
+
+WIDTHS_RAD = {"hard": 0.002, "soft": 0.03}
+
+
+def _build_form(kind: str, setting: Setting) -> Form:
+    stiffness = float(np.median(setting.stiffness))
+    spring = positive(
+        "stop_stiffness_nm_per_rad",
+        5 * stiffness,
+        per="joint",
+        floor=0.05 * stiffness,
+        starts=(0.3 * stiffness,),
+    )
+    place = Parameter(
+        "stop_share_of_reach", 0.8, 0.15, per="joint", low=0.05, high=1.0, starts=(0.6, 0.8, 0.92)
+    )
+
+    def slots(values: Values) -> dict:
+        return {
+            "stop_stiffness": values["stop_stiffness_nm_per_rad"],
+            "stop_angle": values["stop_share_of_reach"] * setting.reach,
+            "stop_width": WIDTHS_RAD[kind],
+        }
+
+    return Form(kind, (spring, place), slots)
+
+
+def _build_forms(setting: Setting) -> list[Form]:
+    return [_build_form(kind, setting) for kind in WIDTHS_RAD]
+
+
+EFFECT = Effect("contact_stop", "the joint meets a stop", "within_trial", _build_forms)

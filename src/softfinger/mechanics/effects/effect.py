@@ -1,0 +1,178 @@
+"""What an effect is: an id, a sentence, and a family of forms that fill slots of the forward model.
+
+A form turns a few parameters into values of slots; with its amplitudes at zero it is the base
+model. Priors are normal on the internal scale (the logarithm, for a parameter marked log), cut at
+the bounds.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Values = Mapping[str, NDArray[np.float64]]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter of a form.
+
+    Attributes
+    ----------
+    name
+        With its unit as suffix; `_J` or `_JK` is added for each joint or pair of neighbours.
+    mean, sd
+        Prior on the internal scale.
+    per
+        One for the chain, for each joint, or for each ordered pair of neighbouring joints.
+    log
+        The internal scale is the natural logarithm.
+    low, high
+        Bounds on the internal scale.
+    amplitude
+        The effect is absent where all amplitudes are 0.
+    floor
+        Amplitudes (or exp of a log parameter) below this are never claimed: systematic errors of
+        a good rig reach that far.
+    starts
+        Internal values from which a fit begins; every combination of starts is tried.
+    """
+
+    name: str
+    mean: float = 0.0
+    sd: float = 1.0
+    per: Literal["chain", "joint", "pair"] = "chain"
+    log: bool = False
+    low: float = -np.inf
+    high: float = np.inf
+    amplitude: bool = False
+    floor: float = 0.0
+    starts: tuple[float, ...] = ()
+
+
+def positive(name: str, sd: float, **more: object) -> Parameter:
+    """Build an amplitude that cannot be negative: half-normal prior of scale `sd`."""
+    return Parameter(name, 0.0, sd, low=0.0, amplitude=True, **more)
+
+
+def signed(name: str, sd: float, **more: object) -> Parameter:
+    """Build an amplitude of either sign: normal prior of scale `sd` about 0."""
+    return Parameter(name, 0.0, sd, amplitude=True, **more)
+
+
+def time_constant(name: str, shortest: float, longest: float, starts: int = 3) -> Parameter:
+    """Build a time between two others: ± 2 sd of a log-normal prior."""
+    low, high = np.log(shortest), np.log(longest)
+    middle, sd = (low + high) / 2, (high - low) / 4
+    places = tuple(np.linspace(low, high, starts + 2)[1:-1])
+    return Parameter(name, middle, sd, log=True, low=low, high=high, starts=places)
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What is known of a campaign before an effect is fitted.
+
+    Attributes
+    ----------
+    trials, joints
+        How many.
+    interval, duration
+        [s], median frame interval, longest trial.
+    torque
+        [N m], median over trials of the largest load.
+    levels
+        How many different largest loads (5 % apart).
+    reversals
+        Whether the load falls after it has risen.
+    rests
+        Whether the load returns to a tenth or less after it has risen.
+    load_known
+        Whether there is a load log; `tension` whether it is the wire's tension.
+    stiffness
+        (joint,) [N m/rad], k_v of the base model, median over trials.
+    reach
+        (joint,) [rad], largest angle seen, q_ini included.
+    number
+        (trial,) trials done before.
+    memory
+        (trial, joint) [rad], elastic angle of the base model at the end of the trial before;
+        0 for the first.
+    rest_time
+        (trial,) [s] since the end of the trial before; NaN = unknown.
+    covariates
+        Name → (trial,), as logged.
+    geometry, masses
+        Whether wire geometry and link masses are declared.
+    """
+
+    trials: int
+    joints: int
+    interval: float
+    duration: float
+    torque: float
+    levels: int
+    reversals: bool
+    rests: bool
+    load_known: bool
+    tension: bool
+    stiffness: NDArray[np.float64]
+    reach: NDArray[np.float64]
+    number: NDArray[np.float64]
+    memory: NDArray[np.float64]
+    rest_time: NDArray[np.float64]
+    covariates: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+    geometry: bool = False
+    masses: bool = False
+
+
+@dataclass(frozen=True)
+class Form:
+    """One textbook form of an effect.
+
+    Attributes
+    ----------
+    name
+        Unique within the effect.
+    parameters
+        In the order in which they are fitted.
+    slots
+        Physical values → slots: a chain parameter comes as (), a joint parameter as (joint,), a
+        pair parameter as (joint, other joint); joints outside the fitted set hold 0.
+    covariate
+        The covariate it depends on.
+    """
+
+    name: str
+    parameters: tuple[Parameter, ...]
+    slots: Callable[[Values], dict[str, NDArray[np.float64]]]
+    covariate: str | None = None
+
+    @property
+    def by_joint(self) -> bool:
+        """Whether the form can be tied to single joints."""
+        return any(p.per == "joint" for p in self.parameters)
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One piece of physics that may have been left out.
+
+    Attributes
+    ----------
+    id
+        As in the verdict.
+    sentence
+        What happens, in plain words.
+    level
+        Where it shows.
+    build_forms
+        The forms that a campaign allows; a sentence that says why it cannot show the effect at
+        all, instead.
+    """
+
+    id: str
+    sentence: str
+    level: Literal["within_trial", "between_trials", "measurement"]
+    build_forms: Callable[[Setting], list[Form] | str]

@@ -1,0 +1,56 @@
+"""Parameters that drift with the number of trials done: linear, logarithmic or exponential."""
+
+import numpy as np
+
+from softfinger.mechanics.effects.effect import (
+    Effect,
+    Form,
+    Setting,
+    Values,
+    positive,
+    time_constant,
+)
+
+LEAST_TRIALS = 4
+TARGETS = {
+    "stiffness": ("log_k_v",),
+    "viscosity": ("log_c_v", "log_c_p"),
+    "everything": ("log_k_v", "log_c_v", "log_c_p"),
+}
+
+
+def _build_form(law: str, target: str, setting: Setting) -> Form:
+    last = setting.number.max()
+    share = positive("softening_share", 0.2, per="joint", high=0.9, floor=5e-3, starts=(0.05,))
+    memory = time_constant("softening_trials", 1.0, 2.0 * last, starts=2)
+
+    def progress(values: Values) -> np.ndarray:
+        if law == "linear":
+            return setting.number / last
+        count = setting.number / float(values["softening_trials"])
+        if law == "exponential":
+            return -np.expm1(-count)
+        end = last / float(values["softening_trials"])
+        return np.log1p(count) / np.log1p(end)
+
+    def slots(values: Values) -> dict:
+        drift = np.log1p(-values["softening_share"][None, :] * progress(values)[:, None])
+        return dict.fromkeys(TARGETS[target], drift)
+
+    parameters = (share,) if law == "linear" else (share, memory)
+    return Form(f"{law}_{target}", parameters, slots)
+
+
+def _build_forms(setting: Setting) -> list[Form] | str:
+    if setting.trials < LEAST_TRIALS:
+        return "a drift over trials needs several trials"
+    laws = ("linear", "exponential", "logarithmic")
+    return [_build_form(law, target, setting) for target in TARGETS for law in laws]
+
+
+EFFECT = Effect(
+    "fatigue_softening",
+    "the joint softens with the number of trials done",
+    "between_trials",
+    _build_forms,
+)

@@ -1,0 +1,38 @@
+"""One joint's deflection that feeds its neighbour's, through torque or through kinematics."""
+
+import numpy as np
+
+from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, signed
+
+
+def _build_forms(setting: Setting) -> list[Form] | str:
+    if setting.joints < 2:
+        return "there is only one joint"
+    stiffness = float(np.median(setting.stiffness))
+    share = signed("coupling", 0.1, per="pair", floor=2e-3, starts=(0.02,))
+    mutual = signed("coupling_mutual", 0.1, floor=2e-3, starts=(0.02,))
+    near = np.eye(setting.joints, k=1) + np.eye(setting.joints, k=-1)
+
+    def torque(values: Values) -> dict:
+        return {"coupling_stiffness": values["coupling"] * stiffness}
+
+    def own_share(values: Values) -> dict:
+        return {"coupling_share": values["coupling"]}
+
+    def kinematic(values: Values) -> dict:
+        return {"coupling_kinematic": values["coupling"]}
+
+    def mutual_torque(values: Values) -> dict:
+        return {"coupling_stiffness": values["coupling_mutual"] * near * stiffness}
+
+    return [
+        Form("mutual_torque", (mutual,), mutual_torque),
+        Form("torque", (share,), torque),
+        Form("share_of_stiffness", (share,), own_share),
+        Form("kinematic", (share,), kinematic),
+    ]
+
+
+EFFECT = Effect(
+    "joint_coupling", "one joint's deflection feeds its neighbour's", "within_trial", _build_forms
+)

@@ -1,0 +1,49 @@
+"""A joint not yet at rest when the trial starts: an elastic angle that is still relaxing.
+
+Constant (a share of the elastic angle of a usual load), or what the trial before has left after the
+rest between them.
+"""
+
+import numpy as np
+
+from softfinger.mechanics.effects.effect import (
+    Effect,
+    Form,
+    Setting,
+    Values,
+    signed,
+    time_constant,
+)
+
+
+def _build_forms(setting: Setting) -> list[Form]:
+    share = signed("residual_strain_share", 0.1, per="joint", floor=2e-3, starts=(0.03,))
+    usual = setting.torque / setting.stiffness
+    before = setting.memory
+
+    def constant(values: Values) -> dict:
+        return {"initial_angle": values["residual_strain_share"] * usual}
+
+    def kept(values: Values) -> dict:
+        return {"initial_angle": values["residual_strain_share"] * before}
+
+    def fading(values: Values) -> dict:
+        decay = np.exp(-setting.rest_time / float(values["memory_time_s"]))
+        return {"initial_angle": values["residual_strain_share"] * before * decay[:, None]}
+
+    forms = [Form("constant", (share,), constant)]
+    if setting.trials > 1 and np.any(before):
+        forms.append(Form("kept_from_trial_before", (share,), kept))
+        if np.isfinite(setting.rest_time).all() and np.ptp(setting.rest_time) > 0:
+            longest = 5 * max(setting.rest_time.max(), setting.duration)
+            memory = time_constant("memory_time_s", setting.duration / 10, longest, starts=2)
+            forms.append(Form("fading_with_rest", (share, memory), fading))
+    return forms
+
+
+EFFECT = Effect(
+    "preload_memory",
+    "the joint is not yet at rest when the trial starts",
+    "within_trial",
+    _build_forms,
+)

@@ -1,0 +1,48 @@
+"""Viscosities or stiffness that follow a logged covariate x: log c = log c₀ − s (x − x̄)."""
+
+import numpy as np
+
+from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, signed
+
+LEAST_TRIALS = 4
+TARGETS = {
+    "viscosities": ("log_c_v", "log_c_p"),
+    "flow_viscosity": ("log_c_p",),
+    "retardation_viscosity": ("log_c_v",),
+    "stiffness": ("log_k_v",),
+    "everything": ("log_k_v", "log_c_v", "log_c_p"),
+}
+
+
+def _build_form(name: str, target: str, setting: Setting) -> Form:
+    centred = setting.covariates[name] - setting.covariates[name].mean()
+    unit = name.rsplit("_", 1)[-1]
+    slope = signed(
+        f"sensitivity_per_{unit}",
+        0.3 / centred.std(),
+        floor=2e-3 / centred.std(),
+        starts=(0.05 / centred.std(),),
+    )
+
+    def slots(values: Values) -> dict:
+        shift = -values[slope.name] * centred[:, None] * np.ones(setting.joints)
+        return dict.fromkeys(TARGETS[target], shift)
+
+    return Form(f"{target}_with_{name}", (slope,), slots, covariate=name)
+
+
+def _build_forms(setting: Setting) -> list[Form] | str:
+    moving = [name for name, x in setting.covariates.items() if np.ptp(x) > 0]
+    if not moving:
+        return "no covariate was logged, or none changed"
+    if setting.trials < LEAST_TRIALS:
+        return "a dependence on a covariate needs several trials"
+    return [_build_form(name, target, setting) for name in moving for target in TARGETS]
+
+
+EFFECT = Effect(
+    "temperature",
+    "viscosity or stiffness follows a logged covariate",
+    "between_trials",
+    _build_forms,
+)

@@ -1,0 +1,53 @@
+"""Friction along the wire: distal joints get less, and loading differs from unloading.
+
+Capstan over the bend (tension · exp(−μ · bend)), a constant loss for each joint passed, or a
+Coulomb force. The direction turns over a small motion of the wire (Dahl) or with the load.
+
+Dahl (1968), Aerospace Corp. TOR-0158(3107-18)-1.
+"""
+
+import numpy as np
+
+from softfinger.mechanics.effects.effect import (
+    Effect,
+    Form,
+    Parameter,
+    Setting,
+    Values,
+    positive,
+)
+
+
+def _build_form(law: str, driver: str, setting: Setting) -> Form:
+    force = law == "force"
+    name = "friction_torque_nm" if force else "friction_coefficient"
+    amplitude = positive(
+        name,
+        0.1 * setting.torque if force else 0.2,
+        floor=2e-3 * (setting.torque if force else 1.0),
+        starts=(0.02 * setting.torque if force else 0.05,),
+    )
+    middle = np.log(0.02 if driver == "motion" else 0.02 * setting.torque)
+    width = Parameter("turning_width", middle, 1.0, log=True, low=middle - 3, high=middle + 3)
+
+    def slots(values: Values) -> dict:
+        return {
+            f"friction_{law}": values[name],
+            "friction_width": values["turning_width"],
+            "friction_driver": float(driver == "motion"),
+        }
+
+    return Form(f"{law}_by_{driver}", (amplitude, width), slots)
+
+
+def _build_forms(setting: Setting) -> list[Form] | str:
+    if not setting.reversals and setting.joints < 2:
+        return "friction shows where the load turns back or along several joints"
+    laws = ("bend", "constant", "force")
+    drivers = ("motion", "load") if setting.reversals else ("load",)
+    return [_build_form(law, driver, setting) for law in laws for driver in drivers]
+
+
+EFFECT = Effect(
+    "wire_friction", "the wire loses tension to friction on its way", "within_trial", _build_forms
+)

@@ -1,0 +1,33 @@
+"""A dashpot that flows only above a torque: by the excess (Bingham) or by the whole torque."""
+
+from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, positive
+
+
+def _build_form(kind: str, setting: Setting) -> Form:
+    threshold = positive(
+        "threshold_nm",
+        0.5 * setting.torque,
+        high=2 * setting.torque,
+        floor=0.02 * setting.torque,
+        starts=tuple(share * setting.torque for share in (0.1, 0.3, 0.6)),
+    )
+
+    def slots(values: Values) -> dict:
+        return {
+            "yield_torque": values["threshold_nm"],
+            "yield_width": 0.02 * setting.torque,
+            "yield_jump": float(kind == "whole_torque"),
+        }
+
+    return Form(kind, (threshold,), slots)
+
+
+def _build_forms(setting: Setting) -> list[Form] | str:
+    if setting.levels < 2 and not setting.reversals:
+        return "a single constant load: a threshold vanishes in c_p"
+    return [_build_form(kind, setting) for kind in ("excess", "whole_torque")]
+
+
+EFFECT = Effect(
+    "yield_threshold", "the joint flows only above a torque", "within_trial", _build_forms
+)
