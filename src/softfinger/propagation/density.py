@@ -46,7 +46,8 @@ class Distribution(NamedTuple):
     def read_density(self, angle: NDArray[np.float64]) -> NDArray[np.float64]:
         """Density [1/rad] at angles (a,) [rad]."""
         place = np.ascontiguousarray(angle - self.centre)
-        return lattice.read_density(place, self.density, self.sd, self.start, lattice.TAPER)
+        density = lattice.read_density(place, self.density, self.sd, self.start, lattice.TAPER)
+        return np.maximum(density, 0.0)  # the FFT rounds far tails to ±1e-16
 
     def read_probability(self, angle: NDArray[np.float64]) -> NDArray[np.float64]:
         """Probability of less than angles (a,) [rad]."""
