@@ -1,5 +1,6 @@
 """Small dense linear systems, solved in place without allocation."""
 
+import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
@@ -26,3 +27,34 @@ def solve_factorised(matrix: NDArray, vector: NDArray) -> None:
         for j in range(i + 1, n):
             vector[i] -= matrix[i, j] * vector[j]
         vector[i] /= matrix[i, i]
+
+
+@njit(cache=True)
+def factorise_pivoted(matrix: NDArray, pivot: NDArray) -> bool:
+    """LU with row exchanges, in place; False where the matrix is singular or not finite."""
+    n = matrix.shape[0]
+    for k in range(n):
+        best = k
+        for i in range(k + 1, n):
+            if abs(matrix[i, k]) > abs(matrix[best, k]):
+                best = i
+        pivot[k] = best
+        if not 0.0 < abs(matrix[best, k]) < np.inf:
+            return False
+        if best != k:
+            for j in range(n):
+                matrix[k, j], matrix[best, j] = matrix[best, j], matrix[k, j]
+        for i in range(k + 1, n):
+            matrix[i, k] /= matrix[k, k]
+            if matrix[i, k] != 0.0:
+                for j in range(k + 1, n):
+                    matrix[i, j] -= matrix[i, k] * matrix[k, j]
+    return True
+
+
+@njit(cache=True)
+def solve_pivoted(matrix: NDArray, pivot: NDArray, vector: NDArray) -> None:
+    """Solve in place with the factors of `factorise_pivoted`."""
+    for k in range(vector.size):
+        vector[k], vector[pivot[k]] = vector[pivot[k]], vector[k]
+    solve_factorised(matrix, vector)

@@ -1,0 +1,152 @@
+"""What a solved step yields: frames inside it, its end, its error."""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from softfinger.mechanics.forward.drives import drive_of
+from softfinger.mechanics.forward.phi import mode_response
+from softfinger.mechanics.forward.slots import CHAIN_SLOTS
+from softfinger.mechanics.forward.work import (
+    HAS_DELAY,
+    HAS_FRICTION,
+    START,
+    Model,
+    Work,
+)
+
+_DELAY = CHAIN_SLOTS.index("delay")
+_TANGENT_TOLERANCE = 1e-4  # of the largest tangent so far
+_BEND = 0.1  # how far the worst quadratic inside a step moves a mode, of a constant drive
+
+
+@njit(cache=True)
+def set_straight_drives(work: Work, load: float, rise: float) -> None:
+    """Let every drive be the load itself: a straight line over the step."""
+    work.linear.drive[:, :, 0] = load
+    work.linear.drive[:, :, 1] = rise
+    work.linear.drive[:, :, 2] = 0.0
+
+
+@njit(cache=True)
+def emit_frame(
+    model: Model,
+    work: Work,
+    span: float,
+    share: float,
+    frame: int,
+    angle: NDArray,
+    gradient: NDArray,
+) -> None:
+    """Write the joint angles and their tangents `span` seconds into the step."""
+    state, linear, weight = work.state, work.linear, work.weight
+    moving = model.groups[HAS_DELAY] and span > 0.0
+    for j in range(state.offset.size):
+        columns = model.columns[j]
+        total, velocity = state.offset[j], 0.0
+        for c in columns:
+            gradient[j, frame, c] = state.d_offset[j, c]
+        weight[:] = 0.0
+        for mode in range(linear.rate.shape[1]):
+            rate, gain, drive = linear.rate[j, mode], linear.gain[j, mode], drive_of(mode)
+            d0, d1, d2 = (
+                linear.drive[j, drive, 0],
+                linear.drive[j, drive, 1],
+                linear.drive[j, drive, 2],
+            )
+            x, decay, slower, unit, w0, w1, w2 = mode_response(
+                rate, span, share, state.mode[j, mode], gain, d0, d1, d2
+            )
+            total += x
+            velocity += gain * (d0 + share * (d1 + share * d2)) - rate * x
+            weight[drive, 0] += gain * w0
+            weight[drive, 1] += gain * w1
+            weight[drive, 2] += gain * w2
+            for c in columns:
+                gradient[j, frame, c] += (
+                    decay * state.d_mode[j, mode, c]
+                    + slower * linear.d_rate[j, mode, c]
+                    + unit * linear.d_gain[j, mode, c]
+                )
+        angle[j, frame] = total
+        if work.curved[0]:
+            for drive in range(3):
+                for power in range(3):
+                    for c in columns:
+                        change = linear.d_drive[j, drive, power, c]
+                        gradient[j, frame, c] += weight[drive, power] * change
+        if moving:
+            for c in columns:
+                gradient[j, frame, c] -= velocity * model.d_chain[c, _DELAY]
+
+
+@njit(cache=True)
+def commit_step(model: Model, work: Work, step: float) -> None:
+    """Move the state to the end of the step."""
+    state, linear, nodes = work.state, work.linear, work.nodes
+    for j in range(state.offset.size):
+        for mode in range(linear.rate.shape[1]):
+            rate, gain, drive = linear.rate[j, mode], linear.gain[j, mode], drive_of(mode)
+            d0, d1, d2 = (
+                linear.drive[j, drive, 0],
+                linear.drive[j, drive, 1],
+                linear.drive[j, drive, 2],
+            )
+            x, decay, slower, unit, w0, w1, w2 = mode_response(
+                rate, step, 1.0, state.mode[j, mode], gain, d0, d1, d2
+            )
+            state.mode[j, mode] = x
+            for c in model.columns[j]:
+                change = decay * state.d_mode[j, mode, c] + slower * linear.d_rate[j, mode, c]
+                change += unit * linear.d_gain[j, mode, c]
+                if work.curved[0]:
+                    drives = linear.d_drive[j, drive]
+                    change += gain * (w0 * drives[0, c] + w1 * drives[1, c] + w2 * drives[2, c])
+                state.d_mode[j, mode, c] = change
+    if work.curved[0]:
+        end = nodes.torque.shape[0] - 2
+        state.torque[:] = nodes.torque[end]
+        state.d_torque[:] = nodes.d_torque[end]
+        state.velocity[:] = nodes.velocity[end]
+        state.d_velocity[:] = nodes.d_velocity[end]
+        if model.groups[HAS_FRICTION]:
+            state.direction[0] = nodes.direction[end]
+            for c in range(model.d_chain.shape[0]):
+                change = nodes.d_direction[end, c]
+                for n in range(4):
+                    change += nodes.by_motion[end, n] * nodes.d_angle[n, :, c].sum()
+                state.d_direction[0, c] = change
+
+
+@njit(cache=True)
+def measure_error(model: Model, work: Work, tolerance: float) -> float:
+    """The error inside the step over the tolerance, of angles and of their tangents.
+
+    The quadratics leave the drives by what they miss at the start of the step, times a cubic that
+    vanishes at the nodes.
+    """
+    if tolerance == np.inf:
+        return 0.0
+    nodes, linear, largest = work.nodes, work.linear, work.largest
+    worst = 0.0
+    for j in range(linear.rate.shape[0]):
+        missed = linear.drive[j, :, 0].copy()
+        missed[0] -= nodes.torque[START, j] - nodes.spring[START, j]
+        missed[1] -= nodes.flow[START, j]
+        missed[2] -= nodes.torque[START, j]
+        for drive in range(3):
+            reach = _BEND * linear.weight[drive, j, 1].sum()
+            worst = max(worst, reach * abs(missed[drive]) / tolerance)
+        for c in model.columns[j]:
+            largest[c] = max(largest[c], abs(nodes.d_angle[1, j, c]), abs(nodes.d_angle[2, j, c]))
+            for drive in range(3):
+                start = nodes.d_torque[START, j, c]
+                if drive == 0:
+                    start -= nodes.d_spring[START, j, c]
+                elif drive == 1:
+                    start = nodes.d_flow[START, j, c]
+                gap = abs(linear.d_drive[j, drive, 0, c] - start)
+                reach = _BEND * linear.weight[drive, j, 1].sum()
+                if reach * gap > 0.0:
+                    worst = max(worst, reach * gap / (_TANGENT_TOLERANCE * largest[c]))
+    return worst

@@ -1,0 +1,266 @@
+"""From torques at the nodes of a step to angles at the nodes, joint by joint."""
+
+from numba import njit
+
+from softfinger.mechanics.forward.laws import (
+    flow_drive,
+    flow_tangent,
+    spring_tangent,
+    spring_torque,
+)
+from softfinger.mechanics.forward.modes import FLOW, VOIGT
+from softfinger.mechanics.forward.phi import NODES as _SHARES
+from softfinger.mechanics.forward.phi import TO_MONOMIAL, mode_response, phi_functions
+from softfinger.mechanics.forward.work import (
+    HAS_FLOW,
+    HAS_INERTIA,
+    HAS_STIFFENING,
+    START,
+    Model,
+    Work,
+)
+from softfinger.mechanics.linear import factorise, solve_factorised
+
+_TORQUE = 2  # drives: 0 of the Voigt element, 1 of the dashpot, 2 the torque itself
+
+
+@njit(cache=True)
+def drive_of(mode: int) -> int:
+    """Which drive a mode follows."""
+    return mode if mode <= FLOW else _TORQUE
+
+
+@njit(cache=True)
+def fill_weights(model: Model, work: Work, step: float) -> None:
+    """Write what the modes do at the nodes by themselves, and what unit drives at nodes add."""
+    linear, inertial = work.linear, model.groups[HAS_INERTIA]
+    linear.base[:] = 0.0
+    linear.weight[:] = 0.0
+    if inertial:
+        linear.rate_weight[:] = 0.0
+    joints, modes = linear.rate.shape
+    for j in range(joints):
+        for i in range(3):
+            linear.base[1, j, i] = work.state.offset[j]
+        for mode in range(modes):
+            rate, gain = linear.rate[j, mode], linear.gain[j, mode]
+            start, drive = work.state.mode[j, mode], drive_of(mode)
+            for i in range(3):
+                share = _SHARES[i]
+                span = step * share
+                decay, p1, p2, p3, _ = phi_functions(rate * span)
+                w0, w1, w2 = span * p1, span * share * p2, 2.0 * span * share * share * p3
+                linear.base[1, j, i] += decay * start
+                linear.base[2, j, i] -= rate * decay * start
+                if mode == VOIGT:
+                    linear.base[0, j, i] = decay * start
+                for m in range(3):
+                    unit = w0 * TO_MONOMIAL[0, m] + w1 * TO_MONOMIAL[1, m] + w2 * TO_MONOMIAL[2, m]
+                    linear.weight[drive, j, i, m] += gain * unit
+                    if inertial:
+                        linear.rate_weight[drive, j, i, m] -= rate * gain * unit
+                if inertial:
+                    linear.rate_weight[drive, j, i, i] += gain
+
+
+@njit(cache=True)
+def fill_angles(model: Model, work: Work, j: int) -> None:
+    """Write joint j's flow, spring torque, angles and velocity from its torque at the nodes."""
+    nodes, linear = work.nodes, work.linear
+    for i in range(3):
+        nodes.flow[i, j] = nodes.torque[i, j]
+        if model.groups[HAS_FLOW]:
+            nodes.flow[i, j], nodes.flow_slope[i, j] = flow_drive(
+                model.joint[j], nodes.torque[i, j], nodes.flow_partial[i, j]
+            )
+    for _ in range(30 if model.groups[HAS_STIFFENING] else 1):
+        for i in range(3):
+            elastic, angle = linear.base[0, j, i], linear.base[1, j, i]
+            for m in range(3):
+                own = linear.weight[0, j, i, m] * (nodes.torque[m, j] - nodes.spring[m, j])
+                elastic += own
+                angle += own + linear.weight[1, j, i, m] * nodes.flow[m, j]
+                angle += linear.weight[_TORQUE, j, i, m] * nodes.torque[m, j]
+            nodes.elastic[i, j], nodes.angle[i, j] = elastic, angle
+        if not model.groups[HAS_STIFFENING] or _correct_spring(model, work, j):
+            break
+    if model.groups[HAS_INERTIA]:
+        for i in range(3):
+            velocity = linear.base[2, j, i]
+            for m in range(3):
+                own = nodes.torque[m, j] - nodes.spring[m, j]
+                velocity += linear.rate_weight[0, j, i, m] * own
+                velocity += linear.rate_weight[1, j, i, m] * nodes.flow[m, j]
+                velocity += linear.rate_weight[_TORQUE, j, i, m] * nodes.torque[m, j]
+            nodes.velocity[i, j] = velocity
+
+
+@njit(cache=True)
+def _correct_spring(model: Model, work: Work, j: int) -> bool:
+    """One Newton step for the spring's torque at the nodes; True where none was needed."""
+    nodes, local = work.nodes, work.newton.local
+    missing = work.newton.right[:3]
+    worst, scale = 0.0, 0.0
+    for i in range(3):
+        torque, nodes.spring_slope[0, i, j], nodes.spring_slope[1, i, j] = spring_torque(
+            model.joint[j], nodes.elastic[i, j], nodes.angle[i, j]
+        )
+        missing[i] = torque - nodes.spring[i, j]
+        worst, scale = (
+            max(worst, abs(missing[i])),
+            max(scale, abs(nodes.torque[i, j]) + abs(torque)),
+        )
+    if not worst > 1e-13 * scale:
+        return True
+    fill_local(work, j)
+    factorise(local)
+    solve_factorised(local, missing)
+    for i in range(3):
+        nodes.spring[i, j] += missing[i]
+    return False
+
+
+@njit(cache=True)
+def fill_local(work: Work, j: int) -> None:
+    """Write I + (∂n/∂q_v + ∂n/∂q) W, the system of the spring's torque at the nodes."""
+    local, slope = work.newton.local, work.nodes.spring_slope
+    for i in range(3):
+        steep = slope[0, i, j] + slope[1, i, j]
+        for m in range(3):
+            local[i, m] = steep * work.linear.weight[0, j, i, m] + (1.0 if i == m else 0.0)
+
+
+@njit(cache=True)
+def fill_slopes_by_torque(model: Model, work: Work, j: int) -> None:
+    """Write how spring torque, angle and velocity of joint j follow its torque at the nodes."""
+    nodes, linear, newton = work.nodes, work.linear, work.newton
+    weight, rate_weight = linear.weight[:, j], linear.rate_weight[:, j]
+    by_spring, by_angle = newton.spring_by_torque[j], newton.angle_by_torque[j]
+    for i in range(3):
+        for m in range(3):
+            whole = weight[0, i, m] + weight[_TORQUE, i, m]
+            by_angle[i, m] = whole + weight[1, i, m] * nodes.flow_slope[m, j]
+            by_spring[i, m] = nodes.spring_slope[0, i, j] * weight[0, i, m]
+            by_spring[i, m] += nodes.spring_slope[1, i, j] * by_angle[i, m]
+    if model.groups[HAS_STIFFENING]:
+        fill_local(work, j)
+        factorise(newton.local)
+        for m in range(3):
+            column = newton.right[:3]
+            column[:] = by_spring[:, m]
+            solve_factorised(newton.local, column)
+            by_spring[:, m] = column
+        for i in range(3):
+            for m in range(3):
+                for k in range(3):
+                    by_angle[i, m] -= weight[0, i, k] * by_spring[k, m]
+    if model.groups[HAS_INERTIA]:
+        by_velocity = newton.velocity_by_torque[j]
+        for i in range(3):
+            for m in range(3):
+                by_velocity[i, m] = rate_weight[0, i, m] + rate_weight[_TORQUE, i, m]
+                by_velocity[i, m] += rate_weight[1, i, m] * nodes.flow_slope[m, j]
+                for k in range(3):
+                    by_velocity[i, m] -= rate_weight[0, i, k] * by_spring[k, m]
+
+
+@njit(cache=True)
+def fill_tangents_at_fixed_torque(model: Model, work: Work, step: float, j: int) -> None:
+    """Write how joint j's nodes move along each column while its torque is held."""
+    nodes, linear, state = work.nodes, work.linear, work.state
+    inertial = model.groups[HAS_INERTIA]
+    for i in range(3):
+        for c in model.columns[j]:
+            nodes.d_angle[i, j, c] = state.d_offset[j, c]
+            nodes.d_velocity[i, j, c] = 0.0
+            nodes.d_spring[i, j, c] = 0.0
+            nodes.d_flow[i, j, c] = 0.0
+            if model.groups[HAS_FLOW]:
+                nodes.d_flow[i, j, c] = flow_tangent(model.d_joint[c, j], nodes.flow_partial[i, j])
+        for mode in range(linear.rate.shape[1]):
+            rate, gain, drive = linear.rate[j, mode], linear.gain[j, mode], drive_of(mode)
+            d0, d1, d2 = linear.drive[j, drive]
+            x, decay, slower, unit, _, _, _ = mode_response(
+                rate, step * _SHARES[i], _SHARES[i], state.mode[j, mode], gain, d0, d1, d2
+            )
+            push = d0 + _SHARES[i] * (d1 + _SHARES[i] * d2)
+            for c in model.columns[j]:
+                d_rate, d_gain = linear.d_rate[j, mode, c], linear.d_gain[j, mode, c]
+                change = decay * state.d_mode[j, mode, c] + slower * d_rate + unit * d_gain
+                nodes.d_angle[i, j, c] += change
+                if mode == VOIGT:
+                    nodes.d_elastic[i, j, c] = change
+                if inertial:
+                    nodes.d_velocity[i, j, c] += push * d_gain - d_rate * x - rate * change
+    for c in model.columns[j]:
+        for i in range(3):
+            for m in range(3):
+                flow = nodes.d_flow[m, j, c]
+                nodes.d_angle[i, j, c] += linear.weight[1, j, i, m] * flow
+                nodes.d_velocity[i, j, c] += linear.rate_weight[1, j, i, m] * flow
+    if model.groups[HAS_STIFFENING]:
+        _add_spring_tangents(model, work, j)
+
+
+@njit(cache=True)
+def _add_spring_tangents(model: Model, work: Work, j: int) -> None:
+    nodes, linear, local = work.nodes, work.linear, work.newton.local
+    column = work.newton.right[:3]
+    fill_local(work, j)
+    factorise(local)
+    for c in model.columns[j]:
+        for i in range(3):
+            column[i] = nodes.spring_slope[0, i, j] * nodes.d_elastic[i, j, c]
+            column[i] += nodes.spring_slope[1, i, j] * nodes.d_angle[i, j, c]
+            column[i] += spring_tangent(
+                model.joint[j], model.d_joint[c, j], nodes.elastic[i, j], nodes.angle[i, j]
+            )
+        solve_factorised(local, column)
+        for i in range(3):
+            nodes.d_spring[i, j, c] = column[i]
+            for m in range(3):
+                own = linear.weight[0, j, i, m] * column[m]
+                nodes.d_elastic[i, j, c] -= own
+                nodes.d_angle[i, j, c] -= own
+                nodes.d_velocity[i, j, c] -= linear.rate_weight[0, j, i, m] * column[m]
+
+
+@njit(cache=True)
+def fill_drives(model: Model, work: Work, tangents: bool) -> None:
+    """Write the drives of the modes, as quadratics over the step, from the nodes."""
+    nodes, linear = work.nodes, work.linear
+    for j in range(linear.rate.shape[0]):
+        for power in range(3):
+            linear.drive[j, :, power] = 0.0
+            for m in range(3):
+                weight, torque = TO_MONOMIAL[power, m], nodes.torque[m, j]
+                linear.drive[j, 0, power] += weight * (torque - nodes.spring[m, j])
+                linear.drive[j, 1, power] += weight * nodes.flow[m, j]
+                linear.drive[j, 2, power] += weight * torque
+            if tangents:
+                for c in model.columns[j]:
+                    own = flow = whole = 0.0
+                    for m in range(3):
+                        weight, torque = TO_MONOMIAL[power, m], nodes.d_torque[m, j, c]
+                        own += weight * (torque - nodes.d_spring[m, j, c])
+                        flow += weight * nodes.d_flow[m, j, c]
+                        whole += weight * torque
+                    linear.d_drive[j, 0, power, c] = own
+                    linear.d_drive[j, 1, power, c] = flow
+                    linear.d_drive[j, 2, power, c] = whole
+
+
+@njit(cache=True)
+def fill_start(model: Model, work: Work, tangents: bool) -> None:
+    """Write the angles at the start of the step, from the state."""
+    nodes, state = work.nodes, work.state
+    for j in range(state.offset.size):
+        nodes.elastic[START, j] = state.mode[j, VOIGT]
+        nodes.angle[START, j] = state.offset[j] + state.mode[j].sum()
+        if tangents:
+            for c in model.columns[j]:
+                nodes.d_elastic[START, j, c] = state.d_mode[j, VOIGT, c]
+                total = state.d_offset[j, c]
+                for mode in range(state.mode.shape[1]):
+                    total += state.d_mode[j, mode, c]
+                nodes.d_angle[START, j, c] = total

@@ -1,0 +1,97 @@
+"""The linear modes of a joint: rates λ and gains g of x' = −λ x + g D, and their tangents.
+
+mode 0   Voigt element          λ = k_v/c_v      g = 1/c_v          drive: torque − nonlinear part
+mode 1   dashpot                λ = 0            g = 1/c_p          drive: flow of the torque
+mode 2   second Voigt element   λ = 1/T          g = J/T            drive: torque
+mode 3…  springpot              fixed rates      weights            drive: torque
+
+The springpot's creep rate t^{a−1}/Γ(a) = (sin πa/π) ∫ λ^{−a} e^{−λt} dλ becomes a trapezoidal sum
+in log λ (step 0.8, 24 rates from 2e-5 to 2e3 per second). The rates below that range act as a
+dashpot, those above as a spring, both summed exactly: a → 1 is the dashpot, a → 0 the spring. Its
+creep compliance is within 2e-5 of t^a/Γ(1 + a), relatively, from 5 ms to 200 s.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from softfinger.mechanics.forward.slots import JOINT_SLOTS
+
+LOG_K_V, LOG_C_V, LOG_C_P, Q_INI = range(4)
+_SECOND = JOINT_SLOTS.index("second_compliance")
+_SECOND_SHARE = JOINT_SLOTS.index("second_share")
+_SECOND_TIME = JOINT_SLOTS.index("second_time")
+_POT = JOINT_SLOTS.index("springpot_compliance")
+_POT_ELASTIC = JOINT_SLOTS.index("springpot_elastic_share")
+_POT_FLOW = JOINT_SLOTS.index("springpot_flow_share")
+_EXPONENT = JOINT_SLOTS.index("springpot_exponent")
+_FLOW_SHARE = JOINT_SLOTS.index("flow_share")
+
+VOIGT, FLOW, SECOND, SPRINGPOT = range(4)
+_SPACING = 0.8
+_RATES = 2e-5 * np.exp(_SPACING * np.arange(24))
+_FAST = 4.0 * _RATES[-1]  # the mode that stands for the spring
+MODES = SPRINGPOT + _RATES.size + 2
+"""All modes of a joint, springpot included."""
+
+
+@njit(cache=True)
+def springpot_weight(mode: int, exponent: float) -> tuple[float, float, float]:
+    """λ, g of a springpot mode of unit compliance, and dg/da."""
+    reach = math.sin(math.pi * exponent) / math.pi * _SPACING
+    turn = math.cos(math.pi * exponent) * _SPACING
+    last = _RATES.size
+    if mode < last:
+        power = _RATES[mode] ** (1.0 - exponent)
+        return _RATES[mode], reach * power, (turn - reach * math.log(_RATES[mode])) * power
+    if mode == last:  # all slower rates: a dashpot
+        ratio = math.expm1((1.0 - exponent) * _SPACING)
+        power = _RATES[0] ** (1.0 - exponent) / ratio
+        climb = _SPACING * (ratio + 1.0) / ratio - math.log(_RATES[0])
+        return 0.0, reach * power, (turn + reach * climb) * power
+    ratio = math.expm1(exponent * _SPACING)  # all faster rates: a spring
+    power = _FAST * _RATES[-1] ** (-exponent) / ratio
+    climb = -_SPACING * (ratio + 1.0) / ratio - math.log(_RATES[-1])
+    return _FAST, reach * power, (turn + reach * climb) * power
+
+
+@njit(cache=True)
+def fill_modes(value: NDArray, rate: NDArray, gain: NDArray) -> None:
+    """Write λ and g of one joint's modes (mode,) from its slots (slot,)."""
+    soft, thin = math.exp(-value[LOG_K_V]), math.exp(-value[LOG_C_P])
+    rate[VOIGT] = math.exp(value[LOG_K_V] - value[LOG_C_V])
+    gain[VOIGT] = math.exp(-value[LOG_C_V])
+    rate[FLOW], gain[FLOW] = 0.0, value[_FLOW_SHARE] * thin
+    if rate.size > SECOND:
+        rate[SECOND] = 1.0 / value[_SECOND_TIME]
+        gain[SECOND] = (value[_SECOND] + value[_SECOND_SHARE] * soft) * rate[SECOND]
+    compliance = value[_POT] + value[_POT_ELASTIC] * soft + value[_POT_FLOW] * thin
+    for mode in range(SPRINGPOT, rate.size):
+        rate[mode], weight, _ = springpot_weight(mode - SPRINGPOT, value[_EXPONENT])
+        gain[mode] = compliance * weight
+
+
+@njit(cache=True)
+def fill_mode_tangents(
+    value: NDArray, change: NDArray, rate: NDArray, gain: NDArray, d_rate: NDArray, d_gain: NDArray
+) -> None:
+    """Write the change of λ and g (mode,) along a change of the slots (slot,)."""
+    soft, thin = math.exp(-value[LOG_K_V]), math.exp(-value[LOG_C_P])
+    d_rate[:] = 0.0
+    d_rate[VOIGT] = rate[VOIGT] * (change[LOG_K_V] - change[LOG_C_V])
+    d_gain[VOIGT] = -gain[VOIGT] * change[LOG_C_V]
+    d_gain[FLOW] = change[_FLOW_SHARE] * thin - gain[FLOW] * change[LOG_C_P]
+    if rate.size > SECOND:
+        slower = change[_SECOND_TIME] * rate[SECOND]
+        d_share = change[_SECOND_SHARE] - value[_SECOND_SHARE] * change[LOG_K_V]
+        d_rate[SECOND] = -rate[SECOND] * slower
+        d_gain[SECOND] = (change[_SECOND] + d_share * soft) * rate[SECOND] - gain[SECOND] * slower
+    compliance = value[_POT] + value[_POT_ELASTIC] * soft + value[_POT_FLOW] * thin
+    d_elastic = change[_POT_ELASTIC] - value[_POT_ELASTIC] * change[LOG_K_V]
+    d_flow = change[_POT_FLOW] - value[_POT_FLOW] * change[LOG_C_P]
+    d_compliance = change[_POT] + d_elastic * soft + d_flow * thin
+    for mode in range(SPRINGPOT, rate.size):
+        _, weight, by_exponent = springpot_weight(mode - SPRINGPOT, value[_EXPONENT])
+        d_gain[mode] = d_compliance * weight + compliance * by_exponent * change[_EXPONENT]

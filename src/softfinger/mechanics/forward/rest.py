@@ -1,0 +1,79 @@
+"""The finger before the load comes: at rest, in balance with its own weight."""
+
+import math
+
+from numba import njit
+
+from softfinger.mechanics.forward.laws import solve_rest, spring_tangent
+from softfinger.mechanics.forward.modes import LOG_K_V, Q_INI, VOIGT, fill_mode_tangents, fill_modes
+from softfinger.mechanics.forward.slots import JOINT_SLOTS
+from softfinger.mechanics.forward.torque import fill_balance
+from softfinger.mechanics.forward.work import START, Model, Work
+
+_INITIAL = JOINT_SLOTS.index("initial_angle")
+
+
+@njit(cache=True)
+def fill_rest(model: Model, work: Work) -> None:
+    """Write the modes and their state at the start of a trial.
+
+    q = q_ini there. The elastic elements balance what acts without load (weight, stop), plus an
+    `initial_angle` that has not relaxed; the dashpot has not flowed.
+    """
+    state, linear, nodes = work.state, work.linear, work.nodes
+    tangents = model.d_chain.shape[0] > 0
+    nodes.load[:] = 0.0
+    nodes.d_load[:] = 0.0
+    nodes.direction[:] = 0.0
+    state.direction[:] = 0.0
+    state.d_direction[:] = 0.0
+    state.velocity[:] = 0.0
+    state.d_velocity[:] = 0.0
+    state.mode[:] = 0.0
+    nodes.velocity[:] = 0.0
+    nodes.acceleration[:] = 0.0
+    state.d_mode[:] = 0.0
+    work.largest[:] = 0.0
+    for j in range(state.offset.size):
+        nodes.angle[START, j] = model.joint[j, Q_INI]
+        fill_modes(model.joint[j], linear.rate[j], linear.gain[j])
+        for c in model.columns[j]:
+            fill_mode_tangents(
+                model.joint[j], model.d_joint[c, j], linear.rate[j], linear.gain[j],
+                linear.d_rate[j, :, c], linear.d_gain[j, :, c],
+            )  # fmt: skip
+    fill_balance(model, nodes, work.balance, START, tangents)
+    for j in range(state.offset.size):
+        _fill_joint_rest(model, work, j)
+
+
+@njit(cache=True)
+def _fill_joint_rest(model: Model, work: Work, j: int) -> None:
+    state, linear, balance = work.state, work.linear, work.balance
+    value, torque, angle = model.joint[j], balance.torque[START, j], model.joint[j, Q_INI]
+    elastic, by_torque, by_angle = solve_rest(value, torque, angle)
+    state.mode[j, VOIGT] = elastic + value[_INITIAL]
+    state.offset[j], state.torque[j] = angle - state.mode[j, VOIGT], torque
+    for mode in range(VOIGT + 1, linear.rate.shape[1]):
+        if linear.rate[j, mode] > 0.0:
+            state.mode[j, mode] = linear.gain[j, mode] / linear.rate[j, mode] * torque
+            state.offset[j] -= state.mode[j, mode]
+    for c in model.columns[j]:
+        change = model.d_joint[c, j]
+        d_torque = balance.tangent[START, j, c]
+        for k in range(state.offset.size):
+            d_torque += balance.by_angle[START, j, k] * model.d_joint[c, k, Q_INI]
+        softer = math.exp(value[LOG_K_V]) * elastic * change[LOG_K_V]
+        softer += spring_tangent(value, change, elastic, angle)
+        d_elastic = by_torque * (d_torque - softer) + by_angle * change[Q_INI]
+        state.d_mode[j, VOIGT, c] = d_elastic + change[_INITIAL]
+        state.d_torque[j, c] = d_torque
+        state.d_offset[j, c] = change[Q_INI] - state.d_mode[j, VOIGT, c]
+        for mode in range(VOIGT + 1, linear.rate.shape[1]):
+            rate = linear.rate[j, mode]
+            if rate > 0.0:
+                gain = linear.gain[j, mode]
+                slower = linear.d_gain[j, mode, c] - gain / rate * linear.d_rate[j, mode, c]
+                change_of_mode = (slower * torque + gain * d_torque) / rate
+                state.d_mode[j, mode, c] = change_of_mode
+                state.d_offset[j, c] -= change_of_mode

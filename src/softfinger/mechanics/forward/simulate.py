@@ -1,0 +1,281 @@
+"""The face of the forward model: joint angles of many trials, with exact tangents.
+
+One compiled kernel serves simulation and inference, whatever physics its slots switch on.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from numba import njit
+from numpy.typing import ArrayLike, NDArray
+
+from softfinger.faults import Fault
+from softfinger.mechanics import PARAMETERS
+from softfinger.mechanics.chain import compute_inertia_coefficients
+from softfinger.mechanics.checks import require_finite, require_forward_in_time, require_positive
+from softfinger.mechanics.forward.modes import MODES
+from softfinger.mechanics.forward.observe import observe
+from softfinger.mechanics.forward.slots import (
+    SlotArrays,
+    build_slots,
+    build_tangent,
+    check_slots,
+    find_groups,
+)
+from softfinger.mechanics.forward.trial import run_trial
+from softfinger.mechanics.forward.work import (
+    GROUPS,
+    HAS_OBSERVATION,
+    HAS_SECOND,
+    HAS_SPRINGPOT,
+    allocate_model,
+    allocate_work,
+)
+from softfinger.mechanics.geometry import FingerGeometry
+from softfinger.mechanics.load import check_load
+
+TOLERANCE = 1e-6
+"""[rad] a step may err inside, where the model is nonlinear; linear models are exact."""
+
+
+class Finger(NamedTuple):
+    """What the forward model needs to know of a finger, as plain arrays."""
+
+    arm_ratio: float
+    """l_joint / (2 d)"""
+    moment: NDArray[np.float64]
+    """(joint,) [kg m] mass beyond each joint times its lever along the link"""
+    inertia: NDArray[np.float64]
+    """(joint, joint) [kg m²] of `compute_inertia_coefficients`"""
+    link_length: NDArray[np.float64]
+    """(joint,) [m]"""
+    marker_middle: NDArray[np.float64]
+    """(1 + joint,) [m] middle of the markers along base and links"""
+    optical_centre: NDArray[np.float64]
+    """(2,) [m] from the first joint, along and across the base"""
+
+
+def describe_finger(
+    geometry: FingerGeometry,
+    marker_middle: ArrayLike | None = None,
+    optical_centre: ArrayLike = (0.0, 0.0),
+) -> Finger:
+    """Gather what the forward model needs to know of a finger.
+
+    Parameters
+    ----------
+    marker_middle
+        (1 + joint,) [m], middle of the markers along the base (negative) and the links; where they
+        are not given, half the link, and as far behind the first joint. Only the lens needs them.
+    optical_centre
+        (2,) [m], from the first joint, along and across the base.
+    """
+    half = geometry.link_length / 2
+    middle = np.r_[-half[0], half] if marker_middle is None else np.asarray(marker_middle, float)
+    beyond = np.cumsum(geometry.link_mass[::-1])[::-1] - geometry.link_mass
+    moment = geometry.link_mass * geometry.link_centre + beyond * geometry.link_length
+    return Finger(
+        geometry.joint_length / (2 * geometry.wire_offset),
+        moment,
+        compute_inertia_coefficients(geometry),
+        geometry.link_length,
+        middle,
+        np.asarray(optical_centre, float),
+    )
+
+
+def describe_unknown_finger(joints: int) -> Finger:
+    """Stand in for a finger of which only the number of joints was declared.
+
+    Slots that need more (moment arm, gravity, inertia, lens) turn its angles to NaN.
+    """
+    unknown = np.full(joints, np.nan)
+    pairs = np.full((joints, joints), np.nan)
+    return Finger(np.nan, unknown, pairs, unknown, np.full(joints + 1, np.nan), np.full(2, np.nan))
+
+
+def simulate_joint_angle(
+    parameters: xr.Dataset,
+    finger: Finger,
+    time: ArrayLike,
+    load_time: ArrayLike,
+    load_torque: ArrayLike,
+    slots: Mapping[str, ArrayLike] | None = None,
+    directions: Sequence[Mapping[str, ArrayLike]] | None = None,
+) -> xr.Dataset:
+    """Compute the joint angles of trials under their loads, and how they move with what.
+
+    Parameters
+    ----------
+    parameters
+        k_v [N m/rad], c_v, c_p [N m s/rad], q_ini [rad], each (trial, joint).
+    finger
+        Of `describe_finger`.
+    time
+        (frame,) or (trial, frame) [s], nondecreasing; rows may end in NaN.
+    load_time, load_torque
+        (knot,) or (trial, knot) [s], [N m]: straight lines between knots, 0 before the first.
+    slots
+        Left-out physics, slot → value (`forward.slots`); none: the paper's joint.
+    directions
+        Directions of differentiation, each slot → d(slot)/d(parameter). None: no derivatives;
+        an empty list: only those by each trial's own parameters.
+
+    Returns
+    -------
+    joint_angle (trial, joint, frame) [rad], NaN where the model could not be integrated; with
+    directions also joint_angle_by_parameter (trial, joint, frame, other_joint, parameter), by
+    (log k_v, log c_v, log c_p, q_ini), and joint_angle_by_direction (trial, joint, frame,
+    direction).
+
+    Examples
+    --------
+    >>> step = {name: (("trial", "joint"), [[value]]) for name, value in
+    ...         {"k_v": 0.1, "c_v": 0.01, "c_p": 20.0, "q_ini": 0.03}.items()}
+    >>> angles = simulate_joint_angle(
+    ...     xr.Dataset(step), describe_unknown_finger(1), [10.0], [0.0], [0.04])
+    >>> angles.joint_angle.values
+    array([[[0.45]]])
+    """
+    values = [parameters[name].transpose("trial", "joint").to_numpy() for name in PARAMETERS]
+    for name, value in zip(PARAMETERS[:3], values, strict=False):
+        require_positive(name, value, "N m/rad" if name == "k_v" else "N m s/rad")
+    require_finite("q_ini", values[3], "rad")
+    natural = np.stack([*np.log(values[:3]), values[3]], axis=-1)
+    trials, joints = values[0].shape
+    tangents = [build_tangent(trials, joints, direction) for direction in directions or ()]
+    angle, gradient = simulate_joint_angle_array(
+        natural,
+        build_slots(trials, joints, slots or {}),
+        tangents,
+        finger,
+        time,
+        load_time,
+        load_torque,
+        gradient=directions is not None,
+    )
+    result = xr.Dataset(
+        {"joint_angle": (("trial", "joint", "frame"), angle)},
+        coords=parameters[["trial", "joint"]].coords,
+    )
+    if directions is None:
+        return result
+    own = gradient[..., : 4 * joints].reshape(*angle.shape, joints, 4)
+    dims = ("trial", "joint", "frame")
+    return result.assign(
+        joint_angle_by_parameter=((*dims, "other_joint", "parameter"), own),
+        joint_angle_by_direction=((*dims, "direction"), gradient[..., 4 * joints :]),
+    ).assign_coords(parameter=["log_k_v", "log_c_v", "log_c_p", "q_ini"])
+
+
+def simulate_joint_angle_array(
+    parameters: NDArray[np.float64],
+    slots: SlotArrays,
+    tangents: Sequence[SlotArrays],
+    finger: Finger,
+    time: ArrayLike,
+    load_time: ArrayLike,
+    load_torque: ArrayLike,
+    *,
+    gradient: bool = True,
+    tolerance: float = TOLERANCE,
+    longest_step: float = np.inf,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Compute joint angles and tangents of trials: `simulate_joint_angle` on plain arrays.
+
+    Parameters
+    ----------
+    parameters
+        (trial, joint, 4): log k_v, log c_v, log c_p, q_ini.
+    slots, tangents
+        Of `build_slots` and `build_tangent`, one tangent for each direction.
+    tolerance, longest_step
+        [rad] inside a step, [s]; an infinite tolerance makes all steps the longest.
+
+    Returns
+    -------
+    angle (trial, joint, n) and gradient (trial, joint, n, 4 joint + direction): first by the
+    parameters of joint 1, then of joint 2 …, then along the directions.
+    """
+    trials, joints, _ = parameters.shape
+    check_load(load_time, load_torque)
+    time = np.asarray(time, float)
+    require_forward_in_time("time", time, padded=True)
+    if finger.moment.size != joints:
+        raise Fault(
+            f"the parameters have {joints} joints and the finger {finger.moment.size}: "
+            "they must have the same number"
+        )
+    check_slots(slots)
+    rows = [np.asarray(a, float) for a in (time, load_time, load_torque)]
+    rows = [np.ascontiguousarray(np.broadcast_to(a, (trials, a.shape[-1]))) for a in rows]
+    joint = slots.joint.copy()
+    joint[..., :4] += parameters
+    changes = (np.stack(parts) for parts in zip(*tangents, strict=True))
+    empty = (np.zeros((0, *part.shape)) for part in slots)
+    return _run_trials(
+        joint,
+        slots.chain,
+        slots.coupling,
+        *(changes if tangents else empty),
+        find_groups(GROUPS, slots, tangents),
+        *finger,
+        *rows,
+        gradient,
+        float(tolerance),
+        float(longest_step),
+    )
+
+
+@njit(cache=True)
+def _run_trials(
+    joint: NDArray,
+    chain: NDArray,
+    coupling: NDArray,
+    d_joint: NDArray,
+    d_chain: NDArray,
+    d_coupling: NDArray,
+    groups: NDArray,
+    arm_ratio: float,
+    moment: NDArray,
+    inertia: NDArray,
+    link_length: NDArray,
+    marker_middle: NDArray,
+    optical_centre: NDArray,
+    time: NDArray,
+    load_time: NDArray,
+    load_torque: NDArray,
+    with_gradient: bool,
+    tolerance: float,
+    longest: float,
+) -> tuple[NDArray, NDArray]:
+    """Run every trial in turn, in the same arrays."""
+    trials, joints, _ = joint.shape
+    extra = d_joint.shape[0]
+    columns = 4 * joints + extra if with_gradient else 0
+    modes = MODES if groups[HAS_SPRINGPOT] else (3 if groups[HAS_SECOND] else 2)
+    model = allocate_model(joints, columns, groups, arm_ratio, moment, inertia)
+    work = allocate_work(joints, modes, columns)
+    angle = np.full((trials, joints, time.shape[1]), np.nan)
+    gradient = np.zeros((trials, joints, time.shape[1], columns))
+    for trial in range(trials):
+        model.joint[:], model.chain[:] = joint[trial], chain[trial]
+        model.coupling[:] = coupling[trial]
+        if with_gradient:
+            model.d_joint[4 * joints :] = d_joint[:, trial]
+            model.d_chain[4 * joints :] = d_chain[:, trial]
+            model.d_coupling[4 * joints :] = d_coupling[:, trial]
+        done = run_trial(
+            model, work, time[trial], load_time[trial], load_torque[trial],
+            tolerance, longest, angle[trial], gradient[trial],
+        )  # fmt: skip
+        if not done:
+            angle[trial] = np.nan
+            gradient[trial] = np.nan
+        elif groups[HAS_OBSERVATION]:
+            observe(
+                model, link_length, marker_middle, optical_centre, angle[trial], gradient[trial]
+            )
+    return angle, gradient
