@@ -81,8 +81,8 @@ def draw_histogram(ax: Axes, population: xr.Dataset, *, logarithmic: bool) -> No
     """Draw one parameter of one joint: bars of the estimates, curves of the densities."""
     estimate, kept = population["estimate"].values, population["kept"].values.astype(bool)
     usable = np.isfinite(estimate) & (estimate > 0 if logarithmic else True)
-    value = np.log(estimate, where=usable, out=np.full(estimate.shape, np.nan))
-    value = value if logarithmic else estimate
+    value = np.where(usable, estimate, np.nan)
+    value = np.log(value) if logarithmic else value
     used, dropped = value[usable & kept], value[usable & ~kept]
     mean, sd = float(population["population_mean"]), float(population["population_sd"])
     grid = choose_grid(used, mean, sd)
@@ -109,7 +109,7 @@ def draw_histogram(ax: Axes, population: xr.Dataset, *, logarithmic: bool) -> No
 
 
 def choose_grid(values: np.ndarray, mean: float, sd: float) -> np.ndarray:
-    """Choose the stretch to draw: four standard deviations, widened to the middle 98 % of trials."""
+    """Choose the stretch to draw: 3.2 standard deviations, and the middle 98 % of the trials."""
     low, high = np.quantile(values, (0.01, 0.99)) if values.size else (mean, mean)
     width = np.clip(sd, 1e-6, None)
     return np.linspace(min(low, mean - 3.2 * width), max(high, mean + 3.2 * width), 161)

@@ -36,7 +36,8 @@ def draw_finger_sketch(n_joint: int) -> Figure:
         arrowprops={"arrowstyle": "<-", "color": RED}, color=RED, va="center", ha="right",
     )  # fmt: skip
     ax.text(-LINK - 0.1, -OFFSET, "slack wire", color=GREY, ha="right", va="center")
-    ax.annotate("", (-0.53, 0), (-0.53, OFFSET), arrowprops={"arrowstyle": "|-|,widthA=.2,widthB=.2", "lw": 0.6})  # fmt: skip
+    ends = {"arrowstyle": "|-|,widthA=.2,widthB=.2", "lw": 0.6}
+    ax.annotate("", (-0.53, 0), (-0.53, OFFSET), arrowprops=ends)
     ax.text(-0.49, OFFSET / 2, "d", ha="left", va="center", style="italic")
     ax.set(aspect="equal")
     ax.margins(0.06)
@@ -76,8 +77,12 @@ def draw_joint(ax: Axes, centre: np.ndarray, heading: float, joint: int) -> None
     ends = np.array([centre, centre + along(heading) * 1.0])
     ax.plot(*ends.T, color=BLUE, lw=0.6, ls=":", zorder=5)
     degrees = np.degrees((heading, bent))
-    ax.add_patch(Arc(tuple(centre), 1.76, 1.76, theta1=degrees[0], theta2=degrees[1], color=BLUE, lw=1, zorder=5))  # fmt: skip
-    ax.text(*(centre + along(heading + BEND / 2) * 1.06), f"$q_{{{joint}}}$", color=BLUE, ha="center", va="center", zorder=6)  # fmt: skip
+    style = {"color": BLUE, "zorder": 5}
+    ax.add_patch(
+        Arc(tuple(centre), 1.76, 1.76, theta1=degrees[0], theta2=degrees[1], lw=1, **style)
+    )
+    place = centre + along(heading + BEND / 2) * 1.06
+    ax.text(*place, f"$q_{{{joint}}}$", ha="center", va="center", **style)
 
 
 @styled

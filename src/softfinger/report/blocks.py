@@ -65,7 +65,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure with its alternative text and caption; a photograph keeps its colours in the dark."""
+    """A figure with alternative text and caption; a photograph keeps its colours in the dark."""
 
     kind: ClassVar[str] = "picture"
     name: str

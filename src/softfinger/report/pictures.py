@@ -84,8 +84,8 @@ def picture_tracking(material: Material) -> Picture | None:
         draw_tracking(markers, image),
         f"Markers found in one frame of trial {trial}: rings on base and links, with their paths.",
         f"Frame {frame} of trial {trial}, {where}: rings are markers, a red cross marks a "
-        f"doubtful one, thin lines are their paths over the trial. Median standard deviation of a "
-        f"coordinate in this trial: {format_number(sd, 2)} px. {capital(material.cite('markers'))}.",
+        f"doubtful one, thin lines are their paths over the trial. Median standard deviation of "
+        f"a coordinate: {format_number(sd, 2)} px. {capital(material.cite('markers'))}.",
         photograph=image is not None,
     )
 

@@ -176,12 +176,14 @@ def compute_spectrum(
 def find_ring(frequency: NDArray, power: NDArray, shared: NDArray, n_segments: int) -> float:
     """Return the frequency [Hz] of the strongest narrow peak that the trials share, else NaN.
 
-    Trials that do not share a phase leave `shared / power` about exponential with mean 1/n, which
-    gives the probability of a chance peak among all frequencies looked at.
+    For n normal trials that share no phase, shared / power exceeds R with probability
+    (1 − R)^(n − 1); that is multiplied by the number of frequencies looked at. One trial shares
+    nothing, so it has no ring.
     """
     weighted = frequency * power
     peaks, found = find_peaks(weighted, prominence=0)
-    chance = np.exp(-n_segments * shared[peaks] / power[peaks]) * frequency.size / 4
+    share = np.clip(shared[peaks] / power[peaks], 0, 1)
+    chance = (1 - share) ** (n_segments - 1) * frequency.size
     stands_out = found["prominences"] >= RING_PROMINENCE * weighted[peaks]
     rings = peaks[stands_out & (chance < RING_CHANCE)]
     return float(frequency[rings[np.argmax(weighted[rings])]]) if rings.size else np.nan

@@ -74,11 +74,12 @@ def summarise_sampling(posterior: xr.Dataset) -> xr.Dataset:
     A quantity is one number of the posterior, such as `mu_log_k_v[1]`; one that never varies,
     because it was held fixed, is left out.
     """
-    parts = {
-        "r_hat": az.rhat(posterior),
-        "ess_bulk": az.ess(posterior, method="bulk"),
-        "ess_tail": az.ess(posterior, method="tail"),
-    }
+    with np.errstate(invalid="ignore", divide="ignore"):  # a fixed quantity has no variance
+        parts = {
+            "r_hat": az.rhat(posterior),
+            "ess_bulk": az.ess(posterior, method="bulk"),
+            "ess_tail": az.ess(posterior, method="tail"),
+        }
     table = {name: flatten_variables(part) for name, part in parts.items()}
     values = {name: np.array(list(row.values())) for name, row in table.items()}
     known = np.isfinite(values["r_hat"])

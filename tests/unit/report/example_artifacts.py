@@ -44,8 +44,8 @@ def make_angles(n_trial=5, n_joint=3, n_frame=41, *, load_kind="tension_n", load
     angle = creep(parameters, time[:, None], level[:, None, None])
     angle += 0.003 * np.random.default_rng(2).standard_normal(angle.shape)
     flag = np.zeros(angle.shape, np.uint8)
-    angle[1, 0, 5], flag[1, 0, 5] = np.nan, 1
-    angle[2, -1, 7], flag[2, -1, 7] = np.nan, 4
+    angle[-1, 0, 5], flag[-1, 0, 5] = np.nan, 1
+    angle[0, -1, 7], flag[0, -1, 7] = np.nan, 4
     joint = np.arange(1, n_joint + 1)
     return xr.Dataset(
         {

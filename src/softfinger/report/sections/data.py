@@ -76,9 +76,9 @@ def describe_loads(material: Material) -> list[Block]:
     if "command" in kinds:
         blocks.append(
             Paragraph(
-                "The load is a command without a physical unit (a PWM level, a pressure). Stiffness "
-                "and damping are therefore per unit of that command and cannot be compared with "
-                "other fingers.",
+                "The load is a command without a physical unit (a PWM level, a pressure). "
+                "Stiffness and damping are therefore per unit of that command and cannot be "
+                "compared with other fingers.",
                 "note",
             )
         )

@@ -45,9 +45,9 @@ def list_data_limits(material: Material) -> list[str]:
     """List what the amount and kind of data leave open."""
     angles = material.angles
     n = angles["trial"].size
+    reach = format_percent(1 / np.sqrt(2 * max(n - 1, 1)))
     items = [
-        f"The number of trials: with {count_things(n, 'trial')} the spread between trials is known "
-        f"to about ± {format_percent(1 / np.sqrt(2 * max(n - 1, 1)))} at best."
+        f"The number of trials: {count_things(n, 'trial')} tell the spread to ± {reach} at best."
     ]
     load = angles["load_torque"].values
     if np.ptp(load, axis=1).max() <= 1e-9 * np.abs(load).max():
@@ -81,20 +81,24 @@ def list_unsure(material: Material) -> list[str]:
     ]
     if not unsure:
         return []
-    return [
+    sentence = (
         f"Hardly determined spreads, which the prior decides as much as the data: "
         f"{', '.join(unsure)} (posterior sd above {format_percent(UNSURE)} of the spread). Longer "
         "recordings would help for c_p, faster ones for c_v."
-    ]
+    )
+    return [sentence]
 
 
 def list_assumptions(material: Material) -> list[str]:
     """List what the model takes for granted."""
     duration = format_number(float(material.angles["time"].max()))
-    items = [
+    model = (
         "The model itself: inertia is left out, the torque does not depend on the angle, and "
-        f"c_p is taken to flow at a constant rate for all of the {duration} s; nothing is claimed "
-        "beyond them.",
+        f"under a constant load c_p flows at a constant rate for all of the {duration} s; nothing "
+        "is claimed beyond them."
+    )
+    items = [
+        model,
         "Trials are taken as exchangeable: no trend with trial number, temperature or rest.",
     ]
     if material.load_unit == "N m":

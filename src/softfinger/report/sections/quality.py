@@ -34,7 +34,7 @@ def build_computation(material: Material) -> Section:
 
 
 def build_calibration(material: Material) -> Section:
-    """Build the section on calibration: do intervals hold what they claim?"""
+    """Build the section on calibration: whether intervals hold what they claim."""
     caption = (
         "Checks of the calibration. Coverage is the share of recorded frames inside a band, "
         f"averaged per trial. {capital(material.cite('bands'))}."
@@ -107,8 +107,9 @@ def build_truth_table(material: Material) -> Table | None:
                 )
     share = format_percent(material.limits.ci_prob)
     caption = (
-        f"The truth of the simulation beside the posterior: {sum(held)} of {len(held)} equal-tailed "
-        f"{share} intervals hold it. mu and sigma are mean and standard deviation over trials, of "
+        f"The truth of the simulation beside the posterior: {sum(held)} of {len(held)} "
+        f"equal-tailed {share} intervals hold it. mu and sigma are mean and standard deviation "
+        "over trials, of "
         f"the natural logarithm but for q_ini. {capital(material.cite('posterior', 'truth'))}."
     )
     columns = ("hyperparameter", "joint", "truth", "posterior", f"{share} interval", "held")

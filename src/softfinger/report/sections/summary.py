@@ -66,7 +66,8 @@ def describe_campaign(material: Material) -> str:
     return (
         f"{count_things(angles['trial'].size, 'trial')} of one finger of "
         f"{count_things(angles['joint'].size, 'joint')} are used, "
-        f"{f'{aside} set aside' if aside else 'none was set aside'}; the data are {material.source}."
+        f"{f'{aside} set aside' if aside else 'none was set aside'}; "
+        f"the data are {material.source}."
     )
 
 
@@ -89,8 +90,9 @@ def describe_fit(material: Material) -> list[str]:
     if excess >= material.limits.shared_residual_max:
         largest = 1e3 * float(np.abs(residuals["mean_residual"]).max())
         sentences.append(
-            f"The model misses motion that the trials share: up to {format_number(largest, 2)} mrad "
-            f"on average, {format_number(excess, 2)} times what chance leaves."
+            "The model misses motion that the trials share: up to "
+            f"{format_number(largest, 2)} mrad in the mean over trials, and in all "
+            f"{format_number(excess, 2)} times what chance leaves."
         )
     peaks = residuals["peak_frequency"].values
     rings = sorted({f"{peak:.1f} Hz" for peak in peaks[np.isfinite(peaks)]})

@@ -1,0 +1,125 @@
+import dataclasses
+
+import numpy as np
+import pytest
+import xarray as xr
+from example_artifacts import CONFIG, make_artifacts
+
+from softfinger.faults import Fault, ListedFault
+from softfinger.report.blocks import Check
+from softfinger.report.checks import (
+    check_calibration,
+    check_computation,
+    check_fit,
+    combine,
+    measure_shared_residual,
+    pool_coverage,
+)
+from softfinger.report.config import read_config
+from softfinger.report.material import Material
+from softfinger.report.sections.summary import judge
+
+
+def find(checks, word):
+    return next(check for check in checks if word in check.name)
+
+
+def with_limits(material, **limits):
+    return dataclasses.replace(material, limits=material.limits.model_copy(update=limits))
+
+
+def test_each_limit_of_the_computation_decides_its_check(material):
+    assert not find(check_computation(material), "R-hat").passed
+    assert find(check_computation(with_limits(material, r_hat_max=2.0)), "R-hat").passed
+    assert not find(check_computation(material), "bulk").passed
+    assert find(check_computation(with_limits(material, ess_min=10.0)), "bulk").passed
+    assert find(check_computation(with_limits(material, ess_min=10.0)), "tail").passed
+
+
+def test_one_divergence_is_one_too_many(artifacts):
+    tree = artifacts["posterior"].copy(deep=True)
+    diverging = np.zeros((4, 60), bool)
+    diverging[1, 7] = True
+    tree["sample_stats"].dataset = xr.Dataset({"diverging": (("chain", "draw"), diverging)})
+    material = Material({**artifacts, "posterior": tree}, read_config(CONFIG))
+    check = find(check_computation(material), "divergent")
+    assert (check.found, check.passed) == ("1", False)
+
+
+def test_what_the_fit_did_not_keep_is_said_to_be_not_made(material):
+    check = find(check_computation(material), "Pareto")
+    assert check.passed is None
+    assert "no log-likelihood" in check.found
+
+
+def test_residuals_that_trials_share_fail(artifacts):
+    angles = artifacts["angles"].copy(deep=True)
+    clean = Material(artifacts, read_config(CONFIG))
+    assert find(check_fit(clean), "shared").passed
+    angles["joint_angle"] = angles["joint_angle"] + 0.02 * np.sin(angles["time"])
+    bent = Material({**artifacts, "angles": angles}, read_config(CONFIG))
+    assert not find(check_fit(bent), "shared").passed
+    assert judge(bent)[2].passed is False
+
+
+def test_the_shared_residual_is_one_for_independent_trials():
+    rng = np.random.default_rng(8)
+    trials = rng.standard_normal((50, 1, 2, 400)).cumsum(axis=-1)  # strongly autocorrelated
+    dims = ("change", "joint", "since_change")
+    residuals = xr.Dataset(
+        {
+            "mean_residual": (dims, trials.mean(axis=0)),
+            "residual_se": (dims, trials.std(axis=0, ddof=1) / np.sqrt(50)),
+        }
+    )
+    assert 0.3 < measure_shared_residual(residuals) < 2.0
+
+
+@pytest.mark.parametrize(("held", "passed"), [(0.88, True), (0.6, False), (1.0, False)])
+def test_coverage_far_from_its_claim_fails(artifacts, held, passed):
+    bands = artifacts["bands"].copy(deep=True)
+    bands["coverage"].values = np.full(bands["coverage"].shape, held)
+    bands["coverage_bound"].values = np.full(bands["coverage_bound"].shape, held)
+    material = Material({**artifacts, "bands": bands}, read_config(CONFIG))
+    assert find(check_calibration(material), "whole").passed is passed
+
+
+def test_few_trials_excuse_a_coverage_that_they_cannot_tell_from_the_claim(artifacts):
+    bands = artifacts["bands"].copy(deep=True)
+    bands["coverage"].values = np.full(bands["coverage"].shape, 0.8)
+    bands["coverage_bound"].values[..., 0] = 0.6
+    bands["coverage_bound"].values[..., 1] = 1.0
+    material = Material({**artifacts, "bands": bands}, read_config(CONFIG))
+    assert find(check_calibration(material), "whole").passed
+
+
+def test_coverage_is_pooled_by_trials():
+    bands = make_artifacts(load_kind="command", load_scale=2500.0)["bands"]
+    bands["coverage"].values[:, 0] = 0.5
+    bands["coverage"].values[:, 1] = 1.0
+    bands["recorded_n"].values[0] = 3
+    bands["recorded_n"].values[1] = 1
+    pooled = pool_coverage(bands, 0.9, "whole")
+    np.testing.assert_allclose(pooled["coverage"], 0.625)
+
+
+def test_a_missing_artifact_is_not_judged(artifacts):
+    bare = Material({"angles": artifacts["angles"]}, read_config(CONFIG))
+    assert [tile.passed for tile in judge(bare)] == [None] * 4
+
+
+def test_one_failure_outweighs_everything():
+    good, bad, open_ = (Check("", "", "", passed, "") for passed in (True, False, None))
+    assert combine((good, bad, open_)) is False
+    assert combine((good, open_)) is True
+    assert combine((open_,)) is None
+
+
+def test_a_report_about_no_recordings_is_refused(artifacts):
+    with pytest.raises(Fault, match="angles"):
+        Material({"bands": artifacts["bands"]}, read_config(CONFIG))
+
+
+def test_unknown_limits_are_refused_with_their_names():
+    with pytest.raises(ListedFault, match="r_hat_min"):
+        read_config({"report": {**CONFIG["report"], "r_hat_min": 1.0}})

@@ -1,0 +1,265 @@
+import base64
+import hashlib
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+import xarray as xr
+from example_artifacts import CONFIG, make_angles, make_artifacts
+
+from softfinger.report import write_report
+from softfinger.report.config import read_config
+from softfinger.report.material import Material
+from softfinger.report.page import SECTIONS, render_report
+
+VOID = {"meta", "img", "link", "br", "input", "hr"}
+ORDER = [
+    "question",
+    "data",
+    "model",
+    "computation",
+    "calibration",
+    "predictive",
+    "parameters",
+    "sensitivity",
+    "mismatch",
+    "outlook",
+    "origin",
+]
+
+
+class Page(HTMLParser):
+    """Elements, words and tables of a page; a tag that is closed wrongly fails."""
+
+    def __init__(self, source):
+        super().__init__()
+        self.open, self.elements, self.words, self.tables = [], [], [], {}
+        self.feed(source)
+        assert self.open == []
+
+    def handle_starttag(self, tag, attrs):
+        self.elements.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append(tag)
+        if tag == "table":
+            self.rows = self.tables[dict(attrs)["data-name"]] = []
+        if tag == "tr":
+            self.rows.append([])
+        if tag in {"td", "th"}:
+            self.rows[-1].append("")
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] not in {"script", "style"}:
+            self.words.append(data)
+        if {"td", "th"} & set(self.open):
+            self.rows[-1][-1] += data.strip("\n")
+
+    def find(self, tag, **wanted):
+        return [a for t, a in self.elements if t == tag and wanted.items() <= a.items()]
+
+    @property
+    def text(self):
+        return " ".join(" ".join(self.words).split())
+
+
+@pytest.fixture(scope="module")
+def parsed(page):
+    return Page(page)
+
+
+def gather(artifacts):
+    return Material(artifacts, read_config(CONFIG), CONFIG)
+
+
+def render(artifacts):
+    return render_report(gather(artifacts))
+
+
+def build_tables(artifacts):
+    """The page's tables before they are rendered, which spares drawing the figures."""
+    material = gather(artifacts)
+    blocks = [block for build in SECTIONS for block in build(material).blocks]
+    tables = {block.name: block for block in blocks if block.kind == "table"}
+    rows = {n: [t.columns, *([c.text for c in r] for r in t.rows)] for n, t in tables.items()}
+    words = [getattr(block, "text", "") for block in blocks]
+    words += [item for block in blocks if block.kind == "listing" for item in block.items]
+    words += [block.caption for block in blocks if block.kind in {"table", "picture"}]
+    return rows, " ".join(words)
+
+
+def test_sections_come_in_the_order_of_the_house(parsed):
+    assert [section["id"] for section in parsed.find("section")] == ORDER
+    links = [a["href"] for a in parsed.find("a") if a["href"].startswith("#")]
+    assert [link for link in links if link[1:] in ORDER][-len(ORDER) :] == [f"#{a}" for a in ORDER]
+
+
+def test_every_link_within_the_page_leads_somewhere(parsed):
+    ids = [attrs["id"] for _, attrs in parsed.elements if "id" in attrs]
+    assert len(ids) == len(set(ids))
+    assert {a["href"][1:] for a in parsed.find("a")} <= set(ids)
+    for _, attrs in parsed.elements:
+        assert attrs.get("aria-labelledby", ids[0]) in ids
+
+
+def test_the_page_needs_no_other_file_and_no_network(page, parsed):
+    for tag, attrs in parsed.elements:
+        address = attrs.get("src", "data:")
+        assert address.startswith("data:"), tag
+    assert not parsed.find("link")
+    assert not re.search(r"(?:src|href|url)\s*[=(]\s*[\"']?https?:", page)
+
+
+def test_every_figure_is_an_svg_with_words_for_those_who_do_not_see_it(parsed):
+    images = parsed.find("img")
+    assert len(images) == 13
+    for image in images:
+        head, code = image["src"].split(",")
+        assert head == "data:image/svg+xml;base64"
+        assert b"<svg" in base64.b64decode(code)[:1000]
+        assert len(image["alt"]) > 30
+
+
+def test_only_the_pages_own_script_may_run(page):
+    policy = re.search(r'Content-Security-Policy" content="([^"]+)"', page)[1]
+    script = re.search(r"<script>(.*)</script>", page, re.DOTALL)[1]
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    assert f"script-src 'sha256-{digest}'" in policy.replace("&#39;", "'")
+    assert "default-src 'none'" in policy.replace("&#39;", "'")
+
+
+def test_same_artifacts_same_bytes(artifacts, tmp_path):
+    few = {name: artifacts[name] for name in ("angles", "sobol")}
+    for name in ("one.html", "two.html"):
+        write_report(few, CONFIG, tmp_path / name, commit="0123abc")
+    one, two = ((tmp_path / name).read_text() for name in ("one.html", "two.html"))
+    assert one == two
+    assert "Commit of the code: 0123abc" in one
+
+
+def test_the_page_stays_small_enough_to_send(page):
+    assert len(page) < 4e6
+
+
+def test_folders_of_this_machine_stay_out(page):
+    assert CONFIG["campaign"] not in page
+
+
+def test_source_and_every_trial_set_aside_are_told(parsed):
+    assert "synthetic data" in parsed.text
+    assert parsed.tables["set_aside"][1:] == [
+        ["trial_x", "video/trial_x.avi: no frame can be read"]
+    ]
+
+
+def test_a_failed_check_turns_red_and_the_report_is_whole(parsed):
+    tiles = [a["class"] for a in parsed.find("li") if a.get("class", "").startswith("tile")]
+    assert tiles == ["tile bad", "tile good", "tile good", "tile open"]
+    assert "Failed: largest R-hat" in parsed.text
+    assert len(parsed.tables["centres"]) == 1 + 4 * 3
+
+
+def test_numbers_are_the_artifacts_own(artifacts, parsed):
+    draws = np.exp(artifacts["posterior"]["posterior"].dataset["mu_log_k_v"].sel(joint=1))
+    row = parsed.tables["centres"][1]
+    assert row[:3] == ["kv", "1", "N m/rad"]
+    assert float(row[3].split(" ± ")[0]) == pytest.approx(float(draws.median()), rel=0.01)
+    low, high = np.quantile(draws, [0.05, 0.95])
+    assert [float(end) for end in row[4].split(" to ")] == pytest.approx([low, high], rel=0.01)
+    two_stage = np.exp(artifacts["least_squares"]["population_mean"].values[0, 0])
+    assert float(row[5]) == pytest.approx(two_stage, rel=0.01)
+    assert float(row[6]) == pytest.approx(np.exp(-2.4441), rel=0.01)
+
+
+def test_other_artifacts_give_other_numbers(artifacts):
+    moved = {**artifacts, "posterior": artifacts["posterior"].copy(deep=True)}
+    draws = moved["posterior"]["posterior"].dataset
+    moved["posterior"]["posterior"].dataset = draws.assign(mu_log_k_v=draws["mu_log_k_v"] + 1)
+    other, before = (
+        build_tables({name: source[name] for name in ("angles", "posterior")})[0]["centres"][1][3]
+        for source in (moved, artifacts)
+    )
+    ratio = float(other.split(" ± ")[0]) / float(before.split(" ± ")[0])
+    assert ratio == pytest.approx(np.e, rel=0.02)
+
+
+def test_names_from_outside_stay_text(artifacts):
+    hostile = '<script>alert(1)</script> & "k_v" $x$'
+    angles = artifacts["angles"].assign_attrs(campaign=hostile)
+    angles["set_aside_reason"] = ("set_aside_trial", ["</td><img src=x onerror=alert(2)>"])
+    page = render({"angles": angles})
+    assert page.count("<script>") == 1
+    assert "<img src=x" not in page
+    assert hostile in Page(page).text
+
+
+def test_a_command_gets_units_per_command_and_no_paper():
+    tables, words = build_tables(make_artifacts(n_joint=3, load_kind="command", load_scale=2500.0))
+    assert tables["centres"][1][2] == "command/rad"
+    assert "the paper" not in tables["centres"][0]
+    assert "cannot be compared" in words
+    assert "n = 10 trials in 2 protocols" in words
+    assert tables["coverage"][1][0] == "load 100 command"
+
+
+def test_an_assumed_load_is_said_to_be_assumed():
+    _, words = build_tables({"angles": make_angles(n_joint=1, load_kind="assumed")})
+    assert "a unit command from the first frame was assumed" in words
+
+
+@pytest.mark.parametrize("n_joint", [1, 5])
+def test_any_number_of_joints_has_its_report(n_joint):
+    tables, _ = build_tables(make_artifacts(n_joint=n_joint))
+    assert len(tables["centres"]) == 1 + 4 * n_joint
+
+
+def test_missing_artifacts_are_said_to_be_missing(artifacts):
+    page = Page(render({"angles": artifacts["angles"]}))
+    assert [section["id"] for section in page.find("section")] == ORDER
+    for sentence in (
+        "The fit was not run",
+        "The sensitivity was not computed",
+        "The mismatch diagnosis was not run",
+        "the bands were not computed",
+    ):
+        assert sentence in page.text
+
+
+def test_a_simulations_truth_is_held_against_the_intervals(artifacts):
+    mean = artifacts["least_squares"]["population_mean"]
+    sd = artifacts["least_squares"]["population_sd"] + 100
+    truth = xr.Dataset({"population_mean": mean, "population_sd": sd})
+    tables, words = build_tables({**artifacts, "truth": truth})
+    held = [row[-1] for row in tables["truth"][1:]]
+    assert held == ["yes"] * 12 + ["no"] * 12
+    assert "12 of 24 equal-tailed 90 % intervals hold it" in words
+
+
+def test_the_verdict_is_told_in_words(artifacts):
+    verdict = {
+        "decision": "ambiguous",
+        "effects": [
+            {
+                "id": "second_retardation",
+                "joints": [2],
+                "probability": 0.6,
+                "parameters": {
+                    "retardation_time_s": {"mean": 5.9, "sd": 0.4, "q05": 5.2, "q95": 6.6}
+                },
+                "statement": "Joint 2 keeps relaxing.",
+            }
+        ],
+        "equivalent": [["second_retardation", "fractional_creep"]],
+        "elpd": {"baseline": 0.0, "final": 30.0, "difference": 30.0, "se": 4.0},
+        "residual_rms_rad": {"baseline": 0.0065, "final": 0.0031, "noise": 0.003},
+        "not_testable": ["yield_threshold"],
+        "next_experiment": None,
+    }
+    tables, words = build_tables({"angles": artifacts["angles"], "verdict": verdict})
+    assert "Joint 2 keeps relaxing." in words
+    assert "second_retardation and fractional_creep" in words
+    assert tables["effects"][1][4] == "5.9 ± 0.4"
+    assert tables["before_after"][1] == ["base model", "6.50"]
