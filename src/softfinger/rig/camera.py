@@ -1,0 +1,156 @@
+"""Cameras, real and virtual, behind one thread that stamps, measures the light and compresses."""
+
+import os
+import threading
+import time
+from collections import deque
+from typing import NamedTuple, Protocol, Self
+
+os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")  # its complaints become our sentences
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from softfinger.faults import Fault
+from softfinger.rig.plan import Plan
+from softfinger.rig.virtual_camera import VirtualCamera
+
+
+class Camera(Protocol):
+    """What takes pictures."""
+
+    def read(self) -> tuple[float, NDArray[np.uint8]]:
+        """Wait for the next frame: its stamp on the camera's clock [s], and the picture."""
+
+    def close(self) -> None:
+        """End it."""
+
+
+class Frame(NamedTuple):
+    """A frame: stamp [s], mean grey of the sync light's place, picture as JPEG."""
+
+    stamp: float
+    brightness: float
+    jpeg: bytes
+
+
+class OpenCvCamera:
+    """A camera that OpenCV opens, by its number or device path.
+
+    The stamp is the driver's where the first frame has one, else the moment of arrival: either will
+    do, because the sync light ties it to the controller's clock, but never a mixture.
+    """
+
+    def __init__(self, name: str, fps: float) -> None:
+        self._name = name
+        self._capture = cv2.VideoCapture(int(name) if name.isdecimal() else name)
+        if not self._capture.isOpened():
+            raise Fault(
+                f"camera {name} cannot be opened; is it plugged in, and free of other programs?"
+            )
+        self._capture.set(cv2.CAP_PROP_FPS, fps)
+        self._stamped: bool | None = None
+
+    def read(self) -> tuple[float, NDArray[np.uint8]]:
+        """Wait for the next frame: stamp [s] and picture (row, column, channel).
+
+        Raises
+        ------
+        Fault
+            The camera gives no picture any more.
+        """
+        seen, picture = self._capture.read()
+        arrived = time.monotonic()
+        if not seen:
+            raise Fault(f"camera {self._name} gives no picture any more; is it unplugged?")
+        stamp = self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1e3
+        if self._stamped is None:
+            self._stamped = stamp > 0
+        return stamp if self._stamped else arrived, picture
+
+    def close(self) -> None:
+        """Give the camera back."""
+        self._capture.release()
+
+
+def open_camera(name: str, plan: Plan) -> Camera:
+    """Open a camera: a number or path for OpenCV, or ``virtual:PORT`` of a simulator.
+
+    Raises
+    ------
+    Fault
+        There is no such camera.
+    """
+    kind, _, port = name.partition(":")
+    if kind == "virtual" and port.isdecimal():
+        return VirtualCamera(int(port), plan.safety.camera_timeout_s)
+    return OpenCvCamera(name, plan.fps)
+
+
+class FrameGrabber:
+    """Takes every frame of a camera from the moment it is entered until it is left."""
+
+    def __init__(self, camera: Camera, plan: Plan) -> None:
+        self._camera = camera
+        self._light = plan.recording.sync_light_px
+        self._quality = plan.recording.video_quality
+        self._timeout = plan.safety.camera_timeout_s
+        self._frames: deque[Frame] = deque()
+        self._failure: Exception | None = None
+        self._ended = threading.Event()
+        self._last_arrival = time.monotonic()
+        self._thread = threading.Thread(target=self._grab, name="camera", daemon=True)
+
+    def __enter__(self) -> Self:
+        """Begin."""
+        self._last_arrival = time.monotonic()
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End, and close the camera."""
+        self._ended.set()
+        self._thread.join(self._timeout)
+        self._camera.close()
+
+    def take(self) -> list[Frame]:
+        """Return the frames since the last time.
+
+        Raises
+        ------
+        Fault
+            The camera has failed, or is silent for longer than its timeout.
+        """
+        if self._failure is not None:
+            raise self._failure
+        taken = []
+        while self._frames:
+            taken.append(self._frames.popleft())
+        now = time.monotonic()
+        if taken:
+            self._last_arrival = now
+        elif now - self._last_arrival > self._timeout:
+            raise Fault(
+                f"the camera has sent no picture for {self._timeout:g} s; check its cable, and "
+                "whether the computer is too busy"
+            )
+        return taken
+
+    def _grab(self) -> None:
+        try:
+            while not self._ended.is_set():
+                self._frames.append(self._describe(*self._camera.read()))
+        except Exception as failure:  # handed over to the thread that asks
+            self._failure = failure
+
+    def _describe(self, stamp: float, picture: NDArray[np.uint8]) -> Frame:
+        x, y, width, height = self._light
+        place = picture[y : y + height, x : x + width]
+        if place.shape[:2] != (height, width):
+            raise Fault(
+                f"recording.sync_light_px [{x}, {y}, {width}, {height}] lies outside the picture "
+                f"of {picture.shape[1]} × {picture.shape[0]} px"
+            )
+        jpeg = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, self._quality])[1]
+        return Frame(stamp, float(place.mean()), jpeg.tobytes())

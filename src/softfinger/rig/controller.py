@@ -1,0 +1,292 @@
+"""The controller as the recorder sees it: identified, limited, and let go whatever happens."""
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+
+from softfinger.faults import Fault
+from softfinger.rig.clocks import FLASHES
+from softfinger.rig.link import SerialLink, Silence
+from softfinger.rig.messages import VERSION, LineFault, Message
+from softfinger.rig.plan import Plan
+from softfinger.rig.profiles import Knots
+
+CONNECT_S = 5.0  # a controller that restarts when its port is opened needs a few seconds
+_HELLO_EVERY_S = 0.5
+
+
+@dataclass(frozen=True)
+class Identity:
+    """What the controller says that it is; `zero` is when its clock stood at 0."""
+
+    device: str
+    firmware: str
+    simulated: bool
+    limit_n: float
+    max_knots: int
+    max_rate_hz: int
+    watchdog_s: float
+    time_scale: float
+    zero: datetime
+
+
+@dataclass(frozen=True)
+class Sample:
+    """One measurement: controller time [s], tension [N], motor current [A]."""
+
+    time: float
+    tension: float
+    current: float
+
+
+class Controller:
+    """A controller that is connected, identified and limited. Made by `connect_controller`.
+
+    Attributes
+    ----------
+    identity
+        What it said that it is.
+    """
+
+    def __init__(self, link: SerialLink, plan: Plan, identity: Identity) -> None:
+        self.identity = identity
+        self._link = link
+        self._safety = plan.safety
+        self._samples: list[Sample] = []
+        self._events: list[tuple[str, float]] = []
+        self._next_sample = 0
+        self._beat_due = 0.0
+        self._last_arrival = 0.0
+        self._may_pull = False
+
+    def read_environment(self) -> dict[str, float]:
+        """Read the controller's own sensors of the room: column → value."""
+        answer = self._request("environment")
+        fields = {key: value for key, value in answer.fields.items() if key != "t_us"}
+        try:
+            return {key: float(value) for key, value in fields.items()}
+        except ValueError:
+            raise Fault(f"the controller's environment {fields} holds what is no number") from None
+
+    def flash(self, half_period: float) -> None:
+        """Let the sync light flash; an event ``light`` tells when it went on or off."""
+        self.take_events()
+        self._request("sync", flashes=FLASHES, half_us=round(half_period * 1e6))
+
+    def arm(self, knots: Knots, rate_hz: int) -> None:
+        """Send a profile, start the samples and switch the motor on, without tension."""
+        self._request("clear")
+        for i, (moment, tension) in enumerate(zip(*knots, strict=True)):
+            t_us, tension_mn = round(moment * 1e6), round(tension * 1e3)
+            self._request("knot", i=i, t_us=t_us, tension_mn=tension_mn)
+        self._samples, self._next_sample = [], 0
+        self.take_events()
+        self._request("stream", rate_hz=rate_hz)
+        self._last_arrival = time.monotonic()
+        self._may_pull = True
+        self._request("arm", knots=len(knots[0]))
+
+    def start(self) -> float:
+        """Start the profile; return when it started [s]."""
+        return self._request("start").get_integer("t_us") / 1e6
+
+    def watch(self) -> None:
+        """Listen, keep the watchdog fed, and refuse what is unsafe. To be called all the time.
+
+        Raises
+        ------
+        Fault
+            A tension above the limit, samples lost, a wire that the controller let go by itself,
+            or any fault of the line.
+        """
+        if self._may_pull and time.monotonic() >= self._beat_due:
+            self._request("heartbeat")
+            self._beat_due = time.monotonic() + self._safety.heartbeat_s
+        self._take(self._link.poll())
+        if self._may_pull and time.monotonic() - self._last_arrival > self._safety.stream_timeout_s:
+            raise Fault(
+                "the controller answers, but has sent no sample of the tension for "
+                f"{self._safety.stream_timeout_s:g} s; see whether its load cell is connected"
+            )
+
+    def take_samples(self) -> list[Sample]:
+        """Return the samples since the last time."""
+        taken, self._samples = self._samples, []
+        return taken
+
+    def take_events(self) -> list[tuple[str, float]]:
+        """Return the events since the last time: name and controller time [s]."""
+        taken, self._events = self._events, []
+        return taken
+
+    def release(self) -> None:
+        """Let the wire go and end the samples.
+
+        Raises
+        ------
+        Fault
+            The controller does not confirm it.
+        """
+        self._may_pull = False
+        self._request("release")
+        self._request("stream", rate_hz=0)
+
+    def release_for_certain(self) -> str:
+        """Let the wire go though anything may be broken; return a clause that says what is known.
+
+        The line is not trusted any more: garbage is skipped, and the request repeated.
+        """
+        self._link.trusted = False
+        self._may_pull = False
+        for _ in range(3):
+            try:
+                self._link.request("release", self._safety.answer_timeout_s)
+            except Fault:
+                continue
+            return "the wire is released"
+        return (
+            "the controller does not confirm that the wire is released; its own watchdog releases "
+            f"it {self.identity.watchdog_s:g} s after the last heartbeat: look before you touch it"
+        )
+
+    def _request(self, verb: str, **fields: object) -> Message:
+        return self._link.request(verb, self._safety.answer_timeout_s, **fields)
+
+    def _take(self, messages: list[Message]) -> None:
+        try:
+            for message in messages:
+                if message.verb == "sample":
+                    self._take_sample(message)
+                elif message.verb == "event":
+                    self._take_event(message)
+                elif message.verb == "error":
+                    raise Fault("the controller could not read a line; check the cable")
+        except LineFault as fault:
+            raise Fault(f"port {self._link.port}: {fault}") from None
+
+    def _take_sample(self, message: Message) -> None:
+        number = message.get_integer("n")
+        if number != self._next_sample:
+            raise Fault(
+                f"samples {self._next_sample} to {number - 1} of the tension are lost; lower "
+                "recording.stream_rate_hz or check the cable"
+            )
+        self._next_sample += 1
+        sample = Sample(
+            message.get_integer("t_us") / 1e6,
+            message.get_integer("tension_mn") / 1e3,
+            message.get_integer("current_ma") / 1e3,
+        )
+        self._samples.append(sample)
+        self._last_arrival = time.monotonic()
+        if sample.tension > self._safety.tension_limit_n:
+            raise Fault(
+                f"the wire's tension is {sample.tension:.3g} N, above safety.tension_limit_n "
+                f"{self._safety.tension_limit_n:g} N; see what blocks the finger or the motor"
+            )
+
+    def _take_event(self, message: Message) -> None:
+        name = message.fields.get("name", "")
+        if name == "released" and self._may_pull:
+            self._may_pull = False
+            reasons = {
+                "limit": "the tension was above the limit",
+                "heartbeat": "it heard no heartbeat; is this computer too busy?",
+            }
+            reason = message.fields.get("reason", "")
+            raise Fault(f"the controller let the wire go: {reasons.get(reason, reason)}")
+        self._events.append((name, message.get_integer("t_us") / 1e6))
+
+
+@contextmanager
+def connect_controller(port: str, plan: Plan) -> Iterator[Controller]:
+    """Connect to the controller; whatever happens inside, the wire is let go at the end.
+
+    Raises
+    ------
+    Fault
+        No controller, a wrong one, or one that cannot do what the plan asks; and every fault or
+        interruption inside, with what is known of the wire added.
+    """
+    with SerialLink(port) as link:
+        identity = _identify(link)
+        controller = Controller(link, plan, identity)
+        try:
+            _check_abilities(identity, plan)
+            limit = round(plan.safety.tension_limit_n * 1e3)
+            link.request("limit", plan.safety.answer_timeout_s, tension_mn=limit)
+            yield controller
+        except Fault as fault:
+            raise Fault(f"{fault}; {controller.release_for_certain()}") from None
+        except KeyboardInterrupt:
+            raise Fault(f"interrupted; {controller.release_for_certain()}") from None
+        except BaseException:
+            controller.release_for_certain()
+            raise
+        controller.release()
+
+
+def _identify(link: SerialLink) -> Identity:
+    link.discard()
+    deadline = time.monotonic() + CONNECT_S
+    while True:
+        try:
+            answer = link.request("hello", _HELLO_EVERY_S, version=VERSION)
+            break
+        except Silence:
+            if time.monotonic() < deadline:
+                continue
+            if link.skipped is None:
+                raise
+            raise Fault(
+                f"port {link.port}: something answers, but not in the rig's protocol: "
+                f"{link.skipped}; is this the controller's port, and its firmware the rig's?"
+            ) from None
+    version = answer.get_integer("version")
+    if version != VERSION:
+        raise Fault(
+            f"port {link.port}: the controller speaks version {version} of the protocol and this "
+            f"program version {VERSION}; install the firmware that belongs to this program"
+        )
+    link.trusted = True
+    try:
+        return Identity(
+            device=answer.fields["device"],
+            firmware=answer.fields["firmware"],
+            simulated=bool(answer.get_integer("simulated")),
+            limit_n=answer.get_integer("limit_mn") / 1e3,
+            max_knots=answer.get_integer("max_knots"),
+            max_rate_hz=answer.get_integer("max_rate_hz"),
+            watchdog_s=answer.get_integer("watchdog_ms") / 1e3,
+            time_scale=float(answer.fields.get("time_scale", "1")),
+            zero=datetime.now(UTC) - timedelta(microseconds=answer.get_integer("t_us")),
+        )
+    except (KeyError, ValueError) as error:
+        raise Fault(f"port {link.port}: the controller's hello lacks {error}") from None
+
+
+def _check_abilities(identity: Identity, plan: Plan) -> None:
+    if plan.safety.tension_limit_n > identity.limit_n:
+        raise Fault(
+            f"safety.tension_limit_n is {plan.safety.tension_limit_n:g} N, but the controller "
+            f"bears {identity.limit_n:g} N at most; lower it"
+        )
+    if 3 * plan.safety.heartbeat_s > identity.watchdog_s:
+        raise Fault(
+            f"safety.heartbeat_s is {plan.safety.heartbeat_s:g} s; the controller's watchdog of "
+            f"{identity.watchdog_s:g} s needs at most a third of that"
+        )
+    if plan.recording.stream_rate_hz > identity.max_rate_hz:
+        raise Fault(
+            f"recording.stream_rate_hz is {plan.recording.stream_rate_hz}, but the controller "
+            f"samples at {identity.max_rate_hz} Hz at most"
+        )
+    for profile in plan.profiles:
+        knots = profile.build_knots()[0].size
+        if knots > identity.max_knots:
+            raise Fault(
+                f"profile '{profile.name}' has {knots} knots, but the controller holds "
+                f"{identity.max_knots}; shorten it"
+            )

@@ -1,0 +1,142 @@
+"""The recorder's end of the serial line: numbered requests, each answered, nothing lost unseen."""
+
+import time
+from collections import deque
+from typing import Self
+
+import serial
+from serial.tools import list_ports
+
+from softfinger.faults import Fault
+from softfinger.rig.messages import LineAssembler, LineFault, Message, format_message, parse_line
+
+BAUD_RATE = 115200  # ignored by USB controllers
+_POLL_S = 0.002
+
+
+class Silence(Fault):
+    """A request that was not answered in time."""
+
+
+class SerialLink:
+    """A serial port on which a controller speaks the protocol; closed on leaving its context.
+
+    Until `trusted` is set, lines that cannot be read are skipped (a controller that boots says all
+    sorts of things); afterwards the first one ends the session.
+    """
+
+    def __init__(self, port: str) -> None:
+        self.port = port
+        self.trusted = False
+        self.skipped: LineFault | None = None
+        self._lines = LineAssembler()
+        self._answers: dict[int, Message] = {}
+        self._unasked: deque[Message] = deque()
+        self._number = 0
+        self._serial = _open_port(port)
+
+    def __enter__(self) -> Self:
+        """Nothing to do: the port is open."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close the port."""
+        self._serial.close()
+
+    def request(self, verb: str, timeout: float, **fields: object) -> Message:
+        """Send a request and wait for its answer.
+
+        Parameters
+        ----------
+        verb, fields
+            As in docs/rig/protocol.md.
+        timeout
+            [s]
+
+        Raises
+        ------
+        Silence
+            No answer in time.
+        Fault
+            A refusal, a line that cannot be read, or the port is gone.
+        """
+        number = self._send(verb, **fields)
+        deadline = time.monotonic() + timeout
+        while number not in self._answers:
+            if time.monotonic() > deadline:
+                raise Silence(
+                    f"port {self.port}: the controller did not answer '{verb}' within {timeout:g} s"
+                )
+            self._receive()
+        answer = self._answers.pop(number)
+        if answer.verb != "ok":
+            said = ", ".join(f"{key} {value}" for key, value in answer.fields.items())
+            raise Fault(f"port {self.port}: the controller refused '{verb}': {said}")
+        return answer
+
+    def poll(self) -> list[Message]:
+        """Return what the controller has said unasked since the last time."""
+        self._receive()
+        said = list(self._unasked)
+        self._unasked.clear()
+        return said
+
+    def discard(self) -> None:
+        """Forget everything received so far."""
+        self._serial.reset_input_buffer()
+        self._lines = LineAssembler()
+        self._answers.clear()
+        self._unasked.clear()
+
+    def _send(self, verb: str, **fields: object) -> int:
+        self._number += 1
+        texts = {key: str(value) for key, value in fields.items()}
+        try:
+            self._serial.write(format_message(Message(self._number, verb, texts)))
+        except (serial.SerialException, OSError) as error:
+            raise self._describe_loss(error) from None
+        return self._number
+
+    def _receive(self) -> None:
+        try:
+            received = self._serial.read(max(1, self._serial.in_waiting))
+        except (serial.SerialException, OSError) as error:
+            raise self._describe_loss(error) from None
+        for line in self._lines.feed(received):
+            try:
+                message = parse_line(line)
+            except LineFault as fault:
+                self.skipped = fault
+                if self.trusted:
+                    raise Fault(
+                        f"port {self.port}: {fault}; check the cable, its length and the motor's "
+                        "interference"
+                    ) from None
+                continue
+            if message.number:
+                self._answers[message.number] = message
+            else:
+                self._unasked.append(message)
+
+    def _describe_loss(self, error: Exception) -> Fault:
+        return Fault(
+            f"port {self.port} is gone ({error}); plug the cable in again and see whether the "
+            "controller has power"
+        )
+
+
+def _open_port(port: str) -> serial.SerialBase:
+    try:
+        return serial.serial_for_url(
+            port, BAUD_RATE, timeout=_POLL_S, write_timeout=1.0, exclusive=True
+        )
+    except (serial.SerialException, OSError, ValueError) as error:
+        said = str(error)
+    if "lock" in said:
+        reason = "is busy: another program has it open; end that one"
+    elif "Permission" in said:
+        reason = "may not be opened by this user; join the group that owns it (often 'dialout')"
+    else:
+        found = ", ".join(sorted(info.device for info in list_ports.comports())) or "none"
+        reason = f"cannot be opened ({said}); serial ports found here: {found}"
+    raise Fault(f"port {port} {reason}")
