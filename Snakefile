@@ -1,9 +1,11 @@
+from pathlib import Path
+
 from snakemake.utils import min_version, validate
 
 min_version("9.0")
 
 
-configfile: "config/default.yaml"
+configfile: Path(workflow.basedir) / "config/default.yaml"
 
 
 validate(config, "workflow/schemas/config.schema.yaml")

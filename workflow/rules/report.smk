@@ -4,6 +4,7 @@ ARTIFACTS = ["angles", "least_squares", "posterior", "sampling", "bands", "densi
 rule report:
     input:
         **{name: OUT / f"{name}.nc" for name in ARTIFACTS},
+        markers=expand(OUT / "markers/{batch}.nc", batch=BATCHES),
     output:
         report=report(OUT / "report.html", caption="../report/report.rst"),
     params:

@@ -3,8 +3,8 @@ if SIMULATED:
 
     rule virtual_rig:
         output:
+            TABLES + RECORDED_TABLES,
             truth=OUT / "truth.nc",
-            tables=TABLES + RECORDED_TABLES,
         params:
             folder=CAMPAIGN,
             config=config["virtual_rig"],

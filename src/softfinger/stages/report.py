@@ -1,0 +1,64 @@
+"""Rule `report`: one page per campaign."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from softfinger.artifacts import open_artifact, open_tree, write_atomically
+from softfinger.artifacts.specs import (
+    angles,
+    bands,
+    densities,
+    least_squares,
+    posterior,
+    sampling,
+    sobol,
+)
+from softfinger.artifacts.specs import (
+    markers as markers_spec,
+)
+from softfinger.provenance import PROJECT
+from softfinger.report import write_report
+
+SPECS = {
+    spec.SPEC.name: spec.SPEC
+    for spec in (angles, least_squares, posterior, sampling, bands, densities, sobol)
+}
+
+
+def report(
+    *, report: Path, markers: Sequence[Path], config: Mapping[str, Any], **artifacts: Path
+) -> None:
+    """Write the report of a campaign from its artifacts.
+
+    Parameters
+    ----------
+    report
+        The page.
+    markers
+        Marker files, if the campaign was filmed; the first one is shown.
+    config
+        The whole configuration.
+    **artifacts
+        Name → file, for every name in ``SPECS``.
+    """
+    opened = {
+        name: (open_tree if SPECS[name].groups else open_artifact)(path, SPECS[name])
+        for name, path in artifacts.items()
+    }
+    if markers:
+        opened["markers"] = open_artifact(markers[0], markers_spec.SPEC)
+    with write_atomically(report) as temporary:
+        write_report(opened, config, temporary, _find_commit())
+
+
+def _find_commit() -> str | None:
+    """Commit of the code, where it comes from a git checkout."""
+    command = ["git", "-C", str(PROJECT), "describe", "--always", "--dirty", "--abbrev=12"]
+    try:
+        return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+    except (OSError, subprocess.CalledProcessError):
+        return None
