@@ -6,7 +6,8 @@ quadratures of one or two dimensions. Other forward models take the sampling rou
 """
 
 from softfinger.propagation.bands import compute_bands
+from softfinger.propagation.correlation import compute_shapley
 from softfinger.propagation.densities import compute_densities
 from softfinger.propagation.sobol import compute_sobol
 
-__all__ = ["compute_bands", "compute_densities", "compute_sobol"]
+__all__ = ["compute_bands", "compute_densities", "compute_shapley", "compute_sobol"]

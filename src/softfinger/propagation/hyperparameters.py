@@ -1,5 +1,7 @@
 """Populations to propagate: the two-stage estimate, and draws of the posterior, in one shape."""
 
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
 
@@ -60,17 +62,8 @@ def select_posterior(posterior: xr.DataTree, draws: int) -> xr.Dataset:
     Fault
         If a hyperparameter is missing.
     """
-    group = posterior["posterior"].to_dataset()
     wanted = [f"{kind}_{name}" for kind in ("mu", "sigma") for name in NAMES] + ["noise_sd"]
-    missing = [name for name in wanted if name not in group]
-    if missing:
-        raise Fault(
-            f"the posterior holds no {', '.join(missing)}: propagation needs every hyperparameter; "
-            "fit the campaign again"
-        )
-    stacked = group[wanted].stack(sample=("chain", "draw")).reset_index("sample", drop=True)
-    chosen = np.linspace(0, stacked.sizes["sample"] - 1, min(draws, stacked.sizes["sample"]))
-    stacked = stacked.isel(sample=np.rint(chosen).astype(int)).rename(sample="draw")
+    stacked = take_draws(posterior, wanted, draws)
     parameter = xr.IndexVariable("parameter", list(PARAMETERS))
     population = {
         kind: xr.concat([stacked[f"{kind}_{name}"] for name in NAMES], parameter).transpose(
@@ -80,3 +73,23 @@ def select_posterior(posterior: xr.DataTree, draws: int) -> xr.Dataset:
     }
     noise_sd = stacked["noise_sd"].transpose("draw", "joint")
     return xr.Dataset({**population, "noise_sd": noise_sd})
+
+
+def take_draws(posterior: xr.DataTree, names: Sequence[str], draws: int) -> xr.Dataset:
+    """Take at most so many draws of some variables, spread evenly over chains and draws.
+
+    Raises
+    ------
+    Fault
+        If the posterior lacks one of the variables.
+    """
+    group = posterior["posterior"].to_dataset()
+    missing = [name for name in names if name not in group]
+    if missing:
+        raise Fault(
+            f"the posterior holds no {', '.join(missing)}: propagation needs every hyperparameter; "
+            "fit the campaign again"
+        )
+    stacked = group[list(names)].stack(sample=("chain", "draw")).reset_index("sample", drop=True)
+    chosen = np.linspace(0, stacked.sizes["sample"] - 1, min(draws, stacked.sizes["sample"]))
+    return stacked.isel(sample=np.rint(chosen).astype(int)).rename(sample="draw")

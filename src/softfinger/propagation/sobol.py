@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
-from softfinger.propagation.config import read_config
+from softfinger.propagation.config import PropagationConfig, read_config
 from softfinger.propagation.design import compute_design
 from softfinger.propagation.hyperparameters import ESTIMATES, select_posterior, select_two_stage
 from softfinger.propagation.indices import PAIR_NAMES, compute_sobol_array
@@ -51,8 +52,7 @@ def compute_sobol(
     """
     knobs = read_config(config)
     protocol = select_main_protocol(group_protocols(angles))
-    step = knobs.sobol_time_step_s
-    time = step * np.arange(int(protocol.duration / step + 1e-9) + 1)
+    time = build_sobol_times(protocol, knobs)
     populations = [select_two_stage(least_squares), select_posterior(posterior, knobs.draws)]
     cut = knobs.c_p_truncation_sd
     parts = [_compute_indices(population, time, protocol, cut) for population in populations]
@@ -74,8 +74,14 @@ def compute_sobol(
     return dataset
 
 
+def build_sobol_times(protocol: Protocol, knobs: PropagationConfig) -> NDArray[np.float64]:
+    """Build the even grid of times (n,) [s] from 0 to the end of a protocol."""
+    step = knobs.sobol_time_step_s
+    return step * np.arange(int(protocol.duration / step + 1e-9) + 1)
+
+
 def _compute_indices(
-    population: xr.Dataset, time: np.ndarray, protocol: Protocol, cut: float | None
+    population: xr.Dataset, time: NDArray, protocol: Protocol, cut: float | None
 ) -> xr.Dataset:
     mu, sigma = population["mu"].to_numpy(), population["sigma"].to_numpy()
     load = (protocol.load_time, protocol.load_torque)

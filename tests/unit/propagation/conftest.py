@@ -73,7 +73,7 @@ def least_squares(angles):
 
 @pytest.fixture
 def posterior():
-    """3 chains of 17 draws about the two-stage estimate."""
+    """3 chains of 17 draws about the two-stage estimate; k_v and c_v of joint 1 go together."""
     rng = np.random.default_rng(6)
     names = ("log_k_v", "log_c_v", "log_c_p", "q_ini")
     dims = ("chain", "draw", "joint")
@@ -83,5 +83,11 @@ def posterior():
         jitter = 0.1 * SIGMA[:, place] * rng.standard_normal(shape)
         data[f"mu_{name}"] = (dims, MU[:, place] + jitter)
         data[f"sigma_{name}"] = (dims, SIGMA[:, place] * np.exp(0.1 * rng.standard_normal(shape)))
+    z = rng.standard_normal((7, 2, 4))
+    z[:, 0, 1] = z[:, 0, 0] + 0.1 * z[:, 0, 1]
+    trial = MU + SIGMA * z
+    for place, name in enumerate(names):
+        value = np.broadcast_to(trial[..., place], (3, 17, 7, 2))
+        data[name] = (("chain", "draw", "trial", "joint"), value.copy())
     dataset = xr.Dataset(data, coords={"chain": range(3), "draw": range(17), "joint": [1, 2]})
     return xr.DataTree.from_dict({"posterior": dataset})
