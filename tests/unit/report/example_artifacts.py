@@ -253,6 +253,7 @@ def make_sobol(joints, n_time=31):
             "parameter": PARAMETERS,
             "quantile": [0.05, 0.5, 0.95],
         },
+        attrs={"definition": "variance-based indices with independent parameters"},
     )
 
 

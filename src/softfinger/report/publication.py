@@ -1,0 +1,211 @@
+"""Figures and tables for a paper: vector files by name, and a LaTeX document that holds them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from softfinger.faults import Fault
+from softfinger.figures.style import label_parameter_unit, save_figure
+from softfinger.report import pictures
+from softfinger.report.blocks import Picture
+from softfinger.report.config import read_config
+from softfinger.report.formatting import format_measure, format_number, format_percent
+from softfinger.report.material import Artifact, Material
+from softfinger.report.sections.parameters import each_parameter, explain_rivals, list_rivals
+
+PICTURES: dict[str, Callable[[Material], Picture | None]] = {
+    "finger": pictures.picture_finger,
+    "joint_model": pictures.picture_joint_model,
+    "recordings": pictures.picture_recordings,
+    "tracking": pictures.picture_tracking,
+    "histograms": partial(pictures.picture_histograms, initial=False),
+    "initial_angles": partial(pictures.picture_histograms, initial=True),
+    "densities": pictures.picture_densities,
+    "bands": partial(pictures.picture_bands, early=False),
+    "bands_early": partial(pictures.picture_bands, early=True),
+    "sobol": pictures.picture_sobol,
+    "hyperparameters": pictures.picture_hyperparameters,
+    "residuals": pictures.picture_residuals,
+    "prior_predictive": pictures.picture_prior,
+    "sampling": pictures.picture_sampling,
+}
+"""Every figure by name, in the order of the paper, then ours."""
+
+TABLE = "parameters"
+"""Name of the paper's table."""
+
+TEX = {
+    "\\": r"\textbackslash{}",
+    "{": r"\{",
+    "}": r"\}",
+    "&": r"\&",
+    "%": r"\%",
+    "$": r"\$",
+    "#": r"\#",
+    "_": r"\_",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "±": r"$\pm$",
+    "−": "$-$",
+    "–": "--",
+    "×": r"$\times$",
+    "μ": r"$\mu$",
+    "σ": r"$\sigma$",
+    "τ": r"$\tau$",
+    "∞": r"$\infty$",
+} | {mark: f"$^{{{place}}}$" for place, mark in enumerate("⁰¹²³⁴⁵⁶⁷⁸⁹")}
+TEX["⁻"] = "$^{-}$"
+
+
+def build_picture(
+    name: str, artifacts: Mapping[str, Artifact], config: Mapping[str, Any]
+) -> Picture:
+    """Build one figure by name.
+
+    Raises
+    ------
+    Fault
+        If there is no such figure, or an artifact that it shows is missing.
+    """
+    if name not in PICTURES:
+        raise Fault(f"there is no figure '{name}'; there are: {', '.join(PICTURES)}")
+    picture = PICTURES[name](Material(artifacts, read_config(config)))
+    if picture is None:
+        raise Fault(f"figure '{name}' shows an artifact that was not made; run its rule first")
+    return picture
+
+
+def write_figure(
+    name: str,
+    artifacts: Mapping[str, Artifact],
+    config: Mapping[str, Any],
+    paths: Sequence[Path | str],
+) -> None:
+    """Write one figure, once per path, in the form of the path's suffix (.pdf, .png, .svg).
+
+    Raises
+    ------
+    Fault
+        As `build_picture`.
+    """
+    picture = build_picture(name, artifacts, config)
+    for path in paths:
+        save_figure(picture.figure, path)
+
+
+def write_parameter_table(
+    artifacts: Mapping[str, Artifact], config: Mapping[str, Any], path: Path | str
+) -> None:
+    """Write the paper's table, μ and σ of every parameter at every joint, as LaTeX.
+
+    Raises
+    ------
+    Fault
+        If the posterior is missing.
+    """
+    material = Material(artifacts, read_config(config))
+    Path(path).write_text(render_parameter_table(material), encoding="utf-8")
+
+
+def render_parameter_table(material: Material) -> str:
+    """Render the paper's table."""
+    summary = material.hyperparameters
+    if summary is None:
+        raise Fault("the table of parameters needs the posterior; run the rule fit first")
+    rivals = list_rivals(summary)
+    rows = []
+    for parameter, joint, here in each_parameter(summary):
+        cells = [parameter, str(joint), label_parameter_unit(parameter, material.load_unit)]
+        for statistic in ("mu", "sigma"):
+            one = here.sel(statistic=statistic)
+            cells.append(format_measure(float(one["quantile_value"][2]), float(one["sd"])))
+            cells += [format_number(float(one[name]), 4) for name in rivals]
+        rows.append(" & ".join(escape_tex(cell) for cell in cells) + r" \\")
+    heads = ["parameter", "joint", "unit"]
+    for symbol in ("μ", "σ"):
+        heads += [symbol, *(f"{symbol}, {name.replace('_', '-')}" for name in rivals)]
+    caption = (
+        f"Centre μ and spread σ over n = {material.angles['trial'].size} trials ({material.source} "
+        "data), of the natural logarithm but for q_ini: posterior median ± posterior standard "
+        f"deviation{explain_rivals(summary)}."
+    )
+    lines = [
+        r"\begin{table*}",
+        rf"\caption{{{escape_tex(caption)}}}",
+        r"\small",
+        rf"\begin{{tabular}}{{ll l{'r' * (len(heads) - 3)}}}",
+        r"\hline",
+        " & ".join(escape_tex(head) for head in heads) + r" \\",
+        r"\hline",
+        *rows,
+        r"\hline",
+        r"\end{tabular}",
+        r"\end{table*}",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def write_document(
+    names: Sequence[str],
+    artifacts: Mapping[str, Artifact],
+    config: Mapping[str, Any],
+    path: Path | str,
+) -> None:
+    """Write a LaTeX document of the named figures and the table, which lie beside it.
+
+    Raises
+    ------
+    Fault
+        As `build_picture`.
+    """
+    material = Material(artifacts, read_config(config))
+    parts = [build_picture(name, artifacts, config) for name in names]
+    body = [render_float(part) for part in parts]
+    title = escape_tex(f"{material.campaign}: figures ({material.source} data)")
+    interval = format_percent(material.limits.ci_prob)
+    lines = [
+        r"\documentclass[twocolumn]{article}",
+        r"\usepackage[T1]{fontenc}",
+        r"\usepackage[utf8]{inputenc}",
+        r"\usepackage{graphicx}",
+        rf"\title{{{title}}}",
+        r"\date{}",
+        r"\begin{document}",
+        r"\maketitle",
+        rf"Intervals are equal-tailed, {escape_tex(interval)} unless said otherwise.",
+        *body,
+        rf"\input{{{TABLE}.tex}}",
+        r"\end{document}",
+    ]
+    Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def render_float(picture: Picture) -> str:
+    """Render one figure's environment, over one column or two."""
+    wide = picture.figure.get_size_inches()[0] > 5
+    kind, width = ("figure*", "textwidth") if wide else ("figure", "columnwidth")
+    return "\n".join(
+        [
+            rf"\begin{{{kind}}}",
+            r"\centering",
+            rf"\includegraphics[width=\{width}]{{{picture.name}.pdf}}",
+            rf"\caption{{\textbf{{{escape_tex(picture.title)}.}} {escape_tex(picture.caption)}}}",
+            rf"\end{{{kind}}}",
+        ]
+    )
+
+
+def escape_tex(words: str) -> str:
+    r"""Escape words for LaTeX, the model's symbols set as symbols; foreign letters stay.
+
+    >>> print(escape_tex("k_v is 5 ± 1 % of c_p_x"))
+    $k_{v}$ is 5 $\pm$ 1 \% of c\_p\_x
+    """
+    parts = re.split(r"\b([kcq]_(?:v|p|ini))\b", words)
+    plain = ["".join(TEX.get(letter, letter) for letter in part) for part in parts]
+    plain[1::2] = [f"${symbol[0]}_{{{symbol[2:]}}}$" for symbol in parts[1::2]]
+    return "".join(plain)
