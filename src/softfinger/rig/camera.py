@@ -122,14 +122,15 @@ class FrameGrabber:
         Fault
             The camera has failed, or is silent for longer than its timeout.
         """
-        if self._failure is not None:
-            raise self._failure
+        failure = self._failure  # looked at first: frames taken before it are still handed out
         taken = []
         while self._frames:
             taken.append(self._frames.popleft())
         now = time.monotonic()
         if taken:
             self._last_arrival = now
+        elif failure is not None:
+            raise failure
         elif now - self._last_arrival > self._timeout:
             raise Fault(
                 f"the camera has sent no picture for {self._timeout:g} s; check its cable, and "

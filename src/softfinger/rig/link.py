@@ -63,11 +63,12 @@ class SerialLink:
         number = self._send(verb, **fields)
         deadline = time.monotonic() + timeout
         while number not in self._answers:
-            if time.monotonic() > deadline:
+            late = time.monotonic() > deadline
+            self._receive()  # once more when late: a busy computer is not a silent controller
+            if late and number not in self._answers:
                 raise Silence(
                     f"port {self.port}: the controller did not answer '{verb}' within {timeout:g} s"
                 )
-            self._receive()
         answer = self._answers.pop(number)
         if answer.verb != "ok":
             said = ", ".join(f"{key} {value}" for key, value in answer.fields.items())

@@ -72,12 +72,8 @@ def _record(
         display.begin_trial(planned.name, planned.profile.name)
         noted = {**controller.read_environment(), **environment}
         recording = rig.record_trial(knots)
-        into.add(
-            planned,
-            recording,
-            controller.identity.zero + timedelta(seconds=recording.started),
-            noted,
-        )
+        started_at = controller.identity.zero + timedelta(seconds=recording.started)
+        into.add(planned, recording, started_at, noted)
         display.end_trial(_summarise(planned, recording))
 
 

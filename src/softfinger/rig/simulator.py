@@ -86,7 +86,7 @@ class Simulator:
                 return
             if message.verb == "hello":
                 self._rehearsal.end(self._device)
-                self._waiting.clear()  # meant for the recorder before
+                self._waiting[:] = b"\n"  # the rest was meant for the recorder before
         for answer in self._device.receive(line, now, wall):
             self._say(now, answer)
 
