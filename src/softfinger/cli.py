@@ -6,10 +6,11 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
+from softfinger.campaign import check_campaign, list_tables, read_campaign
 from softfinger.config import read_config
 from softfinger.faults import Fault
 from softfinger.provenance import PROJECT
@@ -20,6 +21,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
 )
+
+FITTED = ["angles", "least_squares", "posterior"]
 
 CampaignFolder = Annotated[Path, typer.Argument(help="Campaign folder.", metavar="CAMPAIGN")]
 Out = Annotated[Path, typer.Option(help="Folder that holds the artifacts.")]
@@ -43,8 +46,6 @@ def check(campaign: CampaignFolder) -> None:
 
     Exit status 0: every trial can be used. 1: some are set aside, or the campaign is refused.
     """
-    from softfinger.campaign import check_campaign, read_campaign
-
     reasons = check_campaign(campaign)
     described = read_campaign(campaign)
     for name, reason in reasons.items():
@@ -62,8 +63,6 @@ def run(
     cores: Annotated[int, typer.Option(help="Processor cores to use.", min=1)] = 2,
 ) -> None:
     """Take a campaign from whatever level it has to its artifacts and report, by the workflow."""
-    from softfinger.campaign import read_campaign
-
     read_campaign(campaign)
     read_config(config)
     out.mkdir(parents=True, exist_ok=True)
@@ -90,29 +89,34 @@ def virtual_rig(
         return
     from softfinger.stages.film import film
     from softfinger.stages.virtual_rig import virtual_rig
+    from softfinger.virtual_rig.population import build_trial_names
 
     settings = read_config(config)
     knobs, seed = settings["virtual_rig"], settings["seed"]
     folder, truth = out / "campaign", out / "truth.nc"
     virtual_rig(truth=truth, folder=folder, config=knobs, seed=seed)
     if knobs["level"] == "video":
-        film(truth=truth, folder=folder, config=knobs, seed=seed)
+        names = build_trial_names(knobs["n_trials"])
+        videos = [folder / f"video/{name}.avi" for name in names]
+        film(truth=truth, videos=videos, config=knobs, seed=seed)
 
 
 @app.command()
 def track(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None:
     """Follow the markers through every video: OUT/markers/*.nc."""
-    from softfinger.campaign import read_campaign
     from softfinger.stages.track import track
 
-    settings = read_config(config)
-    names = [t.name for t in read_campaign(campaign).trials if t.level == "video"]
+    settings, described = read_config(config), read_campaign(campaign)
+    filmed = [trial for trial in described.trials if trial.level == "video"]
     size = settings["trials_per_job"]
-    for first in range(0, len(names), size):
+    for batch, first in enumerate(range(0, len(filmed), size)):
+        trials = filmed[first : first + size]
         track(
             folder=campaign,
-            trials=names[first : first + size],
-            markers=out / f"markers/{first // size:04d}.nc",
+            trials=[trial.name for trial in trials],
+            tables=list_tables(described),
+            videos=[trial.recording for trial in trials],
+            markers=out / f"markers/{batch:04d}.nc",
             config=settings["tracking"],
             seed=settings["seed"],
         )
@@ -126,6 +130,7 @@ def angles(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> Non
     settings = read_config(config)
     angles(
         folder=campaign,
+        tables=list_tables(read_campaign(campaign)),
         markers=sorted((out / "markers").glob("*.nc")),
         angles=out / "angles.nc",
         config=settings["tracking"],
@@ -134,52 +139,52 @@ def angles(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> Non
 
 
 @app.command()
-def fit(out: Out, config: ConfigFile = None) -> None:
+def fit(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None:
     """Fit every trial by least squares and sample the hierarchical posterior (after `angles`)."""
     from softfinger.stages.fit import fit
     from softfinger.stages.least_squares import least_squares
 
-    settings = read_config(config)
-    shared = {
-        "angles": out / "angles.nc",
-        "config": settings["estimation"],
-        "seed": settings["seed"],
-    }
-    least_squares(least_squares=out / "least_squares.nc", **shared)
-    fit(posterior=out / "posterior.nc", sampling=out / "sampling.nc", **shared)
+    inputs = _open_inputs(campaign, out, config, ["angles"], "estimation")
+    least_squares(least_squares=out / "least_squares.nc", **inputs)
+    fit(posterior=out / "posterior.nc", sampling=out / "sampling.nc", **inputs)
 
 
 @app.command()
-def propagate(out: Out, config: ConfigFile = None) -> None:
+def propagate(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None:
     """Propagate the spread to bands and densities of the joint angles (after `fit`)."""
     from softfinger.stages.propagate import propagate
 
-    propagate(
-        bands=out / "bands.nc", densities=out / "densities.nc", **_propagation_inputs(out, config)
-    )
+    inputs = _open_inputs(campaign, out, config, FITTED, "propagation")
+    propagate(bands=out / "bands.nc", densities=out / "densities.nc", **inputs)
 
 
 @app.command()
-def sobol(out: Out, config: ConfigFile = None) -> None:
+def sobol(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None:
     """Split the spread of the joint angles among the parameters (after `fit`)."""
     from softfinger.stages.sobol import sobol
 
-    sobol(sobol=out / "sobol.nc", **_propagation_inputs(out, config))
+    sobol(sobol=out / "sobol.nc", **_open_inputs(campaign, out, config, FITTED, "propagation"))
 
 
 @app.command()
-def report(out: Out, config: ConfigFile = None) -> None:
-    """Write OUT/report.html from the artifacts in OUT."""
-    from softfinger.stages.report import ARTIFACTS, report
+def report(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None:
+    """Write OUT/report.html from the artifacts in OUT (after all the other verbs)."""
+    from softfinger.stages.report import SPECS, report
 
+    read_campaign(campaign)
     report(
         report=out / "report.html",
+        markers=sorted((out / "markers").glob("*.nc")),
         config=read_config(config),
-        **{name: out / f"{name}.nc" for name in ARTIFACTS},
+        **{name: out / f"{name}.nc" for name in SPECS},
     )
 
 
-def _propagation_inputs(out: Path, config: Path | None) -> dict:
+def _open_inputs(
+    campaign: Path, out: Path, config: Path | None, artifacts: list[str], block: str
+) -> dict[str, Any]:
+    """Arguments that the stages after `angles` share; the campaign must still be readable."""
+    read_campaign(campaign)
     settings = read_config(config)
-    artifacts = {name: out / f"{name}.nc" for name in ("angles", "least_squares", "posterior")}
-    return artifacts | {"config": settings["propagation"], "seed": settings["seed"]}
+    files = {name: out / f"{name}.nc" for name in artifacts}
+    return files | {"config": settings[block], "seed": settings["seed"]}

@@ -1,6 +1,6 @@
 rule angles:
     input:
-        tables=TABLES + RECORDED_TABLES,
+        tables=TABLES,
         markers=expand(OUT / "markers/{batch}.nc", batch=BATCHES),
     output:
         angles=OUT / "angles.nc",

@@ -3,32 +3,31 @@ from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
 
-from softfinger.campaign import read_campaign
+from softfinger.campaign import list_tables, read_campaign
 from softfinger.faults import Fault
 from softfinger.provenance import code_hash
 
 OUT = Path(config["out"])
 SIMULATED = config["campaign"] is None
 CAMPAIGN = OUT / "campaign" if SIMULATED else Path(config["campaign"])
-TABLES = [CAMPAIGN / "campaign.yaml", CAMPAIGN / "trials.csv"]
 
 
 def list_recordings():
-    """Videos by trial, and every table that trials.csv names; only files that are there."""
+    """Videos by trial, and every table of the campaign; only files that are there."""
     if SIMULATED:
         names = [f"trial_{k + 1:03d}" for k in range(config["virtual_rig"]["n_trials"])]
         videos = {name: CAMPAIGN / "video" / f"{name}.avi" for name in names}
-        return videos, [CAMPAIGN / "load" / f"{name}.csv" for name in names]
+        logs = [CAMPAIGN / "load" / f"{name}.csv" for name in names]
+        return videos, [CAMPAIGN / "campaign.yaml", CAMPAIGN / "trials.csv", *logs]
     try:
-        trials = read_campaign(CAMPAIGN).trials
+        campaign = read_campaign(CAMPAIGN)
     except Fault as fault:
         raise WorkflowError(str(fault))
-    videos = {t.name: t.recording for t in trials if t.level == "video"}
-    logs = sorted({t.load for t in trials if t.load is not None})
-    return videos, [t.recording for t in trials if t.level != "video"] + logs
+    videos = {t.name: t.recording for t in campaign.trials if t.level == "video"}
+    return videos, list_tables(campaign)
 
 
-VIDEOS, RECORDED_TABLES = list_recordings()
+VIDEOS, TABLES = list_recordings()
 # Short jobs cost more in starting than in working, so trials go through in batches.
 BATCHES = {
     f"{k:04d}": list(VIDEOS)[first : first + config["trials_per_job"]]

@@ -3,7 +3,7 @@ if SIMULATED:
 
     rule virtual_rig:
         output:
-            TABLES + RECORDED_TABLES,
+            TABLES,
             truth=OUT / "truth.nc",
         params:
             folder=CAMPAIGN,

@@ -1,7 +1,7 @@
 """The campaign folder: one finger, one rig, many trials. Read, validate, list every fault."""
 
 from softfinger.campaign.description import Camera, Finger, Intrinsics
-from softfinger.campaign.folder import Campaign, Trial, check_campaign, read_campaign
+from softfinger.campaign.folder import Campaign, Trial, check_campaign, list_tables, read_campaign
 from softfinger.campaign.load_log import read_load
 from softfinger.campaign.recordings import marker_names, read_angle_table, read_marker_table
 
@@ -12,6 +12,7 @@ __all__ = [
     "Intrinsics",
     "Trial",
     "check_campaign",
+    "list_tables",
     "marker_names",
     "read_angle_table",
     "read_campaign",

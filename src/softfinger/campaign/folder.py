@@ -117,6 +117,13 @@ def check_campaign(folder: Path | str) -> dict[str, str]:
     return reasons
 
 
+def list_tables(campaign: Campaign) -> list[Path]:
+    """Every text file that a campaign is read from: description, table, recordings and logs."""
+    recordings = [trial.recording for trial in campaign.trials if trial.level != "video"]
+    logs = sorted({trial.load for trial in campaign.trials if trial.load is not None})
+    return [campaign.folder / FILE_NAME, campaign.folder / TABLE_NAME, *recordings, *logs]
+
+
 def _check_trial(campaign: Campaign, trial: Trial) -> None:
     if trial.level == "video":
         camera = cast(Camera, campaign.camera)

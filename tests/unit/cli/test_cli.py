@@ -1,0 +1,52 @@
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PROJECT = Path(__file__).parents[3]
+EXAMPLE = PROJECT / "data/example"
+
+
+def softfinger(*arguments: str) -> subprocess.CompletedProcess:
+    code = "from softfinger.cli import main; main()"
+    return subprocess.run(
+        [sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=False
+    )
+
+
+def test_a_whole_campaign_is_said_to_be_whole():
+    done = softfinger("check", str(EXAMPLE))
+    assert done.returncode == 0
+    assert "4 of 4 trials can be used" in done.stdout
+
+
+def test_a_fault_is_one_sentence_and_no_traceback(tmp_path):
+    (tmp_path / "campaign.yaml").write_text("version: 1\nnmae: x\n")
+    (tmp_path / "trials.csv").write_text("trial,angles\n")
+    done = softfinger("check", str(tmp_path))
+    assert done.returncode == 1
+    assert "did you mean 'name'" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_missing_trial_is_listed(tmp_path):
+    for file in EXAMPLE.rglob("*"):
+        if file.is_file():
+            target = tmp_path / file.relative_to(EXAMPLE)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_bytes(file.read_bytes())
+    (tmp_path / "angles/trial_002.csv").unlink()
+    done = softfinger("check", str(tmp_path))
+    assert done.returncode == 1
+    assert "set aside trial_002: trials.csv, row 3, column 'angles'" in done.stdout
+    assert "3 of 4 trials can be used" in done.stdout
+
+
+@pytest.mark.parametrize("verb", ["fit", "propagate", "sobol", "report"])
+def test_a_verb_without_its_predecessor_says_what_is_missing(verb, tmp_path):
+    done = softfinger(verb, str(EXAMPLE), "--out", str(tmp_path))
+    assert done.returncode == 1
+    assert "angles.nc cannot be used" in done.stderr
+    assert "the file does not exist; run the rule that makes it" in done.stderr
+    assert "Traceback" not in done.stderr

@@ -1,0 +1,87 @@
+"""The workflow as a whole: its product, its artifacts, what reruns and what does not."""
+
+import csv
+import re
+
+import numpy as np
+import pytest
+
+from softfinger.artifacts import open_artifact, open_tree
+from softfinger.artifacts.specs import list_specs
+
+SPECS = {spec.name: spec for spec in list_specs()}
+
+
+def planned_rules(said: str) -> set[str]:
+    """Rules in the table of jobs that a dry run prints."""
+    table = said.split("Job stats:")[1].split("total")[0]
+    return set(re.findall(r"^([a-z]\w+) +\d+$", table, re.MULTILINE)) - {"job"}
+
+
+def test_every_artifact_keeps_its_declaration(finished):
+    results = finished.root / "results"
+    for path in [*results.glob("*.nc"), *(results / "markers").glob("*.nc")]:
+        spec = SPECS["markers" if path.parent.name == "markers" else path.stem]
+        (open_tree if spec.groups else open_artifact)(path, spec)
+
+
+def test_the_run_ends_in_a_report_and_a_receipt(finished):
+    results = finished.root / "results"
+    page = (results / "report.html").read_text()
+    assert "synthetic" in page
+    assert "http://" not in re.sub(r"http://www\.w3\.org[^\"' ]*", "", page)
+    rows = list(csv.DictReader((results / "receipt.csv").open()))
+    assert {row["artifact"] for row in rows} >= {"angles", "markers", "posterior", "sobol"}
+
+
+def test_tracked_angles_are_the_true_ones_within_their_noise(finished):
+    results = finished.root / "results"
+    found = open_artifact(results / "angles.nc", SPECS["angles"])
+    truth = open_artifact(results / "truth.nc", SPECS["truth"])
+    error = found["joint_angle"].to_numpy() - truth["joint_angle"].to_numpy()
+    claimed = np.sqrt(np.einsum("tfjj->tjf", found["joint_angle_covariance"].to_numpy()))
+    assert found["set_aside_reason"].size == 0
+    assert np.isfinite(error).mean() > 0.99
+    assert np.sqrt(np.nanmean((error / claimed) ** 2)) < 1.5
+    assert np.sqrt(np.nanmean(error**2)) < 1e-3
+
+
+def test_nothing_reruns_when_nothing_has_changed(finished):
+    said = finished.snakemake("all", "--cores", "2", "--dry-run")
+    assert "Nothing to be done" in said
+
+
+@pytest.mark.parametrize(
+    ("module", "rules"),
+    [
+        ("propagation/indices.py", {"sobol", "report", "check_artifacts", "all"}),
+        ("report/page.py", {"report", "all"}),
+        (
+            "population/basis.py",
+            {"least_squares", "fit", "propagate", "sobol", "report", "check_artifacts", "all"},
+        ),
+    ],
+)
+def test_an_edit_of_library_code_reruns_what_depends_on_it_and_no_other(finished, module, rules):
+    path = finished.root / "src/softfinger" / module
+    before = path.read_text()
+    try:
+        path.write_text(before + "\nREVISION = 2\n")
+        assert planned_rules(finished.snakemake("all", "--cores", "2", "--dry-run")) == rules
+        path.write_text(before + "\n# a remark\n")
+        assert "Nothing to be done" in finished.snakemake("all", "--cores", "2", "--dry-run")
+    finally:
+        path.write_text(before)
+
+
+def test_the_same_seed_gives_the_same_bytes(finished, copy_project):
+    again = copy_project()
+    again.snakemake("results/sobol.nc", "results/bands.nc", "--cores", "1")
+    for name in ("truth", "angles", "least_squares", "posterior", "sampling", "bands", "sobol"):
+        one, two = (p.root / f"results/{name}.nc" for p in (finished, again))
+        assert one.read_bytes() == two.read_bytes(), name
+
+
+def test_an_unknown_key_of_the_configuration_stops_before_any_work(finished):
+    with pytest.raises(AssertionError, match="sede"):
+        finished.snakemake("all", "--cores", "1", "--dry-run", "--config", "sede=1")
