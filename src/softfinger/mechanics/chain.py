@@ -12,9 +12,9 @@ finger moves in the horizontal plane: no gravity.
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from softfinger.mechanics.compiled import compiled
 from softfinger.mechanics.geometry import FingerGeometry
 
 
@@ -85,7 +85,7 @@ def _evaluate(
     return matrix.reshape(*angle.shape, joints), term.reshape(angle.shape)
 
 
-@njit(cache=True)
+@compiled
 def _fill_rows(angle: NDArray, velocity: NDArray, coefficients: NDArray) -> tuple[NDArray, NDArray]:
     rows, joints = angle.shape
     matrix, term = np.empty((rows, joints, joints)), np.empty((rows, joints))
@@ -96,7 +96,7 @@ def _fill_rows(angle: NDArray, velocity: NDArray, coefficients: NDArray) -> tupl
     return matrix, term
 
 
-@njit(cache=True)
+@compiled
 def fill_inertia_and_nonlinear_term(
     angle: NDArray, velocity: NDArray, coefficients: NDArray, matrix: NDArray, term: NDArray
 ) -> None:
@@ -122,7 +122,7 @@ def fill_inertia_and_nonlinear_term(
         term[j] += term[j + 1]
 
 
-@njit(cache=True)
+@compiled
 def fill_slopes(
     angle: NDArray,
     velocity: NDArray,
@@ -158,7 +158,7 @@ def fill_slopes(
     sum_to_tip(by_velocity)
 
 
-@njit(cache=True)
+@compiled
 def sum_to_tip(matrix: NDArray) -> None:
     """Replace each entry by the sum of those from its row and column on, in place."""
     n = matrix.shape[0]

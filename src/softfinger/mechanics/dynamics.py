@@ -16,13 +16,13 @@ from typing import Literal
 
 import numpy as np
 import xarray as xr
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from softfinger.faults import Fault
 from softfinger.mechanics import PARAMETERS, rodas
 from softfinger.mechanics.chain import compute_inertia_coefficients
 from softfinger.mechanics.checks import require_finite, require_forward_in_time, require_positive
+from softfinger.mechanics.compiled import compiled
 from softfinger.mechanics.dynamics_step import fill_stages
 from softfinger.mechanics.geometry import FingerGeometry
 from softfinger.mechanics.load import check_load
@@ -113,7 +113,7 @@ def simulate_full_dynamics(
     )
 
 
-@njit(cache=True)
+@compiled
 def simulate_full_dynamics_array(
     k_v: NDArray,
     c_v: NDArray,
@@ -157,7 +157,7 @@ def simulate_full_dynamics_array(
     return output, failed
 
 
-@njit(cache=True)
+@compiled
 def _integrate_trial(
     joint: NDArray,
     q_ini: NDArray,
@@ -226,7 +226,7 @@ def _integrate_trial(
     return True
 
 
-@njit(cache=True)
+@compiled
 def _measure_error(error: NDArray, step: float, tolerance: float) -> float:
     """The largest error of q and q_v, and of q̇ times the step, over the tolerance."""
     worst = 0.0
@@ -235,7 +235,7 @@ def _measure_error(error: NDArray, step: float, tolerance: float) -> float:
     return worst / tolerance
 
 
-@njit(cache=True)
+@compiled
 def _interpolate(
     share: float, before: NDArray, after: NDArray, stages: NDArray, output: NDArray
 ) -> None:

@@ -5,18 +5,18 @@ k_v/(c_v + c_p). `half_length` is half the joint's length [m], NaN where the arm
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from softfinger.mechanics import rodas
 from softfinger.mechanics.chain import fill_inertia_and_nonlinear_term, fill_slopes
+from softfinger.mechanics.compiled import compiled
 from softfinger.mechanics.linear import factorise, solve_factorised
 from softfinger.mechanics.wires import moment_arm, moment_arm_slope
 
 _A, _C, _D, _NODES = rodas.A, rodas.C, rodas.D, rodas.NODES
 
 
-@njit(cache=True)
+@compiled
 def fill_stages(
     joint: NDArray,
     coefficients: NDArray,
@@ -75,7 +75,7 @@ def fill_stages(
             after[row, j] += stages[rodas.STAGES - 1, row, j]
 
 
-@njit(cache=True)
+@compiled
 def combine(
     start: NDArray, weights: NDArray, scale: float, stages: NDArray, count: int, output: NDArray
 ) -> None:
@@ -88,7 +88,7 @@ def combine(
             output[row, j] = start[row, j] + scale * total
 
 
-@njit(cache=True)
+@compiled
 def _fill_rate(
     joint: NDArray,
     coefficients: NDArray,

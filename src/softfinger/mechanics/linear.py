@@ -1,11 +1,12 @@
 """Small dense linear systems, solved in place without allocation."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from softfinger.mechanics.compiled import compiled
 
-@njit(cache=True)
+
+@compiled
 def factorise(matrix: NDArray) -> None:
     """LU without pivoting, in place: M, and M plus a positive damping, need none."""
     n = matrix.shape[0]
@@ -16,7 +17,7 @@ def factorise(matrix: NDArray) -> None:
                 matrix[i, j] -= matrix[i, k] * matrix[k, j]
 
 
-@njit(cache=True)
+@compiled
 def solve_factorised(matrix: NDArray, vector: NDArray) -> None:
     """Solve in place with the factors of `factorise`."""
     n = vector.size
@@ -29,7 +30,7 @@ def solve_factorised(matrix: NDArray, vector: NDArray) -> None:
         vector[i] /= matrix[i, i]
 
 
-@njit(cache=True)
+@compiled
 def factorise_pivoted(matrix: NDArray, pivot: NDArray) -> bool:
     """LU with row exchanges, in place; False where the matrix is singular or not finite."""
     n = matrix.shape[0]
@@ -52,7 +53,7 @@ def factorise_pivoted(matrix: NDArray, pivot: NDArray) -> bool:
     return True
 
 
-@njit(cache=True)
+@compiled
 def solve_pivoted(matrix: NDArray, pivot: NDArray, vector: NDArray) -> None:
     """Solve in place with the factors of `factorise_pivoted`."""
     for k in range(vector.size):

@@ -6,11 +6,11 @@ the last knot.
 """
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from softfinger.faults import Fault
 from softfinger.mechanics.checks import require_finite, require_forward_in_time
+from softfinger.mechanics.compiled import compiled
 
 
 def check_load(load_time: ArrayLike, load_torque: ArrayLike) -> None:
@@ -81,7 +81,7 @@ def evaluate_load_array(
     return _evaluate(time, load_time, load_torque)
 
 
-@njit(cache=True)
+@compiled
 def _evaluate(time: NDArray, load_time: NDArray, load_torque: NDArray) -> NDArray:
     value = np.zeros(time.size)
     last = load_time.size - 1
@@ -98,7 +98,7 @@ def _evaluate(time: NDArray, load_time: NDArray, load_torque: NDArray) -> NDArra
     return value
 
 
-@njit(cache=True)
+@compiled
 def fill_load_integral(
     time: NDArray, load_time: NDArray, load_torque: NDArray, integral: NDArray
 ) -> None:

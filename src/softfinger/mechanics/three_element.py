@@ -12,10 +12,10 @@ ASSUME: inertia ignored; the torque does not depend on the angle.
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from softfinger.mechanics.checks import require_finite, require_forward_in_time, require_positive
+from softfinger.mechanics.compiled import compiled
 from softfinger.mechanics.load import check_load, fill_load_integral
 
 
@@ -130,7 +130,7 @@ def compute_joint_angle_gradient_array(
     return angle.reshape(shape), gradient.reshape(*shape, 4)
 
 
-@njit(cache=True)
+@compiled
 def _fill_joint_angles(
     k_v: NDArray,
     c_v: NDArray,
@@ -158,7 +158,7 @@ def _fill_joint_angles(
     return angle, gradient
 
 
-@njit(cache=True)
+@compiled
 def fill_elastic_basis(
     rate: float,
     time: NDArray,
@@ -194,7 +194,7 @@ def fill_elastic_basis(
         slope[i] = de
 
 
-@njit(cache=True)
+@compiled
 def advance_lag(
     rate: float, step: float, load: float, climb: float, e: float, de: float
 ) -> tuple[float, float]:
@@ -210,7 +210,7 @@ def advance_lag(
     return e_next, de_next
 
 
-@njit(cache=True)
+@compiled
 def lag_of_ramp(z: float) -> tuple[float, float]:
     """1 − φ(z) and its derivative by log z, φ = (1 − exp(−z))/z, to rounding for every z ≥ 0."""
     if z > 0.2:

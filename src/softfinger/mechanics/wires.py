@@ -12,9 +12,9 @@ for the straight finger and grows as the joint bends.
 
 import numpy as np
 import xarray as xr
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
+from softfinger.mechanics.compiled import compiled
 from softfinger.mechanics.geometry import FingerGeometry
 
 WIRES = ("flexion", "extension")
@@ -86,13 +86,13 @@ def compute_moment_arm_array(
     return moment_arm(np.asarray(joint_angle, float), joint_length / 2, wire_offset)
 
 
-@njit(cache=True)
+@compiled
 def moment_arm(angle: NDArray, half_length: float, offset: float) -> NDArray:
     """(l_joint/2) sin(q/2) + d cos(q/2) [m], of one angle or of an array, without checks."""
     return half_length * np.sin(angle / 2) + offset * np.cos(angle / 2)
 
 
-@njit(cache=True)
+@compiled
 def moment_arm_slope(angle: NDArray, half_length: float, offset: float) -> NDArray:
     """The derivative of `moment_arm` by the angle [m/rad]."""
     return (half_length * np.cos(angle / 2) - offset * np.sin(angle / 2)) / 2

@@ -1,9 +1,9 @@
 """What a solved step yields: frames inside it, its end, its error."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from softfinger.mechanics.compiled import compiled
 from softfinger.mechanics.forward.drives import drive_of
 from softfinger.mechanics.forward.phi import mode_response
 from softfinger.mechanics.forward.slots import CHAIN_SLOTS
@@ -20,7 +20,7 @@ _TANGENT_TOLERANCE = 1e-4  # of the largest tangent so far
 _BEND = 0.1  # how far the worst quadratic inside a step moves a mode, of a constant drive
 
 
-@njit(cache=True)
+@compiled
 def set_straight_drives(work: Work, load: float, rise: float) -> None:
     """Let every drive be the load itself: a straight line over the step."""
     work.linear.drive[:, :, 0] = load
@@ -28,7 +28,7 @@ def set_straight_drives(work: Work, load: float, rise: float) -> None:
     work.linear.drive[:, :, 2] = 0.0
 
 
-@njit(cache=True)
+@compiled
 def emit_frame(
     model: Model,
     work: Work,
@@ -80,7 +80,7 @@ def emit_frame(
                 gradient[j, frame, c] -= velocity * model.d_chain[c, _DELAY]
 
 
-@njit(cache=True)
+@compiled
 def commit_step(model: Model, work: Work, step: float) -> None:
     """Move the state to the end of the step."""
     state, linear, nodes = work.state, work.linear, work.nodes
@@ -118,7 +118,7 @@ def commit_step(model: Model, work: Work, step: float) -> None:
                 state.d_direction[0, c] = change
 
 
-@njit(cache=True)
+@compiled
 def measure_error(model: Model, work: Work, tolerance: float) -> float:
     """The error inside the step over the tolerance, of angles and of their tangents.
 

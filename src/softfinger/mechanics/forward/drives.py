@@ -1,7 +1,6 @@
 """From torques at the nodes of a step to angles at the nodes, joint by joint."""
 
-from numba import njit
-
+from softfinger.mechanics.compiled import compiled
 from softfinger.mechanics.forward.laws import (
     flow_drive,
     flow_tangent,
@@ -24,13 +23,13 @@ from softfinger.mechanics.linear import factorise, solve_factorised
 _TORQUE = 2  # drives: 0 of the Voigt element, 1 of the dashpot, 2 the torque itself
 
 
-@njit(cache=True)
+@compiled
 def drive_of(mode: int) -> int:
     """Which drive a mode follows."""
     return mode if mode <= FLOW else _TORQUE
 
 
-@njit(cache=True)
+@compiled
 def fill_weights(model: Model, work: Work, step: float) -> None:
     """Write what the modes do at the nodes by themselves, and what unit drives at nodes add."""
     linear, inertial = work.linear, model.groups[HAS_INERTIA]
@@ -63,7 +62,7 @@ def fill_weights(model: Model, work: Work, step: float) -> None:
                     linear.rate_weight[drive, j, i, i] += gain
 
 
-@njit(cache=True)
+@compiled
 def fill_angles(model: Model, work: Work, j: int) -> None:
     """Write joint j's flow, spring torque, angles and velocity from its torque at the nodes."""
     nodes, linear = work.nodes, work.linear
@@ -95,7 +94,7 @@ def fill_angles(model: Model, work: Work, j: int) -> None:
             nodes.velocity[i, j] = velocity
 
 
-@njit(cache=True)
+@compiled
 def _correct_spring(model: Model, work: Work, j: int) -> bool:
     """One Newton step for the spring's torque at the nodes; True where none was needed."""
     nodes, local = work.nodes, work.newton.local
@@ -120,7 +119,7 @@ def _correct_spring(model: Model, work: Work, j: int) -> bool:
     return False
 
 
-@njit(cache=True)
+@compiled
 def fill_local(work: Work, j: int) -> None:
     """Write I + (∂n/∂q_v + ∂n/∂q) W, the system of the spring's torque at the nodes."""
     local, slope = work.newton.local, work.nodes.spring_slope
@@ -130,7 +129,7 @@ def fill_local(work: Work, j: int) -> None:
             local[i, m] = steep * work.linear.weight[0, j, i, m] + (1.0 if i == m else 0.0)
 
 
-@njit(cache=True)
+@compiled
 def fill_slopes_by_torque(model: Model, work: Work, j: int) -> None:
     """Write how spring torque, angle and velocity of joint j follow its torque at the nodes."""
     nodes, linear, newton = work.nodes, work.linear, work.newton
@@ -164,7 +163,7 @@ def fill_slopes_by_torque(model: Model, work: Work, j: int) -> None:
                     by_velocity[i, m] -= rate_weight[0, i, k] * by_spring[k, m]
 
 
-@njit(cache=True)
+@compiled
 def fill_tangents_at_fixed_torque(model: Model, work: Work, step: float, j: int) -> None:
     """Write how joint j's nodes move along each column while its torque is held."""
     nodes, linear, state = work.nodes, work.linear, work.state
@@ -202,7 +201,7 @@ def fill_tangents_at_fixed_torque(model: Model, work: Work, step: float, j: int)
         _add_spring_tangents(model, work, j)
 
 
-@njit(cache=True)
+@compiled
 def _add_spring_tangents(model: Model, work: Work, j: int) -> None:
     nodes, linear, local = work.nodes, work.linear, work.newton.local
     column = work.newton.right[:3]
@@ -225,7 +224,7 @@ def _add_spring_tangents(model: Model, work: Work, j: int) -> None:
                 nodes.d_velocity[i, j, c] -= linear.rate_weight[0, j, i, m] * column[m]
 
 
-@njit(cache=True)
+@compiled
 def fill_drives(model: Model, work: Work, tangents: bool) -> None:
     """Write the drives of the modes, as quadratics over the step, from the nodes."""
     nodes, linear = work.nodes, work.linear
@@ -250,7 +249,7 @@ def fill_drives(model: Model, work: Work, tangents: bool) -> None:
                     linear.d_drive[j, 2, power, c] = whole
 
 
-@njit(cache=True)
+@compiled
 def fill_start(model: Model, work: Work, tangents: bool) -> None:
     """Write the angles at the start of the step, from the state."""
     nodes, state = work.nodes, work.state

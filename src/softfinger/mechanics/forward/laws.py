@@ -2,9 +2,9 @@
 
 import math
 
-from numba import njit
 from numpy.typing import NDArray
 
+from softfinger.mechanics.compiled import compiled
 from softfinger.mechanics.forward.modes import LOG_K_V
 from softfinger.mechanics.forward.slots import JOINT_SLOTS
 
@@ -20,7 +20,7 @@ _WIDTH = JOINT_SLOTS.index("yield_width")
 _JUMP = JOINT_SLOTS.index("yield_jump")
 
 
-@njit(cache=True)
+@compiled
 def softplus(x: float, width: float) -> tuple[float, float]:
     """A ramp max(x, 0) that sets in over `width`, and its slope."""
     ratio = x / width
@@ -31,7 +31,7 @@ def softplus(x: float, width: float) -> tuple[float, float]:
     return width * math.log1p(tail), tail / (1.0 + tail)
 
 
-@njit(cache=True)
+@compiled
 def spring_torque(value: NDArray, elastic: float, angle: float) -> tuple[float, float, float]:
     """What the spring adds to k_v q_v: k_v q_v g(y), g = b y², b |y| or e^{b|y|} − 1, or their sum.
 
@@ -49,7 +49,7 @@ def spring_torque(value: NDArray, elastic: float, angle: float) -> tuple[float, 
     return torque, stiffness * factor + (1.0 - measure) * bent, measure * bent
 
 
-@njit(cache=True)
+@compiled
 def spring_tangent(value: NDArray, change: NDArray, elastic: float, angle: float) -> float:
     """The change of `spring_torque` along a change of the slots, at fixed angles."""
     stiffness, measure = math.exp(value[LOG_K_V]), value[_MEASURE]
@@ -61,7 +61,7 @@ def spring_tangent(value: NDArray, change: NDArray, elastic: float, angle: float
     return stiffness * elastic * (factor * change[LOG_K_V] + change_of_factor)
 
 
-@njit(cache=True)
+@compiled
 def flow_drive(value: NDArray, torque: float, partial: NDArray) -> tuple[float, float]:
     """The torque that the dashpot feels: power ∘ sinh ∘ threshold of the joint's torque.
 
@@ -91,7 +91,7 @@ def flow_drive(value: NDArray, torque: float, partial: NDArray) -> tuple[float, 
     return sheared * factor, chain * steep * slope
 
 
-@njit(cache=True)
+@compiled
 def _threshold(value: NDArray, torque: float) -> tuple[float, float, float, float]:
     """The threshold, its slope, and its derivatives by its torque and its width."""
     limit, width = value[_YIELD], value[_WIDTH]
@@ -110,14 +110,14 @@ def _threshold(value: NDArray, torque: float) -> tuple[float, float, float, floa
     return drive, slope, by_limit, by_width
 
 
-@njit(cache=True)
+@compiled
 def flow_tangent(change: NDArray, partial: NDArray) -> float:
     """The change of `flow_drive` along a change of the slots, at fixed torque."""
     total = partial[0] * change[_YIELD] + partial[1] * change[_WIDTH]
     return total + partial[2] * change[_SINH] + partial[3] * change[_POWER]
 
 
-@njit(cache=True)
+@compiled
 def solve_rest(value: NDArray, torque: float, angle: float) -> tuple[float, float, float]:
     """The elastic angle at which the spring balances a torque, at rest: k_v x + n(x) = torque.
 

@@ -14,9 +14,9 @@ creep compliance is within 2e-5 of t^a/Γ(1 + a), relatively, from 5 ms to 200 s
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from softfinger.mechanics.compiled import compiled
 from softfinger.mechanics.forward.slots import JOINT_SLOTS
 
 LOG_K_V, LOG_C_V, LOG_C_P, Q_INI = range(4)
@@ -37,7 +37,7 @@ MODES = SPRINGPOT + _RATES.size + 2
 """All modes of a joint, springpot included."""
 
 
-@njit(cache=True)
+@compiled
 def springpot_weight(mode: int, exponent: float) -> tuple[float, float, float]:
     """λ, g of a springpot mode of unit compliance, and dg/da."""
     reach = math.sin(math.pi * exponent) / math.pi * _SPACING
@@ -57,7 +57,7 @@ def springpot_weight(mode: int, exponent: float) -> tuple[float, float, float]:
     return _FAST, reach * power, (turn + reach * climb) * power
 
 
-@njit(cache=True)
+@compiled
 def fill_modes(value: NDArray, rate: NDArray, gain: NDArray) -> None:
     """Write λ and g of one joint's modes (mode,) from its slots (slot,)."""
     soft, thin = math.exp(-value[LOG_K_V]), math.exp(-value[LOG_C_P])
@@ -73,7 +73,7 @@ def fill_modes(value: NDArray, rate: NDArray, gain: NDArray) -> None:
         gain[mode] = compliance * weight
 
 
-@njit(cache=True)
+@compiled
 def fill_mode_tangents(
     value: NDArray, change: NDArray, rate: NDArray, gain: NDArray, d_rate: NDArray, d_gain: NDArray
 ) -> None:

@@ -11,9 +11,9 @@ to first order in κ, and under unequal scales along two axes (a, s).
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from softfinger.mechanics.compiled import compiled
 from softfinger.mechanics.forward.modes import Q_INI
 from softfinger.mechanics.forward.slots import CHAIN_SLOTS, COUPLING_SLOTS, JOINT_SLOTS
 from softfinger.mechanics.forward.work import Model
@@ -24,7 +24,7 @@ _RADIAL = CHAIN_SLOTS.index("lens_radial")
 _ASPECT, _SKEW = CHAIN_SLOTS.index("lens_aspect"), CHAIN_SLOTS.index("lens_skew")
 
 
-@njit(cache=True)
+@compiled
 def observe(
     model: Model,
     link_length: NDArray,
@@ -69,7 +69,7 @@ def observe(
             angle[j, frame] = seen
 
 
-@njit(cache=True)
+@compiled
 def _fill_turns(
     model: Model,
     link_length: NDArray,

@@ -14,7 +14,8 @@ three-stage Radau IIA method.
 import math
 
 import numpy as np
-from numba import njit
+
+from softfinger.mechanics.compiled import compiled
 
 _ROOT = math.sqrt(6.0)
 NODES = np.array([(4.0 - _ROOT) / 10.0, (4.0 + _ROOT) / 10.0, 1.0])
@@ -26,7 +27,7 @@ DIFFERENTIATE = np.linalg.inv(_INTEGRAL)
 """(node, node): h × derivative at the nodes, from the increments since the start of the step."""
 
 
-@njit(cache=True)
+@compiled
 def phi_functions(z: float) -> tuple[float, float, float, float, float]:
     """e^{−z} and φ₁ … φ₄ at z ≥ 0, to rounding."""
     if z == 0.0:
@@ -48,7 +49,7 @@ def phi_functions(z: float) -> tuple[float, float, float, float, float]:
     return 1.0 - z * first, first, second, third, fourth
 
 
-@njit(cache=True)
+@compiled
 def mode_response(
     rate: float, span: float, share: float, start: float, gain: float,
     d0: float, d1: float, d2: float,

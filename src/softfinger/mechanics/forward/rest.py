@@ -2,8 +2,7 @@
 
 import math
 
-from numba import njit
-
+from softfinger.mechanics.compiled import compiled
 from softfinger.mechanics.forward.laws import solve_rest, spring_tangent
 from softfinger.mechanics.forward.modes import LOG_K_V, Q_INI, VOIGT, fill_mode_tangents, fill_modes
 from softfinger.mechanics.forward.slots import JOINT_SLOTS
@@ -13,7 +12,7 @@ from softfinger.mechanics.forward.work import START, Model, Work
 _INITIAL = JOINT_SLOTS.index("initial_angle")
 
 
-@njit(cache=True)
+@compiled
 def fill_rest(model: Model, work: Work) -> None:
     """Write the modes and their state at the start of a trial.
 
@@ -47,7 +46,7 @@ def fill_rest(model: Model, work: Work) -> None:
         _fill_joint_rest(model, work, j)
 
 
-@njit(cache=True)
+@compiled
 def _fill_joint_rest(model: Model, work: Work, j: int) -> None:
     state, linear, balance = work.state, work.linear, work.balance
     value, torque, angle = model.joint[j], balance.torque[START, j], model.joint[j, Q_INI]

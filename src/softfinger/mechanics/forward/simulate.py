@@ -8,13 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from softfinger.faults import Fault
 from softfinger.mechanics import PARAMETERS
 from softfinger.mechanics.chain import compute_inertia_coefficients
 from softfinger.mechanics.checks import require_finite, require_forward_in_time, require_positive
+from softfinger.mechanics.compiled import compiled
 from softfinger.mechanics.forward.modes import MODES
 from softfinger.mechanics.forward.observe import observe
 from softfinger.mechanics.forward.slots import (
@@ -229,7 +229,7 @@ def simulate_joint_angle_array(
     )
 
 
-@njit(cache=True)
+@compiled
 def _run_trials(
     joint: NDArray,
     chain: NDArray,

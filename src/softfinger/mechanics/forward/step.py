@@ -8,8 +8,8 @@ the discrete solution, by the same factors.
 """
 
 import numpy as np
-from numba import njit
 
+from softfinger.mechanics.compiled import compiled
 from softfinger.mechanics.forward.drives import (
     fill_angles,
     fill_drives,
@@ -47,7 +47,7 @@ _DRIVER = CHAIN_SLOTS.index("friction_driver")
 _ITERATIONS = 12
 
 
-@njit(cache=True)
+@compiled
 def has_feedback(model: Model) -> bool:
     """Whether the joints' torques depend on their angles."""
     groups = model.groups
@@ -61,7 +61,7 @@ def has_feedback(model: Model) -> bool:
     )
 
 
-@njit(cache=True)
+@compiled
 def open_step(model: Model, work: Work, tangents: bool) -> None:
     """Write everything at the start of a step; `nodes.load[START]` is given."""
     nodes, balance, state = work.nodes, work.balance, work.state
@@ -88,7 +88,7 @@ def open_step(model: Model, work: Work, tangents: bool) -> None:
         _open_tangents(model, work)
 
 
-@njit(cache=True)
+@compiled
 def _open_tangents(model: Model, work: Work) -> None:
     nodes, balance, state = work.nodes, work.balance, work.state
     for j in range(state.offset.size):
@@ -118,7 +118,7 @@ def _open_tangents(model: Model, work: Work) -> None:
                 nodes.d_spring[START, j, c] = change
 
 
-@njit(cache=True)
+@compiled
 def solve_step(model: Model, work: Work, step: float, tangents: bool) -> bool:
     """Find the torques at the nodes of a step; False where Newton does not converge."""
     nodes, balance, newton = work.nodes, work.balance, work.newton
@@ -132,24 +132,25 @@ def solve_step(model: Model, work: Work, step: float, tangents: bool) -> bool:
             if not model.groups[HAS_INERTIA]:
                 rise = nodes.load[i] - nodes.load[START]
                 nodes.torque[i, j] += balance.by_load[START, j] * rise
+    for j in range(joints):
+        fill_angles(model, work, j)
+    change, scale = np.inf, 1.0 if feedback else np.inf
     for _ in range(_ITERATIONS):
-        for j in range(joints):
-            fill_angles(model, work, j)
-        if not feedback:
+        if change <= 1e-10 * scale:
             break
-        worst, scale = _fill_residual(model, work, step)
+        scale = _fill_residual(model, work, step)
         for j in range(joints):
             fill_slopes_by_torque(model, work, j)
         _fill_matrix(model, work, step)
         if not factorise_pivoted(newton.matrix, newton.pivot):
             return False
-        if worst <= 1e-12 * scale:
-            break
         solve_pivoted(newton.matrix, newton.pivot, newton.right)
-        for i in range(3):
-            for j in range(joints):
+        change = np.abs(newton.right).max()
+        for j in range(joints):
+            for i in range(3):
                 nodes.torque[i, j] += newton.right[i * joints + j]
-    else:
+            fill_angles(model, work, j)
+    if not change <= 1e-10 * scale:
         return False
     fill_drives(model, work, False)
     if tangents:
@@ -158,9 +159,9 @@ def solve_step(model: Model, work: Work, step: float, tangents: bool) -> bool:
     return True
 
 
-@njit(cache=True)
-def _fill_residual(model: Model, work: Work, step: float) -> tuple[float, float]:
-    """Write what is missing from the torques; its largest value, and the torques' size."""
+@compiled
+def _fill_residual(model: Model, work: Work, step: float) -> float:
+    """Write what is missing from the torques; the size of the torques."""
     nodes, balance, newton = work.nodes, work.balance, work.newton
     joints = work.state.offset.size
     if model.groups[HAS_FRICTION]:
@@ -173,20 +174,16 @@ def _fill_residual(model: Model, work: Work, step: float) -> tuple[float, float]
                     gained = nodes.velocity[k, j] - work.state.velocity[j]
                     total += DIFFERENTIATE[i, k] * gained
                 nodes.acceleration[i, j] = total / step
-    worst, scale = 0.0, 1e-300
+    scale = 1e-300
     for i in range(3):
         fill_balance(model, nodes, balance, i, False)
         for j in range(joints):
-            missing = balance.torque[i, j] - nodes.torque[i, j]
-            newton.right[i * joints + j] = missing
-            worst = max(worst, abs(missing)) if missing == missing else np.inf
+            newton.right[i * joints + j] = balance.torque[i, j] - nodes.torque[i, j]
             scale = max(scale, abs(nodes.torque[i, j]), abs(nodes.load[i]))
-            if model.groups[HAS_INERTIA]:  # its rounding error: M q̈ from differences of q̇
-                scale = max(scale, 1e-3 * abs(balance.torque[i, j]))
-    return worst, scale
+    return scale
 
 
-@njit(cache=True)
+@compiled
 def _fill_directions(model: Model, work: Work) -> None:
     """Write the wire's friction state at the nodes, each from the one before."""
     nodes, width = work.nodes, model.chain[_WIDTH]
@@ -212,7 +209,7 @@ def _fill_directions(model: Model, work: Work) -> None:
             nodes.by_motion[i, before] -= by_motion
 
 
-@njit(cache=True)
+@compiled
 def _fill_matrix(model: Model, work: Work, step: float) -> None:
     """Write the derivative of torque − balance by the torques at the nodes."""
     balance, newton, nodes = work.balance, work.newton, work.nodes
@@ -238,7 +235,7 @@ def _fill_matrix(model: Model, work: Work, step: float) -> None:
             matrix[row, row] += 1.0
 
 
-@njit(cache=True)
+@compiled
 def _fill_tangents(model: Model, work: Work, step: float, feedback: bool) -> None:
     """Write how everything at the nodes moves along each column."""
     nodes, newton = work.nodes, work.newton
@@ -269,7 +266,7 @@ def _fill_tangents(model: Model, work: Work, step: float, feedback: bool) -> Non
                     nodes.d_velocity[i, j, c] += newton.velocity_by_torque[j, i, m] * change
 
 
-@njit(cache=True)
+@compiled
 def _fill_right_side(model: Model, work: Work, step: float, c: int) -> None:
     """Write the change of the balance along column c at fixed torques."""
     nodes, balance, newton, state = work.nodes, work.balance, work.newton, work.state

@@ -7,9 +7,9 @@ direction and load, and, where tangents are wanted, its change along each column
 import math
 
 import numpy as np
-from numba import njit
 
 from softfinger.mechanics.chain import fill_inertia_and_nonlinear_term, fill_slopes
+from softfinger.mechanics.compiled import compiled
 from softfinger.mechanics.forward.laws import softplus
 from softfinger.mechanics.forward.modes import LOG_K_V, Q_INI
 from softfinger.mechanics.forward.slots import CHAIN_SLOTS, COUPLING_SLOTS, JOINT_SLOTS
@@ -39,7 +39,7 @@ _STIFFNESS = COUPLING_SLOTS.index("coupling_stiffness")
 _SHARE = COUPLING_SLOTS.index("coupling_share")
 
 
-@njit(cache=True)
+@compiled
 def fill_balance(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
     """Write row i of the balance from row i of the nodes."""
     balance.torque[i] = 0.0
@@ -57,7 +57,7 @@ def fill_balance(model: Model, nodes: Nodes, balance: Balance, i: int, tangents:
         _add_inertia(model, nodes, balance, i, tangents)
 
 
-@njit(cache=True)
+@compiled
 def _add_pull(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
     """The wire: u e^{−s B} less the Coulomb loss, times the growth of the moment arm.
 
@@ -100,7 +100,7 @@ def _add_pull(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bo
                 balance.tangent[i, j, c] = change + d_force * model.d_chain[c, _FORCE]
 
 
-@njit(cache=True)
+@compiled
 def _add_stop(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
     """A stop that takes K times the (softly rectified) angle beyond it."""
     for j in range(model.joint.shape[0]):
@@ -117,7 +117,7 @@ def _add_stop(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bo
                 )
 
 
-@njit(cache=True)
+@compiled
 def _add_gravity(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
     """Weight of a tilted plane: Σ over links beyond of g μ_k (−sin α sin θ_k + sin β cos θ_k)."""
     joints = model.joint.shape[0]
@@ -140,7 +140,7 @@ def _add_gravity(model: Model, nodes: Nodes, balance: Balance, i: int, tangents:
                     )
 
 
-@njit(cache=True)
+@compiled
 def _add_coupling(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
     """Torque from the other joints' motion since the start: Σ (K + c k_v) (q − q_ini)."""
     joints = model.joint.shape[0]
@@ -161,7 +161,7 @@ def _add_coupling(model: Model, nodes: Nodes, balance: Balance, i: int, tangents
                     balance.tangent[i, j, c] += change - stiffness * model.d_joint[c, k, Q_INI]
 
 
-@njit(cache=True)
+@compiled
 def _add_inertia(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
     """What the links' acceleration takes: −scale (M(q) q̈ + h(q, q̇))."""
     joints = model.joint.shape[0]
@@ -184,7 +184,7 @@ def _add_inertia(model: Model, nodes: Nodes, balance: Balance, i: int, tangents:
                 balance.tangent[i, j, c] -= taken * model.d_chain[c, _INERTIA]
 
 
-@njit(cache=True)
+@compiled
 def turn_direction(way: float, motion: float, width: float) -> tuple[float, float, float, float]:
     """Dahl's friction state after a motion: it nears the motion's sign as 1 − (1 − s) e^{−|x|/w}.
 

@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from softfinger.mechanics.compiled import compiled
 from softfinger.mechanics.forward.advance import (
     commit_step,
     emit_frame,
@@ -35,7 +35,7 @@ _MAX_STEPS = 200_000
 _VALUE, _SLOPE, _ACTING = range(3)
 
 
-@njit(cache=True)
+@compiled
 def run_trial(
     model: Model,
     work: Work,
@@ -80,7 +80,7 @@ def run_trial(
     return True
 
 
-@njit(cache=True)
+@compiled
 def _count_frames(time: NDArray) -> int:
     """The frames before the padding."""
     frames = time.size
@@ -89,7 +89,7 @@ def _count_frames(time: NDArray) -> int:
     return frames
 
 
-@njit(cache=True)
+@compiled
 def _jump(model: Model, work: Work, load: NDArray, jump: float) -> None:
     """Take the wire's friction, or the first effect of a lag, across a jump of the log."""
     state = work.state
@@ -111,7 +111,7 @@ def _jump(model: Model, work: Work, load: NDArray, jump: float) -> None:
             state.d_direction[0, c] += by_width * model.d_chain[c, _WIDTH]
 
 
-@njit(cache=True)
+@compiled
 def _run_segment(
     model: Model,
     work: Work,
@@ -170,14 +170,14 @@ def _run_segment(
     return frame
 
 
-@njit(cache=True)
+@compiled
 def _is_curved(model: Model) -> bool:
     """Whether any drive may bend between the knots of the load."""
     groups = model.groups
     return has_feedback(model) or groups[HAS_STIFFENING] or groups[HAS_FLOW] or groups[HAS_LAG]
 
 
-@njit(cache=True)
+@compiled
 def _first_step(model: Model, work: Work, tolerance: float) -> float:
     """A step to begin a segment with: short beside what is fastest."""
     if tolerance == np.inf:
@@ -190,7 +190,7 @@ def _first_step(model: Model, work: Work, tolerance: float) -> float:
     return step
 
 
-@njit(cache=True)
+@compiled
 def _fill_load(
     model: Model, work: Work, i: int, load: NDArray, d_acting: NDArray, since: float
 ) -> None:

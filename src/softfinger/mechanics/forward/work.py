@@ -3,9 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from softfinger.mechanics.compiled import compiled
 from softfinger.mechanics.forward.slots import CHAIN_SLOTS, COUPLING_SLOTS, JOINT_SLOTS
 
 GROUPS = (
@@ -152,7 +152,7 @@ class Work(NamedTuple):
     curved: NDArray  # (1,) bool: whether drives bend between the knots of the load
 
 
-@njit(cache=True)
+@compiled
 def allocate_model(
     joints: int,
     columns: int,
@@ -190,7 +190,7 @@ def allocate_model(
     )
 
 
-@njit(cache=True)
+@compiled
 def allocate_work(n: int, modes: int, columns: int) -> Work:
     """Make room for `n` joints of `modes` modes, with `columns` tangents."""
     state = State(
