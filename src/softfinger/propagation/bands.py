@@ -10,7 +10,16 @@ from numpy.typing import NDArray
 from softfinger.progress import track_progress
 from softfinger.propagation.config import PropagationConfig, read_config
 from softfinger.propagation.hyperparameters import ESTIMATES, select_posterior, select_two_stage
-from softfinger.propagation.predictions import predict_new_trials
+from softfinger.propagation.left_out import (
+    Weigh,
+    build_posterior_weights,
+    build_two_stage_weights,
+)
+from softfinger.propagation.predictions import (
+    NewTrials,
+    predict_new_trials,
+    take_quantiles_array,
+)
 from softfinger.propagation.protocols import (
     Protocol,
     describe_truncation,
@@ -22,12 +31,12 @@ from softfinger.propagation.recordings import (
     extract_recordings,
     summarise_recordings,
 )
-from softfinger.propagation.scores import score_recordings
+from softfinger.propagation.scores import PROBABILITIES, score_recordings
 
 ORDER = ("estimate", "protocol", "window", "joint", "time")
 HONESTY = (
-    "in-sample: the scored trials took part in the estimates, so that the scores flatter; with n "
-    "trials the flattery is of the order 1/n"
+    "made by all trials; each trial is scored against the bands of the others, its own part taken "
+    "out by importance weights"
 )
 
 
@@ -56,16 +65,22 @@ def compute_bands(
         90 % of the draws lie; joint_angle_quantile (…, quantile) of a new trial, hyperparameters
         integrated. predicted_quantile: the same with measurement noise. recorded_mean, recorded_sd,
         recorded_quantile, recorded_n (protocol, joint, time, …). coverage (estimate, protocol,
-        window, joint, ci_prob) of the predicted bands, coverage_bound (…, bound) by bootstrap over
-        trials, and crps (estimate, protocol, window, joint) [rad]. NaN after a protocol's end.
+        window, joint, ci_prob) of the predicted bands, each trial against those of the others,
+        coverage_bound (…, bound) by bootstrap over trials, and crps (estimate, protocol, window,
+        joint) [rad]. NaN after a protocol's end.
     """
     knobs = read_config(config)
     grid = build_time_grid(angles, knobs.band_times)
     populations = [select_two_stage(least_squares), select_posterior(posterior, knobs.draws)]
+    weights = [
+        build_two_stage_weights(least_squares, angles["trial"]),
+        build_posterior_weights(posterior, populations[1], angles["trial"]),
+    ]
+    sources = list(zip(populations, weights, strict=True))
     recordings = extract_recordings(angles)
     protocols = group_protocols(angles)
     parts = [
-        _compute_protocol(protocol, populations, recordings, grid, knobs, rng)
+        _compute_protocol(protocol, sources, recordings, grid, knobs, rng)
         for protocol in track_progress(protocols, "bands")
     ]
     names = xr.IndexVariable("protocol", [protocol.name for protocol in protocols])
@@ -81,21 +96,38 @@ def compute_bands(
 
 def _compute_protocol(
     protocol: Protocol,
-    populations: list[xr.Dataset],
+    sources: list[tuple[xr.Dataset, Weigh]],
     recordings: tuple[NDArray, NDArray],
     grid: NDArray,
     knobs: PropagationConfig,
     rng: np.random.Generator,
 ) -> xr.Dataset:
     time, angle = (array[protocol.trials] for array in recordings)
+    reached = grid[grid <= protocol.duration * (1 + 1e-9)]
     parts = []
-    for population in populations:
-        model = predict_new_trials(population, protocol, grid, knobs, rng)
-        scores = score_recordings(time, angle, grid, model, rng)
-        parts.append(xr.merge([model.drop_dims("level"), scores]))
+    for population, weigh in sources:
+        model, samples = predict_new_trials(population, protocol, reached, knobs, rng)
+        left_out = (_predict_left_out(place, samples, weigh, reached) for place in protocol.trials)
+        scores = score_recordings(time, angle, reached, left_out, rng)
+        parts.append(xr.merge([model.reindex(time=grid), scores]))
     bounds = parts[1][["joint_angle_mean_bound", "joint_angle_sd_bound"]]
     both = xr.concat(
         [part.drop_vars(bounds.data_vars) for part in parts],
         xr.IndexVariable("estimate", list(ESTIMATES)),
     )
     return xr.merge([both, bounds, summarise_recordings(time, angle, grid)])
+
+
+def _predict_left_out(
+    place: int, samples: list[NewTrials | None], weigh: Weigh, time: NDArray
+) -> NDArray[np.float64]:
+    """Quantiles (joint, time, p) of a trial's recording as the other trials predict it."""
+    predicted = np.full((len(samples), time.size, PROBABILITIES.size), np.nan)
+    for joint, sample in enumerate(samples):
+        if sample is not None:
+            weight = weigh(place, joint, sample)
+            if np.isfinite(weight).all():
+                predicted[joint] = take_quantiles_array(
+                    sample.ordered, sample.order, weight, PROBABILITIES
+                )
+    return predicted

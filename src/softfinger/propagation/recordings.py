@@ -4,7 +4,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from softfinger.propagation.predictions import QUANTILES, take_quantiles_array
+from softfinger.propagation.predictions import (
+    QUANTILES,
+    order_samples_array,
+    take_quantiles_array,
+)
 from softfinger.propagation.scores import mean_over_trials
 
 LONGEST_GAP = 3.0  # median intervals across which a recording is interpolated
@@ -90,7 +94,9 @@ def summarise_recordings(
     unbiased = np.where(several, count / np.maximum(count - 1, 1), np.nan)
     quantile = np.full((*count.shape, len(QUANTILES)), np.nan)
     for n in np.unique(count[count > 0]):
-        quantile[count == n] = take_quantiles_array(values[:n, count == n].T, np.array(QUANTILES))
+        ordered, order = order_samples_array(values[:n, count == n].T)
+        even = np.full(n, 1 / n)
+        quantile[count == n] = take_quantiles_array(ordered, order, even, np.array(QUANTILES))
     dims = ("joint", "time")
     return xr.Dataset(
         {

@@ -5,12 +5,19 @@ References
 Gneiting, Raftery (2007), J. Am. Stat. Assoc. 102, 359, doi:10.1198/016214506000001437.
 """
 
+from collections.abc import Iterable
+
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 CI_PROBS = (0.5, 0.9)
 WINDOWS = {"whole": np.inf, "first_second": 1.0}  # up to this time [s]
+_LEVELS = (np.arange(64) + 0.5) / 64  # equally probable values that stand for a prediction
+_EDGES = np.array([[(1 - p) / 2, (1 + p) / 2] for p in CI_PROBS])
+PROBABILITIES = np.unique(np.concatenate([_LEVELS, _EDGES.ravel()]))
+_LEVEL_PLACES = np.searchsorted(PROBABILITIES, _LEVELS)
+_EDGE_PLACES = np.searchsorted(PROBABILITIES, _EDGES)
 
 
 def compute_coverage_array(
@@ -83,7 +90,7 @@ def score_recordings(
     time: NDArray[np.float64],
     angle: NDArray[np.float64],
     grid: NDArray[np.float64],
-    predicted: xr.Dataset,
+    predicted: Iterable[NDArray[np.float64]],
     rng: np.random.Generator,
 ) -> xr.Dataset:
     """Score predictions of a protocol against its recordings, frame by frame, averaged per trial.
@@ -95,20 +102,18 @@ def score_recordings(
     grid
         (time,) [s] of the predictions, which are interpolated to the frames.
     predicted
-        predicted_quantile (joint, time, quantile) and predicted_level (joint, time, level) [rad].
+        For each trial (joint, time, p) [rad]: quantiles of its recording at `PROBABILITIES`.
 
     Returns
     -------
     Dataset
         coverage (window, joint, ci_prob), means over trials, coverage_bound (…, bound) of 90 % by
-        bootstrap over trials, crps (window, joint) [rad]. NaN where nothing was recorded.
+        bootstrap over trials, crps (window, joint) [rad]. NaN where nothing was recorded, or
+        nothing predicted.
     """
-    bands = predicted["predicted_quantile"]
-    edges = [[(1 - p) / 2, (1 + p) / 2] for p in CI_PROBS]
-    bands = bands.sel(quantile=np.ravel(edges), method="nearest", tolerance=1e-9)
-    both = np.concatenate([bands.to_numpy(), predicted["predicted_level"].to_numpy()], axis=2)
     per_trial = [
-        _score_trial(t, a, _interpolate(both, grid, t)) for t, a in zip(time, angle, strict=True)
+        _score_trial(t, a, _interpolate(bands, grid, t))
+        for t, a, bands in zip(time, angle, predicted, strict=True)
     ]
     coverage, crps = (np.stack(values) for values in zip(*per_trial, strict=True))
     dims = ("window", "joint", "ci_prob")
@@ -137,16 +142,16 @@ def mean_over_trials(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _score_trial(time: NDArray, angle: NDArray, predicted: NDArray) -> tuple[NDArray, NDArray]:
     """Coverage (window, joint, ci_prob) and CRPS (window, joint) of one trial."""
-    n_edges = 2 * len(CI_PROBS)
-    crps = compute_crps_array(angle, np.moveaxis(predicted[..., n_edges:], -1, 0))
+    known = np.where(np.isfinite(predicted).all(axis=-1), angle, np.nan)
+    crps = compute_crps_array(known, np.moveaxis(predicted[..., _LEVEL_PLACES], -1, 0))
     coverage = np.empty((len(WINDOWS), len(angle), len(CI_PROBS)))
     score = np.empty(coverage.shape[:2])
     for w, end in enumerate(WINDOWS.values()):
-        within = np.where(time <= end, angle, np.nan)
-        for p in range(len(CI_PROBS)):
-            lower, upper = predicted[..., 2 * p], predicted[..., 2 * p + 1]
-            known = np.where(np.isfinite(lower), within, np.nan)
-            coverage[w, :, p] = compute_coverage_array(known, lower, upper)
+        within = np.where(time <= end, known, np.nan)
+        for p, (lower, upper) in enumerate(_EDGE_PLACES):
+            coverage[w, :, p] = compute_coverage_array(
+                within, predicted[..., lower], predicted[..., upper]
+            )
         score[w] = mean_over_trials(np.where(np.isfinite(within), crps, np.nan).T)
     return coverage, score
 

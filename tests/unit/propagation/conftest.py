@@ -61,10 +61,18 @@ def angles():
 
 @pytest.fixture
 def least_squares(angles):
+    """Estimates whose logs have the mean MU and the sd SIGMA, nothing dropped."""
+    z = np.random.default_rng(7).standard_normal((7, 2, 4))
+    z = (z - z.mean(axis=0)) / z.std(axis=0, ddof=1)
+    estimate = MU + SIGMA * z
+    estimate[..., :3] = np.exp(estimate[..., :3])
+    dims = ("trial", "joint", "parameter")
     return xr.Dataset(
         {
-            "population_mean": (("joint", "parameter"), MU.copy()),
-            "population_sd": (("joint", "parameter"), SIGMA.copy()),
+            "estimate": (dims, estimate),
+            "kept": (dims, np.ones(estimate.shape, bool)),
+            "population_mean": (dims[1:], MU.copy()),
+            "population_sd": (dims[1:], SIGMA.copy()),
             "residual_rms": (("trial", "joint"), np.full((7, 2), NOISE_SD)),
         },
         coords={"trial": angles["trial"], "joint": [1, 2], "parameter": list(PARAMETERS)},
@@ -89,5 +97,7 @@ def posterior():
     for place, name in enumerate(names):
         value = np.broadcast_to(trial[..., place], (3, 17, 7, 2))
         data[name] = (("chain", "draw", "trial", "joint"), value.copy())
-    dataset = xr.Dataset(data, coords={"chain": range(3), "draw": range(17), "joint": [1, 2]})
+    coords = {"chain": range(3), "draw": range(17), "joint": [1, 2]}
+    coords["trial"] = [f"trial_{i:03d}" for i in range(7)]
+    dataset = xr.Dataset(data, coords=coords)
     return xr.DataTree.from_dict({"posterior": dataset})

@@ -1,0 +1,96 @@
+"""Predictions for a trial from the others: its own part is taken out by importance weights.
+
+Bands that a trial helped to make flatter it. For the two-stage estimate, new trials drawn from the
+population N(μ, σ) weigh N(x; μ_−i, σ_−i)/N(x; μ, σ), with μ_−i, σ_−i from the other trials' kept
+estimates. For the posterior, a draw weighs 1/p(η_i | μ, σ), η_i being the trial's own parameters in
+that draw: that takes the trial's recording out of the hyperparameters' posterior, whatever the
+likelihood. Weights are cut at √S times their mean.
+
+References
+----------
+Ionides (2008), J. Comput. Graph. Stat. 17, 295, doi:10.1198/106186008X320456.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.stats import norm
+
+from softfinger.propagation.hyperparameters import NAMES, take_draws
+from softfinger.propagation.moments import Q_INI
+from softfinger.propagation.predictions import NewTrials
+
+Weigh = Callable[[int, int, NewTrials], NDArray[np.float64]]
+"""Place of the trial, place of the joint, samples → weights (n,) that sum to 1."""
+
+
+def build_two_stage_weights(least_squares: xr.Dataset, trial: xr.DataArray) -> Weigh:
+    """Build the weights that take a trial out of the two-stage estimate.
+
+    Parameters
+    ----------
+    least_squares
+        estimate, kept (trial, joint, parameter).
+    trial
+        Names of the trials in the order in which they are asked for.
+    """
+    dims = ("trial", "joint", "parameter")
+    estimate = least_squares["estimate"].reindex(trial=trial).transpose(*dims).to_numpy().copy()
+    kept = least_squares["kept"].reindex(trial=trial, fill_value=False).transpose(*dims).to_numpy()
+    estimate[~kept] = np.nan
+    estimate[..., :Q_INI] = np.log(estimate[..., :Q_INI])
+
+    def weigh(place: int, joint: int, samples: NewTrials) -> NDArray[np.float64]:
+        own = estimate[place, joint]
+        log_weight = np.zeros(len(samples.location))
+        for parameter in np.flatnonzero(np.isfinite(own)):
+            value = estimate[:, joint, parameter]
+            others = value[np.isfinite(value) & (np.arange(value.size) != place)]
+            if others.size < 2:
+                return np.full(len(samples.location), np.nan)
+            every = np.append(others, own[parameter])
+            x = samples.location[:, parameter]
+            log_weight += norm.logpdf(x, others.mean(), others.std(ddof=1))
+            log_weight -= norm.logpdf(x, every.mean(), every.std(ddof=1))
+        return normalise_weights_array(log_weight)
+
+    return weigh
+
+
+def build_posterior_weights(
+    posterior: xr.DataTree, population: xr.Dataset, trial: xr.DataArray
+) -> Weigh:
+    """Build the weights that take a trial out of the posterior of the hyperparameters.
+
+    Parameters
+    ----------
+    posterior
+        log_k_v, log_c_v, log_c_p, q_ini (chain, draw, trial, joint).
+    population
+        mu, sigma (draw, joint, parameter), chosen among its draws.
+    trial
+        Names of the trials in the order in which they are asked for; one that the posterior does
+        not know took no part in it.
+    """
+    own = take_draws(posterior, NAMES, population.sizes["draw"]).to_dataarray("parameter")
+    own = own.reindex(trial=trial).transpose("trial", "draw", "joint", "parameter").to_numpy()
+    mu, sigma = (population[name].to_numpy() for name in ("mu", "sigma"))
+    log_density = np.nan_to_num(norm.logpdf(own, mu, sigma).sum(axis=-1))  # (trial, draw, joint)
+
+    def weigh(place: int, joint: int, samples: NewTrials) -> NDArray[np.float64]:
+        return normalise_weights_array(-log_density[place, samples.draw, joint])
+
+    return weigh
+
+
+def normalise_weights_array(log_weight: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Weights (n,) that sum to 1, cut at √n times their mean.
+
+    >>> normalise_weights_array(np.log([1.0, 1.0, 1.0, 13.0]))  # cut at 2 · 4
+    array([0.09090909, 0.09090909, 0.09090909, 0.72727273])
+    """
+    weight = np.exp(log_weight - log_weight.max())
+    weight = np.minimum(weight, weight.mean() * np.sqrt(weight.size))
+    return weight / weight.sum()
