@@ -138,7 +138,7 @@ class Controller:
 
         The line is not trusted any more: garbage is skipped, and the request repeated.
         """
-        self._link.trusted = False
+        self._link.distrust()
         self._may_pull = False
         for _ in range(3):
             try:
@@ -250,7 +250,7 @@ def _identify(link: SerialLink) -> Identity:
             f"port {link.port}: the controller speaks version {version} of the protocol and this "
             f"program version {VERSION}; install the firmware that belongs to this program"
         )
-    link.trusted = True
+    link.trust()
     try:
         return Identity(
             device=answer.fields["device"],

@@ -163,9 +163,10 @@ def _format_table(rows: list[dict[str, str]]) -> str:
 
 
 def _format_load(recording: TrialRecording) -> str:
-    """The measured tension from the start on; a wire cannot push, so noise below 0 is cut off."""
-    pulled = recording.sample_time >= recording.load_start - 1e-7
-    columns = [recording.sample_time[pulled], np.maximum(recording.tension[pulled], 0.0)]
+    """The measured tension of the profile; a wire cannot push, so noise below 0 is cut off."""
+    time, hair = recording.sample_time, 1e-7
+    pulled = (time >= recording.load_start - hair) & (time <= recording.load_end + hair)
+    columns = [time[pulled], np.maximum(recording.tension[pulled], 0.0)]
     return _format_columns("time_s,tension_n", columns)
 
 

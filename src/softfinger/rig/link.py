@@ -21,13 +21,13 @@ class Silence(Fault):
 class SerialLink:
     """A serial port on which a controller speaks the protocol; closed on leaving its context.
 
-    Until `trusted` is set, lines that cannot be read are skipped (a controller that boots says all
-    sorts of things); afterwards the first one ends the session.
+    Lines that cannot be read are skipped until `trust` (a controller that boots says all sorts of
+    things) and after `distrust`; in between the first one ends the session.
     """
 
     def __init__(self, port: str) -> None:
         self.port = port
-        self.trusted = False
+        self._trusted = False
         self.skipped: LineFault | None = None
         self._lines = LineAssembler()
         self._answers: dict[int, Message] = {}
@@ -82,6 +82,15 @@ class SerialLink:
         self._unasked.clear()
         return said
 
+    def trust(self) -> None:
+        """Take every line seriously from now on; forget what was said unasked before."""
+        self._trusted = True
+        self._unasked.clear()
+
+    def distrust(self) -> None:
+        """Skip lines that cannot be read."""
+        self._trusted = False
+
     def discard(self) -> None:
         """Forget everything received so far."""
         self._serial.reset_input_buffer()
@@ -108,7 +117,7 @@ class SerialLink:
                 message = parse_line(line)
             except LineFault as fault:
                 self.skipped = fault
-                if self.trusted:
+                if self._trusted:
                     raise Fault(
                         f"port {self.port}: {fault}; check the cable, its length and the motor's "
                         "interference"

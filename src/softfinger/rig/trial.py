@@ -34,8 +34,8 @@ class TrialRecording:
         Controller time at which the profile started [s].
     sample_time, tension, current
         (sample,) [s], [N], [A], all samples since the wire was armed.
-    load_start
-        Time at which the profile started [s].
+    load_start, load_end
+        Times at which the profile started and ended [s].
     stamp
         (frame,) [s] on the camera's clock, NaN where the frame before stands in for a lost one.
     pictures
@@ -53,6 +53,7 @@ class TrialRecording:
     tension: NDArray[np.float64]
     current: NDArray[np.float64]
     load_start: float
+    load_end: float
     stamp: NDArray[np.float64]
     pictures: Sequence[bytes]
     rate: float
@@ -167,8 +168,10 @@ def assemble_trial(
     Raises
     ------
     Fault
-        Too few frames, too many lost ones, or a frame rate that is not the declared one.
+        Too few frames, too many lost ones, a frame rate that is not the declared one, or no samples
+        up to the end.
     """
+    _check_samples(pull, plan.recording.stream_rate_hz)
     first, last = pull.started - plan.recording.lead_in_s, pull.ended
     frames = [f for f in pull.frames if first <= f.stamp - before.offset <= last]
     clock = fit_frame_clock(np.array([frame.stamp for frame in frames]), plan.fps)
@@ -188,6 +191,7 @@ def assemble_trial(
         tension=np.array([sample.tension for sample in pull.samples]),
         current=np.array([sample.current for sample in pull.samples]),
         load_start=pull.started + to_video,
+        load_end=pull.ended + to_video,
         stamp=stamp,
         pictures=[frames[index].jpeg for index in shown],
         rate=clock.rate,
@@ -195,6 +199,16 @@ def assemble_trial(
         before=before,
         after=after,
     )
+
+
+def _check_samples(pull: Pull, rate_hz: float) -> None:
+    """Refuse a pull whose last samples are missing; that none is missing between is known."""
+    sampled = pull.samples[-1].time
+    if sampled < pull.ended - 1.5 / rate_hz:
+        raise Fault(
+            f"the tension was sampled for {sampled - pull.started:.2f} s of a pull of "
+            f"{pull.ended - pull.started:.2f} s; see whether its load cell is connected"
+        )
 
 
 def _fill_gaps(

@@ -36,13 +36,13 @@ def write_video(path: Path, pictures: Sequence[bytes], rate: float) -> None:
         (first.shape[1], first.shape[0]),
         [cv2.VIDEOWRITER_PROP_RAW_VIDEO, 1, cv2.VIDEOWRITER_PROP_IS_COLOR, int(first.ndim == 3)],
     )
-    written = 0
     if writer.isOpened():
         for picture in pictures:
-            written += writer.write(np.frombuffer(picture, np.uint8).reshape(1, -1))
+            if not writer.write(np.frombuffer(picture, np.uint8).reshape(1, -1)):
+                break
     writer.release()
     readable = count_frames(path)
-    if min(written, readable) < len(pictures):
+    if readable < len(pictures):
         raise OSError(f"of {len(pictures)} frames {readable} can be read again; is the disk full?")
 
 

@@ -1,3 +1,5 @@
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -39,3 +41,9 @@ def test_a_lost_frame_is_replaced_by_the_one_before_it(plan):
 def test_too_many_lost_frames_spoil_a_trial(plan):
     with pytest.raises(Fault, match=r"lost 3 of 45 frames, more than the share .* 0.05"):
         assemble_trial(pull(lost=(20, 21, 22)), OFFSET, OFFSET, plan)
+
+
+def test_a_pull_without_its_last_samples_is_refused(plan):
+    cut = dataclasses.replace(pull(), samples=pull().samples[:15])
+    with pytest.raises(Fault, match=r"sampled for 0.40 s of a pull of 1.00 s"):
+        assemble_trial(cut, OFFSET, OFFSET, plan)
