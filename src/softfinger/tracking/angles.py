@@ -7,6 +7,7 @@ import xarray as xr
 from scipy.ndimage import median_filter
 
 from softfinger.campaign import Campaign
+from softfinger.tracking.camera import undistort_array
 from softfinger.tracking.flags import JUMP, MISSING, STALE
 
 _MOVING_BASE = 1.5  # scatter of the base's direction, in its frame-to-frame scatter
@@ -44,6 +45,7 @@ def compute_joint_angles(markers: xr.Dataset, campaign: Campaign) -> xr.Dataset:
         return xr.concat([p.squeeze("trial") if "trial" in p.dims else p for p in parts], "trial")
     markers = markers.squeeze(drop=False)
     position = markers["marker_position"].transpose("frame", "marker", "axis").to_numpy()
+    position = undistort_array(position, campaign.camera)
     sd = markers["marker_position_sd"].transpose("frame", "marker").to_numpy()
     links = [str(name).rsplit("_", 1)[0] for name in markers["marker"].to_numpy()]
     rows = [np.flatnonzero(np.array(links) == link) for link in dict.fromkeys(links)]

@@ -5,17 +5,18 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from softfinger.tracking.disc import CONTRAST, LEVEL, RADIUS, SPREAD, X, Y
-from softfinger.tracking.fit import FIT_QUALITY, MISFIT, NOISE_VARIANCE, fit_disc_array
+from softfinger.tracking.disc import CONTRAST, RADIUS, SPREAD, X, Y
+from softfinger.tracking.fit import FIT_QUALITY, LARGEST_WINDOW, fit_disc_array
+from softfinger.tracking.follow import is_certain_array
 
 _RADIUS_RANGE = (0.6, 1.6)
-_SMALLEST_CONTRAST = 6.0  # in noise standard deviations
+_ITERATIONS = 30
 _MOST_CANDIDATES = 200
 _NO_DISCS = np.empty((0, 3))
 
 
 def find_discs_array(
-    frame: np.ndarray, weight: np.ndarray, radius: float, polarity: int
+    picture: np.ndarray, weight: np.ndarray, radius: float, polarity: int
 ) -> np.ndarray:
     """Find every disc of about a given radius in a picture, however uneven its light.
 
@@ -24,7 +25,7 @@ def find_discs_array(
 
     Parameters
     ----------
-    frame : (row, column, channel)
+    picture : (row, column, channel)
     weight : (channel,)
         Light = Σ weight · channel.
     radius : float [px]
@@ -37,12 +38,12 @@ def find_discs_array(
     numpy.ndarray (disc, 8)
         Parameters of :data:`softfinger.tracking.disc.PARAMETERS`, strongest contrast first.
     """
-    light = frame.astype(np.float32) @ weight.astype(np.float32)
+    light = picture.astype(np.float32) @ weight.astype(np.float32)
     narrow = cv2.GaussianBlur(light, (0, 0), 0.6 * radius)
     difference = narrow - cv2.GaussianBlur(light, (0, 0), 1.5 * radius)
     found: list[np.ndarray] = []
     for row, column in _list_peaks(difference, polarity, radius):
-        parameters = _fit_anywhere(frame, weight, column, row, radius, difference[row, column])
+        parameters = _fit_anywhere(picture, weight, column, row, radius, difference[row, column])
         if parameters is not None and not _is_known(parameters, found):
             found.append(parameters)
     found.sort(key=lambda p: -abs(p[CONTRAST]))
@@ -60,36 +61,29 @@ def _list_peaks(difference: np.ndarray, polarity: int, radius: float) -> np.ndar
 
 
 def _fit_anywhere(
-    frame: np.ndarray,
+    picture: np.ndarray,
     weight: np.ndarray,
     column: int,
     row: int,
     radius: float,
     difference: float,
 ) -> np.ndarray | None:
-    around = frame[
-        max(0, int(row - 2 * radius)) : int(row + 2 * radius) + 1,
-        max(0, int(column - 2 * radius)) : int(column + 2 * radius) + 1,
+    """Fit a disc where the picture has a peak; None where there is no such disc."""
+    reach = 2 * radius
+    around = picture[
+        max(0, int(row - reach)) : int(row + reach) + 1,
+        max(0, int(column - reach)) : int(column + reach) + 1,
     ].astype(float)
     level = float(np.median(around @ weight))
-    contrast = 2.2 * float(difference)
-    p = np.array([column, row, contrast, radius, 1.0, level, 0.0, 0.0])
+    p = np.array([column, row, 2.2 * difference, radius, 1.0, level, 0.0, 0.0])
     quality = np.empty(len(FIT_QUALITY))
-    if not fit_disc_array(frame, weight, p, _NO_DISCS, -1, quality, 30, 0.02):
+    rows, side = np.empty((9, LARGEST_WINDOW)), np.empty(LARGEST_WINDOW, np.uint8)
+    if not fit_disc_array(picture, weight, p, _NO_DISCS, -1, quality, rows, side, _ITERATIONS):
         return None
     near = np.hypot(p[X] - column, p[Y] - row) < radius
     sized = _RADIUS_RANGE[0] < p[RADIUS] / radius < _RADIUS_RANGE[1]
     alike = p[CONTRAST] * difference > 0 and p[SPREAD] < 0.6 * p[RADIUS]
-    clear = abs(p[CONTRAST]) > max(
-        _SMALLEST_CONTRAST * np.sqrt(quality[NOISE_VARIANCE]), 0.02 * abs(p[LEVEL])
-    )
-    return p if near and sized and alike and clear and _is_round(p, quality) else None
-
-
-def _is_round(p: np.ndarray, quality: np.ndarray) -> bool:
-    """Whether what the disc leaves on its rim is small against its contrast."""
-    residual = np.sqrt(max(quality[MISFIT], 0.0) * quality[NOISE_VARIANCE])
-    return bool(residual < 0.15 * abs(p[CONTRAST]))
+    return p if near and sized and alike and is_certain_array(p, quality) else None
 
 
 def _is_known(parameters: np.ndarray, found: list[np.ndarray]) -> bool:

@@ -1,4 +1,4 @@
-"""The fit of blurred discs to the pixels around their predicted places."""
+"""The fit of one blurred disc to the pixels around its predicted place, by Gauss–Newton."""
 
 import math
 
@@ -9,196 +9,146 @@ from softfinger.tracking.disc import (
     CONTRAST,
     LARGEST_SPREAD,
     LEVEL,
+    PARAMETERS,
     RADIUS,
+    SLOPE_X,
+    SLOPE_Y,
     SMALLEST_SPREAD,
     SPREAD,
-    add_flat_pixels,
-    add_rim_pixel,
-    count_divisions,
+    X,
+    Y,
+)
+from softfinger.tracking.normal import (
+    RIM,
+    invert_symmetric_array,
+    linearise_window_array,
+    multiply_rows_array,
 )
 
-#: What a fit measures beside the disc's parameters.
-FIT_QUALITY = ("variance_x", "variance_y", "covariance_xy", "noise_variance", "misfit", "converged")
-VARIANCE_X, VARIANCE_Y, COVARIANCE_XY, NOISE_VARIANCE, MISFIT, CONVERGED = range(6)
+#: What a fit tells beside the disc's parameters: variances of the centre for light noise of
+#: variance 1, that noise's variance, and the mean square residual on the rim over it.
+FIT_QUALITY = ("unit_xx", "unit_yy", "unit_xy", "noise_variance", "misfit")
+UNIT_XX, UNIT_YY, UNIT_XY, NOISE_VARIANCE, MISFIT = range(5)
 
-_RIM = 4.0  # half width of the rim in edge spreads
-_MARGIN = 3.0  # pixels of plain background beyond the rim
+#: A step smaller than this, in edge spreads, is the last one. By symmetry a step of length δ
+#: leaves an error of order δ³: far below the noise.
+LAST_STEP = 0.15
+LARGEST_WINDOW = 20_000  # pixels: a radius of about 75
+
+_SIZE = len(PARAMETERS)
 _SMALLEST_RADIUS = 1.0
+_FEWEST_RIM, _FEWEST_FLAT = 12, 8
 
 
 @njit(cache=True)
-def solve_symmetric_array(normal, right):
-    """Inverse of the symmetric positive matrix whose lower triangle is given, and the solution.
-
-    Returns
-    -------
-    inverse (n, n), solution (n,), definite
-        ``definite`` is False where the matrix has no Cholesky factor.
-    """
-    n = right.size
-    low = np.zeros((n, n))
-    inverse = np.zeros((n, n))
-    solution = np.zeros(n)
-    for a in range(n):
-        for b in range(a + 1):
-            s = normal[a, b]
-            for k in range(b):
-                s -= low[a, k] * low[b, k]
-            if a == b:
-                if not s > 1e-12 * abs(normal[a, a]):
-                    return inverse, solution, False
-                low[a, a] = math.sqrt(s)
-            else:
-                low[a, b] = s / low[b, b]
-    for c in range(n):
-        column = np.zeros(n)
-        for a in range(c, n):
-            s = 1.0 if a == c else 0.0
-            for k in range(c, a):
-                s -= low[a, k] * column[k]
-            column[a] = s / low[a, a]
-        for a in range(n - 1, -1, -1):
-            s = column[a]
-            for k in range(a + 1, n):
-                s -= low[k, a] * inverse[k, c]
-            inverse[a, c] = s / low[a, a]
-    for a in range(n):
-        for b in range(n):
-            solution[a] += inverse[a, b] * right[b]
-    return inverse, solution, True
-
-
-@njit(cache=True)
-def _read_light(frame, i, j, weight):
-    value = 0.0
-    for k in range(weight.size):
-        value += weight[k] * frame[i, j, k]
-    return value
-
-
-@njit(cache=True)
-def _is_taken(column, row, others, own):
-    """Whether a pixel belongs to another disc (x, y, reach) of the list."""
-    for k in range(others.shape[0]):
-        if k != own:
-            dx, dy = column - others[k, 0], row - others[k, 1]
-            if dx * dx + dy * dy < others[k, 2] * others[k, 2]:
-                return True
-    return False
-
-
-@njit(cache=True)
-def accumulate_window_array(frame, weight, p, others, own, normal, right):
-    """Normal equations of one disc over its window, and the squares of its residuals.
-
-    Returns
-    -------
-    (flat_sum, flat_count, rim_sum, rim_count)
-        Sums of squared residuals over pixels off the rim, and on it.
-    """
-    normal[:] = 0.0
-    right[:] = 0.0
-    radius, spread = p[RADIUS], p[SPREAD]
-    width = _RIM * spread + 0.5 * (spread < 0.5)
-    reach = radius + max(width, 3.0 * spread + _MARGIN)
-    outer = (radius + width) ** 2
-    inner = max(0.0, radius - width) ** 2
-    divisions = count_divisions(spread)
-    row = np.empty(8)
-    flat = np.zeros((2, 9))
-    rim_sum, rim_count, flat_sum = 0.0, 0, 0.0
-    top, bottom = max(0, math.ceil(p[1] - reach)), min(frame.shape[0] - 1, math.floor(p[1] + reach))
-    left, end = max(0, math.ceil(p[0] - reach)), min(frame.shape[1] - 1, math.floor(p[0] + reach))
-    for i in range(top, bottom + 1):
-        dy = i - p[1]
-        for j in range(left, end + 1):
-            dx = j - p[0]
-            square = dx * dx + dy * dy
-            if square > reach * reach or _is_taken(j, i, others, own):
-                continue
-            value = _read_light(frame, i, j, weight)
-            if inner < square < outer:
-                rim_sum += add_rim_pixel(value, dx, dy, p, divisions, row, normal, right)
-                rim_count += 1
-                continue
-            inside = 1 if square <= inner else 0
-            r = value - (p[LEVEL] + p[6] * dx + p[7] * dy + p[CONTRAST] * inside)
-            flat_sum += r * r
-            sums = flat[inside]
-            sums[0] += 1.0
-            sums[1] += dx
-            sums[2] += dy
-            sums[3] += dx * dx
-            sums[4] += dx * dy
-            sums[5] += dy * dy
-            sums[6] += r
-            sums[7] += r * dx
-            sums[8] += r * dy
-    for inside in range(2):
-        add_flat_pixels(flat[inside], p, float(inside), normal, right)
-    return flat_sum, flat[0, 0] + flat[1, 0], rim_sum, rim_count
-
-
-@njit(cache=True)
-def fit_disc_array(frame, weight, p, others, own, quality, iterations, tolerance):
-    """Fit one blurred disc by Gauss–Newton, starting from `p`, which is overwritten.
+def fit_disc_array(
+    picture: np.ndarray,
+    weight: np.ndarray,
+    p: np.ndarray,
+    others: np.ndarray,
+    own: int,
+    quality: np.ndarray,
+    rows: np.ndarray,
+    side: np.ndarray,
+    iterations: int,
+) -> bool:
+    """Fit one blurred disc by Gauss–Newton, starting from `p`.
 
     Parameters
     ----------
-    frame : (row, column, channel)
-        The picture.
+    picture : (row, column, channel)
     weight : (channel,)
         Light = Σ weight · channel.
     p : (8,)
-        Parameters in the order of :data:`softfinger.tracking.disc.PARAMETERS`.
-    others : (disc, 3)
-        Places and reaches of all discs; pixels of the others are left out.
-    own : int
-        This disc's row in `others`.
-    quality : (6,)
-        Filled, in the order of :data:`FIT_QUALITY`; variances for the noise found off the rim.
-        `misfit` is the mean square residual on the rim over that off it.
+        Overwritten; in the order of :data:`softfinger.tracking.disc.PARAMETERS`.
+    others : (disc, 3) [px]
+        Places and reaches of all discs; pixels of those other than `own` are left out.
+    quality : (5,)
+        Overwritten; in the order of :data:`FIT_QUALITY`, NaN where the fit fails.
+    rows, side : (9, pixel), (pixel,)
+        Room to work in.
     iterations : int
         At most so many steps.
-    tolerance : float [px]
-        A centre that moves less has converged.
 
     Returns
     -------
     bool
         Whether the fit converged.
     """
-    normal, right = np.empty((8, 8)), np.empty(8)
+    products = np.empty((_SIZE + 1, _SIZE + 1))
+    low, inverse, step = np.empty((_SIZE, _SIZE)), np.empty((_SIZE, _SIZE)), np.empty(_SIZE)
     quality[:] = np.nan
-    quality[CONVERGED] = 0.0
     for _ in range(iterations):
-        flat_sum, flat_count, rim_sum, rim_count = accumulate_window_array(
-            frame, weight, p, others, own, normal, right
-        )
-        if rim_count < 12 or flat_count < 8:
+        count = linearise_window_array(picture, weight, p, others, own, rows, side)
+        if count <= 0:
             return False
-        if p[SPREAD] <= SMALLEST_SPREAD:
-            # At the pixel's own sharpness a still sharper edge is no parameter any more.
-            for k in range(8):
-                normal[max(k, SPREAD), min(k, SPREAD)] = 0.0
-            normal[SPREAD, SPREAD] = 1.0
-            right[SPREAD] = max(right[SPREAD], 0.0) / max(1.0, normal[RADIUS, RADIUS])
-        inverse, step, definite = solve_symmetric_array(normal, right)
-        if not definite:
+        multiply_rows_array(rows, count, products)
+        if p[SPREAD] <= SMALLEST_SPREAD and products[_SIZE, SPREAD] <= 0.0:
+            _hold_spread(products)
+        if not invert_symmetric_array(products, low, inverse):
             return False
-        moved = math.hypot(step[0], step[1])
+        for a in range(_SIZE):
+            step[a] = 0.0
+            for b in range(_SIZE):
+                step[a] += inverse[a, b] * products[_SIZE, b]
+        moved = max(math.hypot(step[X], step[Y]), abs(step[RADIUS]), abs(step[SPREAD]))
         share = min(1.0, 0.5 * p[RADIUS] / max(moved, 1e-9))
-        for k in range(8):
-            p[k] += share * step[k]
-        p[RADIUS] = max(p[RADIUS], _SMALLEST_RADIUS)
-        p[SPREAD] = min(max(p[SPREAD], SMALLEST_SPREAD), LARGEST_SPREAD)
-        if moved < tolerance:
-            noise = flat_sum / max(1.0, flat_count - 3.0)
-            quality[VARIANCE_X] = noise * inverse[0, 0]
-            quality[VARIANCE_Y] = noise * inverse[1, 1]
-            quality[COVARIANCE_XY] = noise * inverse[0, 1]
-            quality[NOISE_VARIANCE] = noise
-            quality[MISFIT] = (rim_sum / rim_count) / max(noise, 1e-12)
-            quality[CONVERGED] = 1.0
-            return True
+        last = moved < LAST_STEP * p[SPREAD]
+        _take_step(p, step, share)
+        if last:
+            quality[UNIT_XX], quality[UNIT_YY] = inverse[X, X], inverse[Y, Y]
+            quality[UNIT_XY] = inverse[X, Y]
+            return _measure_residuals(rows, side, step, count, quality)
     return False
+
+
+@njit(cache=True)
+def _take_step(p: np.ndarray, step: np.ndarray, share: float) -> None:
+    for a in range(p.size):
+        p[a] += share * step[a]
+    # The shade stays in place: its value at the new centre goes into level and contrast.
+    shade = 1.0 + share * (step[X] * p[SLOPE_X] + step[Y] * p[SLOPE_Y])
+    p[LEVEL] *= shade
+    p[CONTRAST] *= shade
+    p[SLOPE_X] /= shade
+    p[SLOPE_Y] /= shade
+    p[RADIUS] = max(p[RADIUS], _SMALLEST_RADIUS)
+    p[SPREAD] = min(max(p[SPREAD], SMALLEST_SPREAD), LARGEST_SPREAD)
+
+
+@njit(cache=True)
+def _hold_spread(products: np.ndarray) -> None:
+    """Take the spread out of the parameters: at the pixel's own sharpness it cannot shrink."""
+    for k in range(_SIZE + 1):
+        products[max(k, SPREAD), min(k, SPREAD)] = 0.0
+    products[SPREAD, SPREAD] = 1.0
+
+
+@njit(cache=True)
+def _measure_residuals(
+    rows: np.ndarray, side: np.ndarray, step: np.ndarray, count: int, quality: np.ndarray
+) -> bool:
+    """Noise off the rim, and the misfit on it, after the last step.
+
+    The noise on the rim is taken midway between that of the light outside and that inside; no
+    error of the disc's shape counts as noise.
+    """
+    sums, numbers = np.zeros(3), np.zeros(3)
+    for k in range(count):
+        r = rows[_SIZE, k]
+        for a in range(_SIZE):
+            r -= rows[a, k] * step[a]
+        sums[side[k]] += r * r
+        numbers[side[k]] += 1.0
+    if numbers[RIM] < _FEWEST_RIM or numbers[0] + numbers[1] < _FEWEST_FLAT:
+        return False
+    noise, sides = 0.0, 0
+    for k, parameters in ((0, 3), (1, 1)):  # plane and level outside, contrast inside
+        if numbers[k] >= _FEWEST_FLAT:
+            noise += sums[k] / (numbers[k] - parameters)
+            sides += 1
+    if sides == 0:
+        return False
+    quality[NOISE_VARIANCE] = noise / sides
+    quality[MISFIT] = sums[RIM] / numbers[RIM] / max(quality[NOISE_VARIANCE], 1e-12)
+    return True

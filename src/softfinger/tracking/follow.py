@@ -1,6 +1,4 @@
-"""Discs followed from picture to picture by their motion and appearance."""
-
-from __future__ import annotations
+"""Discs fitted around their predicted places in one picture."""
 
 import math
 
@@ -8,52 +6,97 @@ import numpy as np
 from numba import njit
 
 from softfinger.tracking.disc import CONTRAST, RADIUS, SPREAD, X, Y
-from softfinger.tracking.fit import CONVERGED, fit_disc_array
+from softfinger.tracking.fit import (
+    LARGEST_WINDOW,
+    MISFIT,
+    NOISE_VARIANCE,
+    UNIT_XX,
+    UNIT_YY,
+    fit_disc_array,
+)
 
 _ITERATIONS = 8
-_TOLERANCE = 0.02  # px: what a Gauss–Newton step of this size leaves is far below the noise
+_CONTRAST_CHANGE = (0.4, 2.5)  # from one picture to the next
+_RADIUS_CHANGE = (0.6, 1.6)
+_LARGEST_SD = 0.15  # radii: less certain than that, a disc is not seen
+_LARGEST_RESIDUAL = 0.35  # rms on the rim, in contrasts
 
 
 @njit(cache=True)
-def looks_alike_array(found, known):
-    """Whether a fitted disc is the known one: contrast of the same sign and size, same radius."""
+def looks_alike_array(found: np.ndarray, known: np.ndarray) -> bool:
+    """Whether a fitted disc may be the known one: contrast of its sign and size, its radius."""
     contrast = found[CONTRAST] / known[CONTRAST]
     radius = found[RADIUS] / known[RADIUS]
-    return 0.4 < contrast < 2.5 and 0.6 < radius < 1.6
+    return (
+        _CONTRAST_CHANGE[0] < contrast < _CONTRAST_CHANGE[1]
+        and _RADIUS_CHANGE[0] < radius < _RADIUS_CHANGE[1]
+    )
 
 
 @njit(cache=True)
-def follow_discs_array(frame, weight, known, seen, predicted, fitted, quality):
-    """Fit every disc near its predicted place.
+def is_certain_array(found: np.ndarray, quality: np.ndarray) -> bool:
+    """Whether a fit places a disc, and what it leaves on the rim is small against the contrast."""
+    variance = max(quality[UNIT_XX], quality[UNIT_YY]) * quality[NOISE_VARIANCE]
+    residual = quality[MISFIT] * quality[NOISE_VARIANCE]
+    return (
+        variance < (_LARGEST_SD * found[RADIUS]) ** 2
+        and residual < (_LARGEST_RESIDUAL * found[CONTRAST]) ** 2
+    )
+
+
+@njit(cache=True)
+def follow_discs_array(
+    picture: np.ndarray,
+    weight: np.ndarray,
+    known: np.ndarray,
+    wanted: np.ndarray,
+    predicted: np.ndarray,
+    fitted: np.ndarray,
+    quality: np.ndarray,
+) -> None:
+    """Fit the wanted discs near their predicted places.
 
     Parameters
     ----------
-    frame : (row, column, channel)
+    picture : (row, column, channel)
     weight : (channel,)
+        Light = Σ weight · channel.
     known : (disc, 8)
         How each disc looked when it was last seen.
-    seen : (disc,) bool
-        Whether to look for it. Overwritten: whether it was found.
+    wanted : (disc,) bool
+        Which discs to look for.
     predicted : (disc, 2) [px]
         Where to look.
-    fitted, quality : (disc, 8), (disc, 6)
-        Filled.
+    fitted, quality : (disc, 8), (disc, 5)
+        Rows of wanted discs are overwritten, with NaN where the disc is not seen; the others hold
+        discs that are known to be there.
     """
+    rows, side = np.empty((9, LARGEST_WINDOW)), np.empty(LARGEST_WINDOW, np.uint8)
     others = np.empty((known.shape[0], 3))
     for k in range(known.shape[0]):
-        others[k, 0], others[k, 1] = predicted[k]
-        others[k, 2] = known[k, RADIUS] + 2.0 * known[k, SPREAD] if seen[k] else 0.0
+        seen = not math.isnan(fitted[k, X])
+        others[k, 0] = predicted[k, 0] if wanted[k] or not seen else fitted[k, X]
+        others[k, 1] = predicted[k, 1] if wanted[k] or not seen else fitted[k, Y]
+        reach = known[k, RADIUS] + 2.0 * known[k, SPREAD]
+        others[k, 2] = reach if wanted[k] or seen else 0.0
     for k in range(known.shape[0]):
-        if not seen[k]:
+        if not wanted[k]:
             continue
         p = fitted[k]
         p[:] = known[k]
         p[X], p[Y] = predicted[k]
-        seen[k] = False
-        if fit_disc_array(frame, weight, p, others, k, quality[k], _ITERATIONS, _TOLERANCE):
-            inside = -0.5 <= p[X] <= frame.shape[1] - 0.5 and -0.5 <= p[Y] <= frame.shape[0] - 0.5
-            near = math.hypot(p[X] - predicted[k, 0], p[Y] - predicted[k, 1]) < 2.0 * p[RADIUS]
-            if inside and near and quality[k, CONVERGED] > 0.0:
-                seen[k] = looks_alike_array(p, known[k])
-        if seen[k]:
+        found = fit_disc_array(picture, weight, p, others, k, quality[k], rows, side, _ITERATIONS)
+        inside = -0.5 <= p[X] <= picture.shape[1] - 0.5 and -0.5 <= p[Y] <= picture.shape[0] - 0.5
+        near = math.hypot(p[X] - predicted[k, 0], p[Y] - predicted[k, 1]) < 2.0 * p[RADIUS]
+        if (
+            found
+            and inside
+            and near
+            and looks_alike_array(p, known[k])
+            and is_certain_array(p, quality[k])
+        ):
             others[k, 0], others[k, 1] = p[X], p[Y]
+        else:
+            p[:] = np.nan
+            quality[k, :] = np.nan
+            others[k, 2] = 0.0

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 _LONGEST_EXCURSION = 15  # frames
 _NEIGHBOURS = 3  # steps between distinct frames on either side
-_ABRUPT = 4.0  # how much larger than any step nearby the steps away and back are
+_ABRUPT = 8.0  # how much larger than any step nearby the steps away and back are
 _ABOVE_NOISE = 8.0
 _RETURN = 0.25  # how near to its start, in units of the smaller step
-_FINE = 4.0  # typical change over finest change, above which equal values are no rounding
+_NEARBY_CHANGES = 31
+_ALIKE = 1e-4  # difference of two changes that are the same, in the typical change
+_MOST_ALIKE = 0.3  # share of changes that have a twin nearby, above which values are rounded
 
 
 def find_stale_array(angle: np.ndarray) -> np.ndarray:
     """Find frames that repeat the one before: a camera slower than its log.
 
     Equal values in a row prove a repeated frame only where the recording resolves much finer
-    changes than it shows between frames; a coarsely rounded recording has equal values by nature.
+    changes than those it shows; where it is coarsely rounded, changes nearby are equal to each
+    other as well, and equal values are no surprise.
 
     Parameters
     ----------
@@ -31,21 +35,35 @@ def find_stale_array(angle: np.ndarray) -> np.ndarray:
     --------
     >>> find_stale_array(np.array([[1.0, 2.013, 2.013, 1.5, 1.501]]))
     array([False, False,  True, False, False])
+    >>> find_stale_array(np.array([[1.0, 2.0, 2.0, 1.0, 2.0]]))
+    array([False, False, False, False, False])
     """
     change = np.abs(np.diff(angle, axis=1))
-    equal = ((change == 0) | np.isnan(angle[:, 1:]) & np.isnan(angle[:, :-1])).all(axis=0)
-    equal &= np.isfinite(angle[:, 1:]).any(axis=0)
-    changed = change[np.isfinite(change) & (change > 0)]
-    if changed.size == 0 or np.median(changed) < _FINE * changed.min():
-        equal[:] = False
-    return np.concatenate([[False], equal])
+    gone = np.isnan(angle[:, 1:]) & np.isnan(angle[:, :-1])
+    equal = ((change == 0) | gone).all(axis=0) & (change == 0).any(axis=0)
+    fine = np.zeros_like(equal)
+    for channel in change:
+        fine |= _resolves_finely(channel)
+    return np.concatenate([[False], equal & fine])
+
+
+def _resolves_finely(change: np.ndarray) -> np.ndarray:
+    """Whether hardly any changes around each one are alike, as unrounded ones are (change,) bool."""
+    at = np.flatnonzero(np.isfinite(change) & (change > 0))
+    if at.size < 2:
+        return np.full(change.size, at.size > 0)
+    size = min(_NEARBY_CHANGES, at.size)
+    nearby = np.sort(sliding_window_view(change[at], size), axis=1)
+    alike = np.diff(nearby, axis=1) < _ALIKE * np.median(nearby, axis=1)[:, None]
+    first = (np.searchsorted(at, np.arange(change.size)) - size // 2).clip(0, len(nearby) - 1)
+    return alike.mean(axis=1)[first] < _MOST_ALIKE
 
 
 def find_jumps_array(time: np.ndarray, value: np.ndarray, load_jumps: np.ndarray) -> np.ndarray:
     """Find excursions of a tracker: samples that leave the motion at once, and return at once.
 
     A run of at most 15 frames is an excursion where the steps into and out of it (i) have opposite
-    signs and lead back to where it began, (ii) exceed four times each of the three steps between
+    signs and lead back to where it began, (ii) exceed eight times each of the three steps between
     distinct frames before and after it, (iii) exceed eight noise standard deviations, and (iv) it
     does not begin at a jump of the load. A ring after a step, however fast, fails (ii): its
     neighbours move as well. A step of the finger fails (i): it does not return.
@@ -111,6 +129,6 @@ def _find_return(
         if back * away >= 0 or abs(x[end] - x[start - 1]) > _RETURN * smaller:
             continue
         after = np.abs(step[end : end + _NEIGHBOURS])
-        around = max(before.max(initial=0.0), after.max(initial=0.0), _ABOVE_NOISE * noise / 4.0)
+        around = max(before.max(initial=0.0), after.max(initial=0.0), noise)
         return end if smaller > _ABRUPT * around else start
     return start

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -72,6 +72,22 @@ def read_frames(path: Path, fps: float) -> Iterator[Frame]:
     finally:
         capture.release()
     _check_count(path, index, claimed, rate)
+
+
+def peek_pictures(path: Path, shares: Sequence[float]) -> list[np.ndarray]:
+    """Pictures at some shares of a video's length; those that cannot be reached are left out."""
+    capture = _open(path)
+    pictures = []
+    try:
+        count = capture.get(cv2.CAP_PROP_FRAME_COUNT)
+        for share in shares if 0 < count < _PLAUSIBLE_COUNT else ():
+            capture.set(cv2.CAP_PROP_POS_FRAMES, int(share * (count - 1)))
+            read, picture = capture.read()
+            if read:
+                pictures.append(picture[:, :, None] if picture.ndim == 2 else picture)
+    finally:
+        capture.release()
+    return pictures
 
 
 def _open(path: Path) -> cv2.VideoCapture:

@@ -1,0 +1,104 @@
+"""How markers differ from what surrounds them: polarity, colour, and the best mix of channels."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from softfinger.tracking.disc import CONTRAST, LEVEL, RADIUS, SLOPE_X, SLOPE_Y, SPREAD, X, Y
+
+POLARITY = {"dark": -1, "light": 1}
+_INSIDE, _FROM, _TO = 0.6, 1.3, 2.0  # radii: a disc's own light, and its surroundings
+_RIDGE = 0.1  # of the mean channel variance: channels of a grey picture have one noise
+
+
+def choose_polarity(colour: str | None) -> int:
+    """−1 dark markers, +1 light ones (or of a declared colour), 0 either."""
+    if colour is not None and colour.startswith("#"):
+        return 1
+    return POLARITY.get(colour or "", 0)
+
+
+def draw_closeness(picture: np.ndarray, colour: str) -> np.ndarray:
+    """Light that rises towards a declared colour, 255 where a pixel has it.
+
+    Hue and saturation count twice as much as brightness, which the light decides.
+
+    Parameters
+    ----------
+    picture : (row, column, 3)
+        Blue, green, red.
+    colour : str
+        ``#rrggbb``.
+
+    Returns
+    -------
+    (row, column, 1) uint8
+
+    Examples
+    --------
+    >>> draw_closeness(np.array([[[0, 0, 255], [255, 255, 255]]], np.uint8), "#ff0000").ravel()
+    array([255,   0], dtype=uint8)
+    """
+    wanted = np.array([int(colour[k : k + 2], 16) for k in (5, 3, 1)], np.float32)
+    off = picture.astype(np.float32) - wanted
+    brightness = off.mean(axis=2, keepdims=True)
+    distance = np.sqrt(4.0 * ((off - brightness) ** 2).sum(axis=2) + 3.0 * brightness[..., 0] ** 2)
+    return np.clip(255.0 - distance, 0.0, 255.0).astype(np.uint8)[:, :, None]
+
+
+def choose_weight(picture: np.ndarray, discs: np.ndarray) -> np.ndarray:
+    r"""Mix of the channels in which the discs stand out most from the noise around them.
+
+    :math:`w ∝ Σ^{-1} c` with c the mean difference of a disc's light from its surroundings and Σ
+    the covariance of the channels there, scaled so that :math:`Σ|w| = 1` and the discs keep the
+    sign of their contrast.
+
+    Parameters
+    ----------
+    picture : (row, column, channel)
+    discs : (disc, 8)
+        As fitted in any mix of the channels.
+
+    Returns
+    -------
+    (channel,)
+    """
+    channels = picture.shape[2]
+    if channels == 1:
+        return np.ones(1)
+    difference, covariance = np.zeros(channels), np.zeros((channels, channels))
+    for disc in discs:
+        inside, around = _sample(picture, disc)
+        if len(inside) < 3 or len(around) <= channels:
+            continue
+        difference += inside.mean(axis=0) - around.mean(axis=0)
+        covariance += np.cov(around.T)
+    ridge = _RIDGE * np.trace(covariance) / channels + 1e-3
+    weight = np.linalg.solve(covariance + ridge * np.eye(channels), difference)
+    total = np.abs(weight).sum()
+    if not total > 0.0:
+        return np.full(channels, 1.0 / channels)
+    return weight / total * (np.sign(np.median(discs[:, CONTRAST])) if len(discs) else 1.0)
+
+
+def measure_light(picture: np.ndarray, weight: np.ndarray, discs: np.ndarray) -> np.ndarray:
+    """Discs (disc, 8) with contrast and level as they are in another mix of the channels."""
+    measured = discs.copy()
+    for disc in measured:
+        inside, around = _sample(picture, disc)
+        if len(inside) and len(around):
+            level = around.mean(axis=0) @ weight
+            disc[CONTRAST], disc[LEVEL] = inside.mean(axis=0) @ weight - level, level
+            disc[[SLOPE_X, SLOPE_Y]] = 0.0
+    return measured
+
+
+def _sample(picture: np.ndarray, disc: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pixels (pixel, channel) well inside a disc, and around it."""
+    reach = _TO * disc[RADIUS] + disc[SPREAD]
+    top, left = max(0, int(disc[Y] - reach)), max(0, int(disc[X] - reach))
+    window = picture[top : int(disc[Y] + reach) + 2, left : int(disc[X] + reach) + 2]
+    rows, columns = np.indices(window.shape[:2])
+    radius = np.hypot(columns + left - disc[X], rows + top - disc[Y]) / disc[RADIUS]
+    light = window.astype(float)
+    return light[radius < _INSIDE], light[(radius > _FROM) & (radius < _TO)]

@@ -1,0 +1,194 @@
+"""Least squares of one disc over the pixels of its window."""
+
+import math
+
+import numpy as np
+from numba import njit
+
+from softfinger.tracking.disc import (
+    CONTRAST,
+    LEVEL,
+    RADIUS,
+    SLOPE_X,
+    SLOPE_Y,
+    SPREAD,
+    X,
+    Y,
+    compute_response_array,
+    count_divisions,
+)
+
+#: Where a pixel of the window lies: wholly outside the disc, wholly inside, on its rim.
+OUTSIDE, INSIDE, RIM = range(3)
+_RIM_WIDTH = 3.5  # half width of the rim in edge spreads
+_MARGIN = 4.0  # pixels of plain background beyond the rim
+
+
+@njit(cache=True)
+def compute_reach(radius: float, spread: float) -> float:
+    """Radius of a disc's window [px]: its rim and some plain background."""
+    return radius + max(_compute_rim_width(spread) + 1.0, 2.0 * spread + _MARGIN)
+
+
+@njit(cache=True)
+def _compute_rim_width(spread: float) -> float:
+    # Below the pixel's own width the edge spreads are no measure of the pixel's corners.
+    return _RIM_WIDTH * spread + 0.5 * (spread < 0.5)
+
+
+@njit(cache=True)
+def linearise_window_array(
+    picture: np.ndarray,
+    weight: np.ndarray,
+    p: np.ndarray,
+    others: np.ndarray,
+    own: int,
+    rows: np.ndarray,
+    side: np.ndarray,
+) -> int:
+    """Residuals and derivatives of the pixels in a disc's window.
+
+    Parameters
+    ----------
+    picture : (row, column, channel)
+    weight : (channel,)
+        Light = Σ weight · channel.
+    p : (8,)
+        Parameters of the disc.
+    others : (disc, 3) [px]
+        Places and reaches of all discs; pixels of those other than `own` are left out.
+    rows : (9, pixel)
+        Overwritten: derivatives of the light by each parameter, with the shade held in place while
+        the disc moves, and the residual.
+    side : (pixel,)
+        Overwritten: :data:`OUTSIDE`, :data:`INSIDE` or :data:`RIM`.
+
+    Returns
+    -------
+    int
+        Number of pixels; −1 where they are more than `rows` has room for.
+    """
+    x, y, contrast, radius, spread = p[X], p[Y], p[CONTRAST], p[RADIUS], p[SPREAD]
+    width = _compute_rim_width(spread)
+    outer, inner = (radius + width) ** 2, max(0.0, radius - width) ** 2
+    reach = compute_reach(radius, spread)
+    crowded = _has_neighbours(x, y, reach, others, own)
+    divisions = count_divisions(spread)
+    height, breadth, channels = picture.shape
+    count = 0
+    for i in range(max(0, math.ceil(y - reach)), min(height, math.floor(y + reach) + 1)):
+        dy = i - y
+        half = math.sqrt(max(0.0, reach * reach - dy * dy))
+        for j in range(max(0, math.ceil(x - half)), min(breadth, math.floor(x + half) + 1)):
+            if crowded and _is_taken(j, i, others, own):
+                continue
+            if count == side.size:
+                return -1
+            dx = j - x
+            square = dx * dx + dy * dy
+            share = by_x = by_y = by_radius = by_spread = 0.0
+            if square >= outer:
+                side[count] = OUTSIDE
+            elif square <= inner:
+                side[count] = INSIDE
+                share = 1.0
+            else:
+                side[count] = RIM
+                share, by_x, by_y, by_radius, by_spread = compute_response_array(
+                    dx, dy, radius, spread, divisions
+                )
+            light = weight[0] * picture[i, j, 0]
+            for k in range(1, channels):
+                light += weight[k] * picture[i, j, k]
+            shade = 1.0 + p[SLOPE_X] * dx + p[SLOPE_Y] * dy
+            even = p[LEVEL] + contrast * share
+            rows[X, count] = shade * contrast * by_x
+            rows[Y, count] = shade * contrast * by_y
+            rows[CONTRAST, count] = shade * share
+            rows[RADIUS, count] = shade * contrast * by_radius
+            rows[SPREAD, count] = shade * contrast * by_spread
+            rows[LEVEL, count] = shade
+            rows[SLOPE_X, count] = even * dx
+            rows[SLOPE_Y, count] = even * dy
+            rows[8, count] = light - shade * even
+            count += 1
+    return count
+
+
+@njit(cache=True)
+def _has_neighbours(x: float, y: float, reach: float, others: np.ndarray, own: int) -> bool:
+    for k in range(others.shape[0]):
+        if k != own and math.hypot(x - others[k, 0], y - others[k, 1]) < reach + others[k, 2]:
+            return True
+    return False
+
+
+@njit(cache=True)
+def _is_taken(column: int, row: int, others: np.ndarray, own: int) -> bool:
+    for k in range(others.shape[0]):
+        if k != own:
+            dx, dy = column - others[k, 0], row - others[k, 1]
+            if dx * dx + dy * dy < others[k, 2] * others[k, 2]:
+                return True
+    return False
+
+
+@njit(cache=True, fastmath={"reassoc", "contract"})
+def multiply_rows_array(rows: np.ndarray, count: int, products: np.ndarray) -> None:
+    """Scalar products of the rows over their first `count` columns, the lower triangle.
+
+    >>> products = np.zeros((2, 2))
+    >>> multiply_rows_array(np.array([[1.0, 2.0, 9.0], [3.0, 4.0, 9.0]]), 2, products)
+    >>> products
+    array([[ 5.,  0.],
+           [11., 25.]])
+    """
+    for a in range(rows.shape[0]):
+        for b in range(a + 1):
+            total = 0.0
+            for k in range(count):
+                total += rows[a, k] * rows[b, k]
+            products[a, b] = total
+
+
+@njit(cache=True)
+def invert_symmetric_array(normal: np.ndarray, low: np.ndarray, inverse: np.ndarray) -> bool:
+    """Inverse of the positive matrix whose lower triangle is given, by Cholesky.
+
+    Parameters
+    ----------
+    normal : (≥ n, ≥ n)
+        Only its lower triangle is read.
+    low, inverse : (n, n)
+        Overwritten: the lower factor, and the inverse.
+
+    Returns
+    -------
+    bool
+        Whether the matrix is positive definite; otherwise `inverse` means nothing.
+    """
+    n = low.shape[0]
+    for a in range(n):
+        for b in range(a + 1):
+            s = normal[a, b]
+            for k in range(b):
+                s -= low[a, k] * low[b, k]
+            if a == b:
+                if not s > 1e-12 * abs(normal[a, a]):
+                    return False
+                low[a, a] = math.sqrt(s)
+            else:
+                low[a, b] = s / low[b, b]
+    for c in range(n):
+        for a in range(c, n):
+            s = 1.0 if a == c else 0.0
+            for k in range(c, a):
+                s -= low[a, k] * inverse[k, c]
+            inverse[a, c] = s / low[a, a]
+        for a in range(n - 1, c - 1, -1):
+            s = inverse[a, c]
+            for k in range(a + 1, n):
+                s -= low[k, a] * inverse[k, c]
+            inverse[a, c] = s / low[a, a]
+            inverse[c, a] = inverse[a, c]
+    return True
