@@ -63,7 +63,7 @@ def test_the_clocks_are_aligned_within_the_reported_uncertainty(complete):
         assert notes["frames_lost"] == 0
 
 
-@pytest.mark.parametrize(("index", "knots"), enumerate(KNOTS))
+@pytest.mark.parametrize(("index", "knots"), list(enumerate(KNOTS)))
 def test_each_frame_shows_the_finger_at_its_time(campaign, complete, index, knots):
     """The tip's mark is where the equations of motion put it, so video and load share time 0."""
     config = build_finger_config()
