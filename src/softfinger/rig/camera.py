@@ -42,13 +42,15 @@ class OpenCvCamera:
     do, because the sync light ties it to the controller's clock, but never a mixture.
     """
 
-    def __init__(self, name: str, fps: float) -> None:
+    def __init__(self, name: str, fps: float, width: int, height: int) -> None:
         self._name = name
         self._capture = cv2.VideoCapture(int(name) if name.isdecimal() else name)
         if not self._capture.isOpened():
             raise Fault(
                 f"camera {name} cannot be opened; is it plugged in, and free of other programs?"
             )
+        self._capture.set(cv2.CAP_PROP_FRAME_WIDTH, width)
+        self._capture.set(cv2.CAP_PROP_FRAME_HEIGHT, height)
         self._capture.set(cv2.CAP_PROP_FPS, fps)
         self._stamped: bool | None = None
 
@@ -85,7 +87,7 @@ def open_camera(name: str, plan: Plan) -> Camera:
     kind, _, port = name.partition(":")
     if kind == "virtual" and port.isdecimal():
         return VirtualCamera(int(port), plan.safety.camera_timeout_s)
-    return OpenCvCamera(name, plan.fps)
+    return OpenCvCamera(name, plan.fps, *plan.recording.picture_px)
 
 
 class FrameGrabber:
@@ -93,6 +95,7 @@ class FrameGrabber:
 
     def __init__(self, camera: Camera, plan: Plan) -> None:
         self._camera = camera
+        self._size = plan.recording.picture_px
         self._light = plan.recording.sync_light_px
         self._quality = plan.recording.video_quality
         self._timeout = plan.safety.camera_timeout_s
@@ -146,12 +149,12 @@ class FrameGrabber:
             self._failure = failure
 
     def _describe(self, stamp: float, picture: NDArray[np.uint8]) -> Frame:
+        if picture.shape[1::-1] != self._size:
+            raise Fault(
+                f"the camera takes pictures of {picture.shape[1]} × {picture.shape[0]} px, but "
+                f"recording.picture_px is {list(self._size)}; name a size that it has"
+            )
         x, y, width, height = self._light
         place = picture[y : y + height, x : x + width]
-        if place.shape[:2] != (height, width):
-            raise Fault(
-                f"recording.sync_light_px [{x}, {y}, {width}, {height}] lies outside the picture "
-                f"of {picture.shape[1]} × {picture.shape[0]} px"
-            )
         jpeg = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, self._quality])[1]
         return Frame(stamp, float(place.mean()), jpeg.tobytes())

@@ -1,5 +1,6 @@
 """What the person at the rig sees: trial, tension, frame rate, lost frames, and a picture."""
 
+import contextlib
 import time
 from collections import deque
 from collections.abc import Iterable
@@ -83,5 +84,6 @@ class Display:
         if time.monotonic() >= self._preview_due:
             self._preview_due = time.monotonic() + PREVIEW_EVERY_S
             unfinished = self._preview.with_name(f".unfinished-{self._preview.name}")
-            unfinished.write_bytes(frame.jpeg)
-            unfinished.replace(self._preview)
+            with contextlib.suppress(OSError):  # a preview is not worth a trial
+                unfinished.write_bytes(frame.jpeg)
+                unfinished.replace(self._preview)

@@ -24,6 +24,7 @@ from softfinger.rig.video import write_video
 
 TABLE = "trials.csv"
 PREVIEW = "preview.jpg"
+_PLAN, _DESCRIPTION = "recording/plan.yaml", "campaign.yaml"
 _FIXED_COLUMNS = ("trial", "started_at", "video", "load")
 _UNFINISHED = ".unfinished-"
 _SPARE_BYTES = 50_000_000
@@ -96,18 +97,16 @@ def open_folder(path: Path, plan: Plan, plan_text: str, simulated: bool) -> Reco
         The folder was begun by another plan, on another kind of rig, or by something else.
     """
     described = plan.describe_campaign("synthetic" if simulated else "measured")
-    rows = []
-    if path.exists() and any(path.iterdir()):
-        _require_same(path, plan_text, described)
-        rows = _read_table(path / TABLE)
-        for left_over in path.rglob(f"{_UNFINISHED}*"):
-            left_over.unlink()
-    else:
+    _require_same(path, plan_text, described)
+    for left_over in path.rglob(f"{_UNFINISHED}*"):
+        left_over.unlink()
+    if not (path / _PLAN).is_file():
+        _write_text(path / _PLAN, plan_text)
+    if not (path / _DESCRIPTION).is_file():
         stream = io.StringIO()
         YAML().dump(described, stream)
-        _write_text(path / "campaign.yaml", stream.getvalue())
-        _write_text(path / "recording/plan.yaml", plan_text)
-    return RecordingFolder(path, rows)
+        _write_text(path / _DESCRIPTION, stream.getvalue())
+    return RecordingFolder(path, _read_table(path / TABLE))
 
 
 def describe_recording(planned: PlannedTrial, recording: TrialRecording) -> dict[str, object]:
@@ -128,17 +127,21 @@ def describe_recording(planned: PlannedTrial, recording: TrialRecording) -> dict
 
 
 def _require_same(path: Path, plan_text: str, described: dict[str, object]) -> None:
-    begun_by = path / "recording/plan.yaml"
+    begun_by = path / _PLAN
     if not begun_by.is_file():
-        raise Fault(
-            f"{path}: the folder is not empty and no recording of this program; name another one"
-        )
+        if any(p.is_file() and not p.name.startswith(_UNFINISHED) for p in path.rglob("*")):
+            raise Fault(
+                f"{path}: the folder holds files, but no recording of this program; name another"
+            )
+        return
     if begun_by.read_text(encoding="utf-8") != plan_text:
         raise Fault(
             f"{path}: the folder was begun with another plan, kept in {begun_by}; go on with that "
             "one, or name another folder"
         )
-    source = YAML(typ="safe").load(path / "campaign.yaml")["source"]
+    if not (path / _DESCRIPTION).is_file():
+        return
+    source = YAML(typ="safe").load(path / _DESCRIPTION)["source"]
     if source != described["source"]:
         raise Fault(
             f"{path}: the folder's source is '{source}', this rig's '{described['source']}': never "

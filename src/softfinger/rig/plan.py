@@ -36,8 +36,19 @@ class Recording(Settings):
     repeats: Count
     order: Literal["randomised", "as_listed"]
     seed: Annotated[int, Field(ge=0)]
+    picture_px: tuple[Count, Count]  # width, height that the camera is set to
     sync_light_px: tuple[Pixels, Pixels, Count, Count]  # x, y, width, height in the picture
     video_quality: Annotated[int, Field(ge=1, le=100)]
+
+    @model_validator(mode="after")
+    def _see_the_light(self) -> Self:
+        x, y, width, height = self.sync_light_px
+        if x + width > self.picture_px[0] or y + height > self.picture_px[1]:
+            raise ValueError(
+                f"sync_light_px {list(self.sync_light_px)} reaches out of the picture of "
+                f"{self.picture_px[0]} × {self.picture_px[1]} px"
+            )
+        return self
 
 
 class Plan(Settings):

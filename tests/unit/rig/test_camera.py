@@ -31,7 +31,7 @@ def write_film(path, n):
 
 
 def test_opencv_gives_every_frame_and_says_when_there_are_no_more(tmp_path):
-    camera = OpenCvCamera(str(write_film(tmp_path / "a.avi", 5)), 25.0)
+    camera = OpenCvCamera(str(write_film(tmp_path / "a.avi", 5)), 25.0, 80, 60)
     frames = [camera.read() for _ in range(5)]
     assert np.all(np.diff([stamp for stamp, _ in frames]) > 0)
     np.testing.assert_allclose([p.mean() for _, p in frames], 20 * np.arange(5), atol=1.5)
@@ -47,7 +47,7 @@ def test_a_camera_that_is_not_there_is_a_fault(plan, tmp_path):
 
 
 def test_the_grabber_hands_out_frames_and_then_the_cameras_fault(tmp_path, plan_values):
-    plan_values["recording"]["sync_light_px"] = [10, 20, 8, 4]
+    plan_values["recording"] |= {"picture_px": [80, 60], "sync_light_px": [10, 20, 8, 4]}
     plan = read_settings(Plan, plan_values, "plan")
     film = write_film(tmp_path / "a.avi", 5)
     with FrameGrabber(open_camera(str(film), plan), plan) as grabber:
@@ -58,15 +58,15 @@ def test_the_grabber_hands_out_frames_and_then_the_cameras_fault(tmp_path, plan_
     assert cv2.imdecode(np.frombuffer(frames[0].jpeg, np.uint8), 0).shape == (60, 80)
 
 
-def test_a_sync_light_outside_the_picture_is_a_fault(tmp_path, plan_values):
-    plan_values["recording"]["sync_light_px"] = [75, 20, 8, 4]
-    plan = read_settings(Plan, plan_values, "plan")
+def test_a_camera_that_takes_another_size_is_a_fault(tmp_path, plan):
     film = write_film(tmp_path / "a.avi", 5)
     with (
         FrameGrabber(open_camera(str(film), plan), plan) as grabber,
-        pytest.raises(Fault, match=r"\[75, 20, 8, 4\] lies outside the picture of 80 × 60 px"),
+        pytest.raises(
+            Fault, match=r"pictures of 80 × 60 px, but .*picture_px is \[640, 480"
+        ),
     ):
-        take_until(grabber, 6)
+        take_until(grabber, 1)
 
 
 def test_a_silent_camera_is_a_fault(plan_values):

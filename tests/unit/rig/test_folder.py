@@ -141,3 +141,15 @@ def test_a_file_that_cannot_be_written_leaves_the_table_as_it_was(tmp_path, plan
     assert (folder.path / "trials.csv").read_bytes() == table
     assert folder.finished == ["trial_001"]
     assert not list(folder.path.rglob(".unfinished-*"))
+
+
+def test_a_folder_that_was_hardly_begun_is_begun_again(tmp_path, plan):
+    begin(tmp_path / "c", plan)
+    whole = sorted(tmp_path.rglob("*"))
+    (tmp_path / "c/campaign.yaml").unlink()
+    begin(tmp_path / "c", plan)
+    assert sorted(tmp_path.rglob("*")) == whole
+    (tmp_path / "c/campaign.yaml").unlink()
+    (tmp_path / "c/recording/plan.yaml").rename(tmp_path / "c/recording/.unfinished-plan.yaml")
+    begin(tmp_path / "c", plan)
+    assert sorted(tmp_path.rglob("*")) == whole

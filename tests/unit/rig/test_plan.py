@@ -43,6 +43,7 @@ def test_trials_have_names_that_sort(plan):
         (lambda v: v["profiles"][0].update(shape="stpes"), "profiles.0"),
         (lambda v: v["campaign"].pop("camera"), "campaign.camera is missing"),
         (lambda v: v["campaign"]["finger"].update(joints=2), "campaign.finger: .*link_length_m"),
+        (lambda v: v["recording"].update(picture_px=[40, 39]), "out of the picture of 40 × 39 px"),
         (lambda v: v["safety"].pop("heartbeat_s"), "safety.heartbeat_s: field required"),
     ],
 )
