@@ -85,14 +85,18 @@ def draw_histogram(ax: Axes, population: xr.Dataset, *, logarithmic: bool) -> No
     value = np.log(value) if logarithmic else value
     used, dropped = value[usable & kept], value[usable & ~kept]
     mean, sd = float(population["population_mean"]), float(population["population_sd"])
-    grid = choose_grid(used, mean, sd)
+    normals = [(mean, sd)] if sd > 0 else []  # a single trial has no spread, or NaN
+    if "mu" in population:
+        normals.append((float(population["mu"].median()), float(population["sigma"].median())))
+    grid = choose_grid(used, normals)
     edges = np.linspace(grid[0], grid[-1], int(np.clip(1.5 * np.sqrt(used.size), 6, 24)) + 1)
     place = np.exp if logarithmic else np.asarray
     for values, style in ((used, {"color": PALE}), (dropped, {"color": "none", "ec": GREY})):
         height = np.histogram(values, edges)[0] / max(used.size, 1) / np.diff(edges)
         label = "trials kept" if values is used else "dropped" if dropped.size else None
         ax.bar(place(edges[:-1]), height, np.diff(place(edges)), align="edge", label=label, **style)
-    ax.plot(place(grid), density(grid, mean, sd), color=TWO_STAGE, ls="--", label="two-stage")
+    if sd > 0:
+        ax.plot(place(grid), density(grid, mean, sd), color=TWO_STAGE, ls="--", label="two-stage")
     if "mu" in population:
         curves = density(grid[:, None], population["mu"].values, population["sigma"].values)
         low, middle, high = np.quantile(curves, (0.05, 0.5, 0.95), axis=1)
@@ -108,11 +112,17 @@ def draw_histogram(ax: Axes, population: xr.Dataset, *, logarithmic: bool) -> No
         ax.xaxis.set_minor_locator(NullLocator())
 
 
-def choose_grid(values: np.ndarray, mean: float, sd: float) -> np.ndarray:
-    """Choose the stretch to draw: 3.2 standard deviations, and the middle 98 % of the trials."""
-    low, high = np.quantile(values, (0.01, 0.99)) if values.size else (mean, mean)
-    width = np.clip(sd, 1e-6, None)
-    return np.linspace(min(low, mean - 3.2 * width), max(high, mean + 3.2 * width), 161)
+def choose_grid(values: np.ndarray, normals: list[tuple[float, float]]) -> np.ndarray:
+    """Choose the stretch to draw: 3.2 sd of each normal, and the middle 98 % of the trials.
+
+    >>> choose_grid(np.array([]), [(1.0, 0.5)])[[0, -1]].round(2)
+    array([-0.6,  2.6])
+    """
+    ends = [end for mean, sd in normals for end in (mean - 3.2 * sd, mean + 3.2 * sd)]
+    ends += [float(end) for end in np.quantile(values, (0.01, 0.99))] if values.size else []
+    low, high = min(ends, default=-1.0), max(ends, default=1.0)
+    margin = 0.0 if high > low else 0.5
+    return np.linspace(low - margin, high + margin, 161)
 
 
 def density(value: np.ndarray, mean: np.ndarray | float, sd: np.ndarray | float) -> np.ndarray:

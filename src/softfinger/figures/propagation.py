@@ -71,7 +71,10 @@ def take_middle(values: xr.DataArray) -> xr.DataArray:
 
 @styled
 def draw_densities(densities: xr.Dataset) -> Figure:
-    """Draw the density of the joint angle at several times, one panel per joint.
+    """Draw the density of the joint angle at several times, one ridge per time.
+
+    Each density is scaled to its own peak and stands on the line of its time, so that its peak is
+    seen to move and widen, from a needle at the start to a hill at the end.
 
     Parameters
     ----------
@@ -80,20 +83,27 @@ def draw_densities(densities: xr.Dataset) -> Figure:
         `density_bound` (joint, time, angle, bound).
     """
     joints, times = densities["joint"], densities["time"].values
-    figure = new_figure(
-        get_source(densities), height=0.7 + 1.8 * measure_joint_rows(joints.size, 1)
-    )
-    axes = build_joint_axes(figure, joints.size, sharex=False)[0]
+    height = 0.7 + (0.5 + 0.18 * times.size) * measure_joint_rows(joints.size, 1)
+    figure = new_figure(get_source(densities), height=height)
+    axes = build_joint_axes(figure, joints.size, sharex=False, sharey=True)[0]
     colours = mpl.colormaps["viridis"](np.linspace(0, 0.9, times.size))
     for ax, joint in zip(axes, joints.values, strict=True):
-        for time, colour in zip(times, colours, strict=True):
-            here = densities.sel(joint=joint, time=time)
-            angle, bound = here["joint_angle"].values, here["density_bound"]
-            low, high = (bound.sel(bound=end).values for end in ("lower", "upper"))
-            ax.fill_between(angle, low, high, color=colour, alpha=0.2, linewidth=0)
-            ax.plot(angle, here["density"].values, color=colour, label=f"{time:g} s")
+        for place, colour in enumerate(colours):
+            draw_ridge(ax, densities.sel(joint=joint).isel(time=place), -place, colour)
         ax.set(title=f"joint {joint}", xlabel="joint angle [rad]")
-        ax.set_ylim(bottom=0)
-    figure.supylabel("density [1/rad]", size=7)
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper left", ncols=8)
+        ax.set_yticks(-np.arange(times.size), [f"{time:g} s" for time in times])
+    figure.supylabel("time", size=7)
     return figure
+
+
+def draw_ridge(ax: Axes, densities: xr.Dataset, base: float, colour: np.ndarray) -> None:
+    """Draw one density (angle) and its band on its line, over 1.6 lines at its peak."""
+    angle, density = densities["joint_angle"].values, densities["density"].values
+    low, high = (densities["density_bound"].sel(bound=end).values for end in ("lower", "upper"))
+    scale = 1.6 / np.nanmax(density)
+    order = {"zorder": 2 - base}
+    ax.fill_between(angle, base, base + scale * density, color="white", alpha=0.7, lw=0, **order)
+    ax.fill_between(
+        angle, base + scale * low, base + scale * high, color=colour, alpha=0.25, lw=0, **order
+    )
+    ax.plot(angle, base + scale * density, color=colour, **order)

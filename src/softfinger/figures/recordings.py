@@ -15,6 +15,8 @@ from softfinger.figures.style import get_source, label_load_unit, new_figure, st
 
 LOAD_COLOURS = ListedColormap(mpl.colormaps["viridis"](np.linspace(0, 0.9, 256)))
 """Viridis without its palest tenth, which is too faint on paper."""
+JUMP = 4
+"""Bit of `angle_flag` of a masked outlier."""
 
 
 @styled
@@ -22,7 +24,7 @@ def draw_recordings(angles: xr.Dataset) -> Figure:
     """Draw every trial's joint angle over time, one row per joint, the load below.
 
     Lines are coloured by the trial's largest load and rasterised, so that a hundred trials stay
-    small in a vector file. Masked frames leave gaps.
+    small in a vector file. Missing and masked frames leave gaps.
 
     Parameters
     ----------
@@ -30,6 +32,7 @@ def draw_recordings(angles: xr.Dataset) -> Figure:
         Artifact `angles`.
     """
     joints = angles["joint"]
+    seen = angles["joint_angle"].where((angles["angle_flag"] & JUMP) == 0)
     rows = joints.size + 1
     figure = new_figure(get_source(angles), height=0.6 + 1.15 * rows)
     axes = figure.subplots(
@@ -37,7 +40,7 @@ def draw_recordings(angles: xr.Dataset) -> Figure:
     )[:, 0]
     colours = _LoadColours(angles)
     for ax, joint in zip(axes[:-1], joints.values, strict=True):
-        draw_trials(ax, angles, angles["joint_angle"].sel(joint=joint), colours.of_trials)
+        draw_trials(ax, angles, seen.sel(joint=joint), colours.of_trials)
         ax.set(ylabel="joint angle [rad]", title=f"joint {joint}")
     draw_loads(axes[-1], angles, colours.of_trials)
     axes[-1].set(ylabel=f"load [{label_load_unit(angles)}]", xlabel="time [s]")

@@ -10,6 +10,8 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from softfinger.figures.style import BLUE, GREY, PALE, RED, get_source, new_figure, styled
 
+EARLY = 1.0
+"""End of the early look [s]."""
 CHANGE_STYLES = {"rise": (BLUE, "after the load rose"), "fall": (RED, "after the load fell")}
 
 
@@ -17,10 +19,10 @@ CHANGE_STYLES = {"rise": (BLUE, "after the load rose"), "fall": (RED, "after the
 def draw_residuals(residuals: xr.Dataset) -> Figure:
     """Draw the mean residual over the time since the load changed, and the residual's spectrum.
 
-    Left: recording minus model, the mean over trials; the band is what chance leaves of it, two
-    standard errors. Whatever stands out of the band is motion that most trials share and the model
-    does not have. Right: the residual's power times frequency, so that equal areas are equal
-    variance; a narrow peak is a ring.
+    Left: recording minus model, the mean over trials, all of it and the first second; the band is
+    what chance leaves of it, two standard errors. Whatever stands out of the band is motion that
+    most trials share and the model does not have. Right: the residual's power times frequency, so
+    that equal areas are equal variance; a narrow peak is a ring.
 
     Parameters
     ----------
@@ -31,14 +33,18 @@ def draw_residuals(residuals: xr.Dataset) -> Figure:
     """
     joints = residuals["joint"]
     figure = new_figure(get_source(residuals), height=0.5 + 1.6 * joints.size)
-    axes = figure.subplots(joints.size, 2, squeeze=False, sharex="col", width_ratios=[1.6, 1])
-    for (left, right), joint in zip(axes, joints.values, strict=True):
-        draw_mean_residual(left, residuals.sel(joint=joint))
-        draw_spectrum(right, residuals.sel(joint=joint))
-        left.set(ylabel="recording − model [mrad]", title=f"joint {joint}")
-        right.set(ylabel="frequency × power [mrad²]")
-    axes[-1, 0].set(xlabel="time since the load changed [s]")
-    axes[-1, 1].set(xlabel="frequency [Hz]")
+    axes = figure.subplots(joints.size, 3, squeeze=False, sharex="col", width_ratios=[1.3, 1, 1])
+    for (whole, early, right), joint in zip(axes, joints.values, strict=True):
+        here = residuals.sel(joint=joint)
+        draw_mean_residual(whole, here)
+        draw_mean_residual(early, here.sel(since_change=slice(None, EARLY)))
+        draw_spectrum(right, here)
+        whole.set(ylabel="recording − model [mrad]", title=f"joint {joint}")
+        early.set(title="the first second")
+        right.set(ylabel="frequency × power [mrad²]", title="its spectrum")
+    for ax in axes[-1, :2]:
+        ax.set_xlabel("time since the load changed [s]")
+    axes[-1, 2].set_xlabel("frequency [Hz]")
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper left", ncols=2)
     return figure
 

@@ -17,20 +17,34 @@ BEND = 0.35
 """Angle of each joint in the sketch [rad]."""
 LINK, JOINT, OFFSET = 1.0, 0.3, 0.2
 """Lengths in the sketch, in link lengths."""
+Cords = tuple[tuple[float, str, float], ...]
+WIRES: Cords = ((OFFSET, RED, 1), (-OFFSET, GREY, 1))
+"""Distance from the middle, colour and width of what runs along the finger."""
 
 
 @styled
-def draw_finger_sketch(n_joint: int) -> Figure:
-    """Draw the finger from above: links, joints, two wires, relative angles, markers."""
+def draw_finger_sketch(n_joint: int, *, wires: bool = True) -> Figure:
+    """Draw the finger from above: links, joints, relative angles, markers, and wires if it has."""
     figure = Figure(figsize=(SINGLE_COLUMN, 2.3))
     ax = figure.subplots()
     centre, heading = np.zeros(2), 0.0
-    draw_link(ax, centre - [LINK, 0], heading, "base")
+    cords = WIRES if wires else ()
+    draw_link(ax, centre - [LINK, 0], heading, "base", cords)
     for joint in range(1, n_joint + 1):
-        draw_joint(ax, centre, heading, joint)
+        draw_joint(ax, centre, heading, joint, cords)
         heading += BEND
-        draw_link(ax, centre, heading, f"link {joint}")
+        draw_link(ax, centre, heading, f"link {joint}", cords)
         centre = centre + LINK * along(heading)
+    if wires:
+        name_wires(ax)
+    ax.set(aspect="equal")
+    ax.margins(0.06)
+    ax.set_axis_off()
+    return figure
+
+
+def name_wires(ax: Axes) -> None:
+    """Name the pulled and the slack wire, and the wire's distance from the middle."""
     ax.annotate(
         "wire: tension f", (-LINK, OFFSET), (-LINK - 0.75, OFFSET),
         arrowprops={"arrowstyle": "<-", "color": RED}, color=RED, va="center", ha="right",
@@ -39,10 +53,6 @@ def draw_finger_sketch(n_joint: int) -> Figure:
     ends = {"arrowstyle": "|-|,widthA=.2,widthB=.2", "lw": 0.6}
     ax.annotate("", (-0.53, 0), (-0.53, OFFSET), arrowprops=ends)
     ax.text(-0.49, OFFSET / 2, "d", ha="left", va="center", style="italic")
-    ax.set(aspect="equal")
-    ax.margins(0.06)
-    ax.set_axis_off()
-    return figure
 
 
 def along(heading: float) -> np.ndarray:
@@ -50,24 +60,25 @@ def along(heading: float) -> np.ndarray:
     return np.array([np.cos(heading), np.sin(heading)])
 
 
-def draw_link(ax: Axes, start: np.ndarray, heading: float, name: str) -> None:
+def draw_link(ax: Axes, start: np.ndarray, heading: float, name: str, cords: Cords) -> None:
     """Draw one link between two joint centres: its body, wires and markers."""
     forward, side = along(heading), along(heading + np.pi / 2)
     body = start + forward * JOINT / 2, start + forward * (LINK - JOINT / 2)
     half = 1.45 * OFFSET
     corners = [body[0] - side * half, body[1] - side * half, body[1] + side * half]
     ax.fill(*np.array([*corners, body[0] + side * half]).T, color=PALE, ec=GREY, lw=0.8, zorder=1)
-    for place, colour in ((OFFSET, RED), (-OFFSET, GREY)):
-        ax.plot(*np.array([point + side * place for point in body]).T, color=colour, lw=1, zorder=3)
+    for place, colour, width in cords:
+        ends = np.array([point + side * place for point in body])
+        ax.plot(*ends.T, color=colour, lw=width, zorder=3)
     for share in (0.32, 0.68):
         ax.add_patch(Circle(tuple(start + forward * LINK * share), 0.055, color=BLACK, zorder=4))
     ax.text(*(start + forward * LINK / 2 - side * 0.5), name, ha="center", va="center", color=GREY)
 
 
-def draw_joint(ax: Axes, centre: np.ndarray, heading: float, joint: int) -> None:
+def draw_joint(ax: Axes, centre: np.ndarray, heading: float, joint: int, cords: Cords) -> None:
     """Draw one constricted joint, the wires across it and its relative angle."""
     bent = heading + BEND
-    for place, colour, width in ((OFFSET, RED, 1), (-OFFSET, GREY, 1), (0.0, GREY, 5)):
+    for place, colour, width in (*cords, (0.0, GREY, 5)):
         ends = [
             centre - along(heading) * JOINT / 2 + along(heading + np.pi / 2) * place,
             centre + along(bent) * JOINT / 2 + along(bent + np.pi / 2) * place,

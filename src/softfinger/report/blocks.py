@@ -53,6 +53,7 @@ class Table:
 
     kind: ClassVar[str] = "table"
     name: str
+    title: str
     caption: str
     columns: tuple[str, ...]
     rows: tuple[tuple[Cell, ...], ...]
@@ -110,6 +111,7 @@ class Checks:
 
     kind: ClassVar[str] = "checks"
     name: str
+    title: str
     caption: str
     checks: tuple[Check, ...]
 

@@ -17,8 +17,8 @@ def format_measure(value: float, sd: float) -> str:
     """
     if not math.isfinite(value):
         return "–"
-    if not math.isfinite(sd) or sd <= 0:
-        return format_number(value)
+    if not math.isfinite(sd) or sd <= 1e-6 * abs(value):
+        return format_number(value, 6)
     exponent = choose_exponent(value if abs(value) > sd else sd)
     decimals = count_decimals(sd / 10**exponent)
     body = f"{fix(value / 10**exponent, decimals)} ± {fix(sd / 10**exponent, decimals)}"

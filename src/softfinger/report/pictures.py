@@ -31,14 +31,16 @@ EARLY = 1.0
 def picture_finger(material: Material) -> Picture:
     """The finger's geometry."""
     n_joint = material.angles["joint"].size
+    wires = "tension_n" in material.angles["load_kind"].values.astype(str)
+    wire_words = "; d is the distance of the wire from the middle plane" if wires else ""
     return Picture(
         "finger",
         "The finger and its angles",
-        draw_finger_sketch(n_joint),
+        draw_finger_sketch(n_joint, wires=wires),
         f"Sketch of a finger of {count_things(n_joint, 'joint')} seen from above: a base, links "
-        "with two markers each, the pulled wire on the inner side, and each joint's angle.",
+        f"with two markers each{', the pulled wire' if wires else ''}, and each joint's angle.",
         "Sketch, drawn by code. q is each joint's angle relative to the link before, "
-        "counter-clockwise positive; d is the distance of the wire from the middle plane.",
+        f"counter-clockwise positive{wire_words}.",
     )
 
 
@@ -280,10 +282,10 @@ def picture_densities(material: Material) -> Picture | None:
         "Density of the joint angle over time",
         draw_densities(densities),
         "Density of the joint angle at several times; its peak moves and widens.",
-        "Density of the joint angle of a new trial at several times: its peak moves and widens. "
-        "Lines: mean over the posterior's draws; bands: between them lie 90 % of the draws' "
-        f"densities (equal tails). At least {shown} of the probability lies within the angles "
-        f"drawn. {capital(material.cite('densities'))}.",
+        "Density of the joint angle of a new trial at several times, each scaled to its own peak: "
+        "it moves and widens. Lines: mean over the posterior's draws; within the bands lie 90 % of "
+        f"the draws' densities (equal tails). At least {shown} of the probability lies within the "
+        f"angles drawn. {capital(material.cite('densities'))}.",
     )
 
 

@@ -99,15 +99,15 @@ def residuals():
     dims = ("change", "joint")
     return xr.Dataset(
         {
-            "mean_residual": ((*dims, "since_change"), np.full((2, 1, 9), 0.002)),
-            "residual_se": ((*dims, "since_change"), np.full((2, 1, 9), 0.0005)),
+            "mean_residual": ((*dims, "since_change"), np.full((2, 1, 40), 0.002)),
+            "residual_se": ((*dims, "since_change"), np.full((2, 1, 40), 0.0005)),
             "residual_power": ((*dims, "frequency"), np.broadcast_to(power, (2, 1, 60))),
             "peak_frequency": (dims, [[3.41], [np.nan]]),
         },
         coords={
             "change": ["rise", "fall"],
             "joint": [1],
-            "since_change": np.arange(9) * 0.03,
+            "since_change": np.arange(40) * 0.03,
             "frequency": frequency,
         },
         attrs=SOURCE,
@@ -115,7 +115,8 @@ def residuals():
 
 
 def test_residuals_are_drawn_in_mrad_and_a_ring_is_named(residuals):
-    left, right = draw_residuals(residuals).axes
+    left, early, right = draw_residuals(residuals).axes
+    assert find_line(early, "after the load rose").get_xdata().max() <= 1.0
     assert left.get_ylabel() == "recording − model [mrad]"
     np.testing.assert_allclose(find_line(left, "after the load rose").get_ydata(), 2.0)
     assert [text.get_text() for text in right.texts] == ["3.4 Hz"]
@@ -236,13 +237,17 @@ def test_sobol_draws_shares_of_all_time_and_of_the_first_second(n_joint):
     assert ends == {30.0, 1.0}
 
 
-def test_densities_are_drawn_at_their_own_angles(artifacts):
+def test_densities_are_ridges_at_their_own_angles_scaled_to_their_peaks(artifacts):
     densities = make_densities(artifacts["angles"]["joint"]).sel(estimate="posterior")
-    ax = draw_densities(densities.assign_attrs(SOURCE)).axes[1]
-    line = find_line(ax, "10 s")
+    first, ax, _ = draw_densities(densities.assign_attrs(SOURCE)).axes
+    labels = [label.get_text() for label in first.get_yticklabels()]
+    assert labels == ["0.1 s", "1 s", "10 s", "30 s"]
+    place = labels.index("10 s")
+    line = ax.get_lines()[place]
     here = densities.sel(joint=2, time=10.0)
     np.testing.assert_allclose(line.get_xdata(), here["joint_angle"])
-    np.testing.assert_allclose(line.get_ydata(), here["density"])
+    height = line.get_ydata() + place
+    np.testing.assert_allclose(height / height.max(), here["density"] / here["density"].max())
 
 
 def test_sampling_draws_sorted_values_and_both_limits():
@@ -267,6 +272,19 @@ def test_the_sketch_names_every_joint(n_joint):
     assert [f"$q_{{{joint}}}$" for joint in range(1, n_joint + 1)] == [
         word for word in words if word.startswith("$q_")
     ]
+
+
+def test_a_finger_without_wires_has_none_in_its_sketch():
+    words = {text.get_text() for text in draw_finger_sketch(2, wires=False).axes[0].texts}
+    assert "slack wire" not in words
+    assert "slack wire" in {text.get_text() for text in draw_finger_sketch(2).axes[0].texts}
+
+
+def test_masked_jumps_leave_gaps_in_the_recordings():
+    angles = make_angles(n_trial=2, n_joint=1)
+    angles["joint_angle"][0, 0, 9] = -1.1
+    angles["angle_flag"][0, 0, 9] = 4
+    assert draw_recordings(angles).axes[0].get_ylim()[0] > -0.5
 
 
 def test_the_joint_sketch_names_spring_and_dashpots():

@@ -126,7 +126,10 @@ def make_least_squares(angles):
             "kept": (dims, kept),
             "residual_rms": (("trial", "joint"), np.full(estimate.shape[:2], 0.003)),
             "population_mean": (("joint", "parameter"), value.mean(axis=0)),
-            "population_sd": (("joint", "parameter"), value.std(axis=0, ddof=1)),
+            "population_sd": (
+                ("joint", "parameter"),
+                value.std(axis=0, ddof=1) if len(value) > 1 else np.full(value.shape[1:], np.nan),
+            ),
         },
         coords={"trial": trial, "joint": joint, "parameter": PARAMETERS},
     )
@@ -137,6 +140,7 @@ def make_posterior(angles, least_squares, n_chain=4, n_draw=60):
     joint, trial = angles["joint"], angles["trial"]
     shape = (n_chain, n_draw, joint.size)
     mean, sd = (least_squares[f"population_{name}"].values for name in ("mean", "sd"))
+    sd = np.where(np.isfinite(sd), sd, SPREAD)
     groups = {"posterior": {}, "prior": {}}
     for place, name in enumerate(["log_k_v", "log_c_v", "log_c_p", "q_ini"]):
         error = sd[:, place] / np.sqrt(trial.size)

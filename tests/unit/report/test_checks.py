@@ -12,6 +12,7 @@ from softfinger.report.checks import (
     check_computation,
     check_fit,
     combine,
+    find_chance_limit,
     measure_shared_residual,
     pool_coverage,
 )
@@ -55,7 +56,7 @@ def test_what_the_fit_did_not_keep_is_said_to_be_not_made(material):
 def test_residuals_that_trials_share_fail(artifacts):
     angles = artifacts["angles"].copy(deep=True)
     clean = Material(artifacts, read_config(CONFIG))
-    assert find(check_fit(clean), "shared").passed
+    assert all(check.passed for check in check_fit(clean))
     angles["joint_angle"] = angles["joint_angle"] + 0.02 * np.sin(angles["time"])
     bent = Material({**artifacts, "angles": angles}, read_config(CONFIG))
     assert not find(check_fit(bent), "shared").passed
@@ -73,6 +74,28 @@ def test_the_shared_residual_is_one_for_independent_trials():
         }
     )
     assert 0.3 < measure_shared_residual(residuals) < 2.0
+
+
+def test_chance_alone_rarely_exceeds_its_limit_even_if_every_moment_is_the_same():
+    rng = np.random.default_rng(4)
+    dims = ("change", "joint", "since_change")
+    alarms = 0
+    for _ in range(400):
+        trials = np.repeat(rng.standard_normal((6, 1, 3, 1)), 5, axis=-1)
+        residuals = xr.Dataset(
+            {
+                "mean_residual": (dims, trials.mean(axis=0)),
+                "residual_se": (dims, trials.std(axis=0, ddof=1) / np.sqrt(6)),
+                "n_segments": ("change", [6]),
+            }
+        )
+        alarms += measure_shared_residual(residuals) > find_chance_limit(residuals)
+    assert 0.02 < alarms / 400 < 0.08
+
+
+def test_a_single_trial_shares_nothing():
+    material = Material(make_artifacts(n_trial=1, n_joint=1), read_config(CONFIG))
+    assert [check.passed for check in check_fit(material)] == [None, None, True]
 
 
 @pytest.mark.parametrize(("held", "passed"), [(0.88, True), (0.6, False), (1.0, False)])

@@ -210,10 +210,12 @@ def test_an_assumed_load_is_said_to_be_assumed():
     assert "a unit command from the first frame was assumed" in words
 
 
-@pytest.mark.parametrize("n_joint", [1, 5])
-def test_any_number_of_joints_has_its_report(n_joint):
-    tables, _ = build_tables(make_artifacts(n_joint=n_joint))
+@pytest.mark.parametrize(("n_joint", "n_trial"), [(1, 1), (5, 4)])
+def test_any_number_of_joints_and_trials_has_its_report(n_joint, n_trial):
+    tables, words = build_tables(make_artifacts(n_joint=n_joint, n_trial=n_trial))
     assert len(tables["centres"]) == 1 + 4 * n_joint
+    assert len(tables["trials"]) == 1 + n_trial
+    assert "nan" not in words
 
 
 def test_missing_artifacts_are_said_to_be_missing(artifacts):

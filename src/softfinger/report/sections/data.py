@@ -101,8 +101,8 @@ def build_set_aside(material: Material) -> list[Block]:
         return [Paragraph("No trial was set aside.")]
     reasons = material.angles["set_aside_reason"].values
     rows = tuple((text(n), text(r)) for n, r in zip(names, reasons, strict=True))
-    caption = f"Trials set aside, with the reason. {capital(material.cite('angles'))}."
-    return [Table("set_aside", caption, ("trial", "reason"), rows)]
+    caption = f"Every one of them, with its reason. {capital(material.cite('angles'))}."
+    return [Table("set_aside", "Trials set aside", caption, ("trial", "reason"), rows)]
 
 
 def build_trial_table(material: Material) -> Table:
@@ -126,5 +126,15 @@ def build_trial_table(material: Material) -> Table:
             )
         )
     columns = ("trial", "frames", "length [s]", f"largest load [{material.load_unit}]", "flagged")
-    caption = f"Every trial that is used. {capital(material.cite('angles'))}."
-    return Table("trials", caption, columns, tuple(rows), folded=len(rows) > ALWAYS_SHOWN)
+    caption = (
+        "One row per trial; flagged is the share of its angles that no fit uses. "
+        f"{capital(material.cite('angles'))}."
+    )
+    return Table(
+        "trials",
+        "Trials that are used",
+        caption,
+        columns,
+        tuple(rows),
+        folded=len(rows) > ALWAYS_SHOWN,
+    )

@@ -65,8 +65,8 @@ def build_effect_tables(verdict: Mapping[str, Any]) -> list[Block]:
                 )
             )
     columns = ("effect", "joints", "probability", "parameter", "mean ± sd", "90 % interval")
-    caption = "What was left out: probability that it is needed, and its parameters. Verdict."
-    found = [Table("effects", caption, columns, tuple(rows))] if rows else []
+    caption = "Probability that an effect is needed, and its parameters. From the verdict."
+    found = [Table("effects", "What was left out", caption, columns, tuple(rows))] if rows else []
     rms, elpd = verdict["residual_rms_rad"], verdict["elpd"]
     sizes = tuple(
         (text(label), number(f"{1e3 * rms[key]:.2f}", 1e3 * rms[key]))
@@ -82,8 +82,11 @@ def build_effect_tables(verdict: Mapping[str, Any]) -> list[Block]:
         else f"Leave-one-trial-out log score, repaired minus base: "
         f"{format_measure(elpd['difference'], elpd['se'])} nats."
     )
-    caption = f"Fit before and after: residual rms, joints pooled. {gain} Verdict."
-    return [*found, Table("before_after", caption, ("", "residual rms [mrad]"), sizes)]
+    caption = f"Residual rms, joints pooled. {gain} From the verdict."
+    return [
+        *found,
+        Table("before_after", "Fit before and after", caption, ("", "residual rms [mrad]"), sizes),
+    ]
 
 
 def describe_limits(verdict: Mapping[str, Any]) -> list[Block]:

@@ -49,8 +49,8 @@ def build_artifact_table(material: Material) -> Table:
             )
         )
     columns = ("artifact", "rule", "schema", "inputs", "settings", "code", "environment", "seed")
-    caption = "Artifacts that this report reads; hashes are SHA-256, their first 12 characters."
-    return Table("artifacts", caption, columns, tuple(rows))
+    caption = "All that this report reads; hashes are SHA-256, their first 12 characters."
+    return Table("artifacts", "Artifacts", caption, columns, tuple(rows))
 
 
 def shorten(sha: str) -> str:
@@ -63,8 +63,8 @@ def build_config_table(config: Mapping[str, Any]) -> Table:
     rows = tuple(
         (text(key), text(value)) for key, value in flatten(config) if key not in {"campaign", "out"}
     )
-    caption = "The configuration: every knob, its unit in the key."
-    return Table("configuration", caption, ("key", "value"), rows, folded=True)
+    caption = "Every knob, its unit in the key."
+    return Table("configuration", "Configuration", caption, ("key", "value"), rows, folded=True)
 
 
 def flatten(config: Mapping[str, Any], lead: str = "") -> Iterator[tuple[str, Any]]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+import xarray as xr
 
 from softfinger.report.blocks import Block, Listing, Paragraph, Section
 from softfinger.report.checks import check_calibration, check_computation, check_fit
 from softfinger.report.formatting import count_things, format_number, format_percent
 from softfinger.report.material import Material
+from softfinger.report.residuals import find_jumps
 
 UNSURE = 0.5
 """Relative standard deviation of a population's spread above which it counts as hardly known."""
@@ -31,7 +33,7 @@ def list_failed(material: Material) -> list[str]:
     consequence = {
         check_computation: "until it passes, no interval of this report should be quoted",
         check_calibration: "the bands are too narrow or too wide for a new trial",
-        check_fit: "physics is missing; parameters absorb part of it and are biased",
+        check_fit: "physics is missing, and the parameters may have absorbed a part of it",
     }
     return [
         f"Failed: {check.name} is {check.found} (limit: {check.limit}): {meaning}."
@@ -49,8 +51,7 @@ def list_data_limits(material: Material) -> list[str]:
     items = [
         f"The number of trials: {count_things(n, 'trial')} tell the spread to ± {reach} at best."
     ]
-    load = angles["load_torque"].values
-    if np.ptp(load, axis=1).max() <= 1e-9 * np.abs(load).max():
+    if holds_one_load(angles):
         items.append(
             "The protocol: one constant load per trial. Effects that depend on the load or show "
             "when it is released (friction, thresholds, stiffening) cannot be seen and would be "
@@ -64,6 +65,15 @@ def list_data_limits(material: Material) -> list[str]:
             "to do with how the finger moved, what is left is no fair sample."
         )
     return items
+
+
+def holds_one_load(angles: xr.Dataset) -> bool:
+    """Say whether every trial is one step to a load that is then held."""
+    knots = zip(angles["load_time"].values, angles["load_torque"].values, strict=True)
+    return all(
+        len(find_jumps(time, load)) == 1 and np.ptp(load[load != 0]) <= 1e-6 * np.abs(load).max()
+        for time, load in knots
+    )
 
 
 def list_unsure(material: Material) -> list[str]:

@@ -72,11 +72,17 @@ def build_centre_table(material: Material) -> Table:
         rows.append(tuple(row))
     columns = ("parameter", "joint", "unit", "centre, median ± sd", f"{share} interval")
     caption = (
-        f"Centre of every parameter over n = {material.angles['trial'].size} trials: posterior "
+        f"Over n = {material.angles['trial'].size} trials: posterior "
         f"median ± posterior standard deviation, {share} equal-tailed interval"
         f"{explain_rivals(summary)}. {capital(material.cite('posterior', 'least_squares'))}."
     )
-    return Table("centres", caption, (*columns, *name_rivals(summary)), tuple(rows))
+    return Table(
+        "centres",
+        "Centre of every parameter",
+        caption,
+        (*columns, *name_rivals(summary)),
+        tuple(rows),
+    )
 
 
 def build_spread_table(material: Material) -> Table:
@@ -98,11 +104,17 @@ def build_spread_table(material: Material) -> Table:
         rows.append(tuple(row))
     columns = ("parameter", "joint", "unit", "spread σ, median ± sd", f"{share} interval")
     caption = (
-        f"Spread of every parameter over n = {material.angles['trial'].size} trials: posterior "
+        f"Over n = {material.angles['trial'].size} trials: posterior "
         f"median ± posterior standard deviation, {share} equal-tailed interval"
         f"{explain_rivals(summary)}. {capital(material.cite('posterior', 'least_squares'))}."
     )
-    return Table("spreads", caption, (*columns, *name_rivals(summary)), tuple(rows))
+    return Table(
+        "spreads",
+        "Spread of every parameter between trials",
+        caption,
+        (*columns, *name_rivals(summary)),
+        tuple(rows),
+    )
 
 
 def each_parameter(summary: xr.Dataset) -> list[tuple[str, int, xr.Dataset]]:

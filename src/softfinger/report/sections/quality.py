@@ -23,11 +23,13 @@ from softfinger.report.pictures import capital, picture_bands, picture_residuals
 def build_computation(material: Material) -> Section:
     """Build the verdict on the computation."""
     caption = (
-        "Checks of the computation against their limits. A failed one means that intervals and "
+        "Each against its limit. A failed one means that intervals and "
         f"means of this report may be wrong. {capital(material.cite('posterior'))}."
     )
     blocks = (
-        Checks("computation_checks", caption, check_computation(material)),
+        Checks(
+            "computation_checks", "Checks of the computation", caption, check_computation(material)
+        ),
         picture_sampling(material),
     )
     return Section("computation", "Is the computation sound?", tuple(b for b in blocks if b))
@@ -36,11 +38,13 @@ def build_computation(material: Material) -> Section:
 def build_calibration(material: Material) -> Section:
     """Build the section on calibration: whether intervals hold what they claim."""
     caption = (
-        "Checks of the calibration. Coverage is the share of recorded frames inside a band, "
+        "Coverage is the share of recorded frames inside a band, "
         f"averaged per trial. {capital(material.cite('bands'))}."
     )
     blocks: list[Block | None] = [
-        Checks("calibration_checks", caption, check_calibration(material)),
+        Checks(
+            "calibration_checks", "Checks of the calibration", caption, check_calibration(material)
+        ),
         build_coverage_table(material),
         build_truth_table(material),
     ]
@@ -79,7 +83,14 @@ def build_coverage_table(material: Material) -> Table | None:
         "Share of recorded frames inside the predictive bands, averaged per trial, its interval "
         f"by bootstrap over trials. {capital(material.cite('bands'))}."
     )
-    return Table("coverage", caption, columns, tuple(rows), folded=len(rows) > 12)
+    return Table(
+        "coverage",
+        "Coverage of the predictive bands",
+        caption,
+        columns,
+        tuple(rows),
+        folded=len(rows) > 12,
+    )
 
 
 def build_truth_table(material: Material) -> Table | None:
@@ -113,17 +124,21 @@ def build_truth_table(material: Material) -> Table | None:
         f"the natural logarithm but for q_ini. {capital(material.cite('posterior', 'truth'))}."
     )
     columns = ("hyperparameter", "joint", "truth", "posterior", f"{share} interval", "held")
-    return Table("truth", caption, columns, tuple(rows), folded=len(rows) > 12)
+    return Table(
+        "truth", "Truth of the simulation", caption, columns, tuple(rows), folded=len(rows) > 12
+    )
 
 
 def build_predictive(material: Material) -> Section:
     """Build the section on fit and bands against the recordings."""
     caption = (
-        "Checks of the model against the recordings. A failed one means that physics is missing "
+        "Each against its limit. A failed one means that physics is missing "
         f"from the model, however sound the computation. {capital(material.cite('posterior'))}."
     )
     blocks = (
-        Checks("fit_checks", caption, check_fit(material)),
+        Checks(
+            "fit_checks", "Checks of the model against the recordings", caption, check_fit(material)
+        ),
         picture_bands(material, early=False),
         picture_bands(material, early=True),
         picture_residuals(material),
@@ -164,8 +179,8 @@ def build_residual_table(material: Material) -> Table | None:
         "largest mean residual [mrad]",
     )
     caption = (
-        "Size of what the model leaves, all trials pooled. The fit calls whatever it cannot "
+        "All trials pooled. The fit calls whatever it cannot "
         "describe noise: a fitted noise well above the declared one is misfit. "
         f"{capital(material.cite('posterior', 'angles'))}."
     )
-    return Table("residual_size", caption, columns, tuple(rows))
+    return Table("residual_size", "Size of what the model leaves", caption, columns, tuple(rows))

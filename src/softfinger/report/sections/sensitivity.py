@@ -60,7 +60,9 @@ def build_sobol_table(material: Material) -> Table:
         "others (first-order and total Sobol indices): means over the posterior, 90 % equal-tailed "
         f"interval over its draws. {capital(material.cite('sobol'))}."
     )
-    return Table("sobol", caption, columns, tuple(rows), folded=len(rows) > 16)
+    return Table(
+        "sobol", "Shares of the variance", caption, columns, tuple(rows), folded=len(rows) > 16
+    )
 
 
 def build_design_table(material: Material) -> Table | None:
@@ -88,11 +90,18 @@ def build_design_table(material: Material) -> Table | None:
                 )
     columns = ("running time [s]", "joint", "parameter", "spread shrinks by", "90 % interval")
     caption = (
-        "For design: by how much the angle's spread over a running time would shrink if one "
+        "By how much the angle's spread over a running time would shrink if one "
         "parameter varied half as much from trial to trial. "
         f"{capital(material.cite('sobol'))}."
     )
-    return Table("design", caption, columns, tuple(rows), folded=len(rows) > 16)
+    return Table(
+        "design",
+        "For design: whose spread to reduce",
+        caption,
+        columns,
+        tuple(rows),
+        folded=len(rows) > 16,
+    )
 
 
 def find_main_cause(sobol: xr.Dataset, joint: int) -> tuple[str, float, float]:

@@ -10,7 +10,6 @@ from softfinger.report.checks import (
     check_computation,
     check_fit,
     combine,
-    measure_shared_residual,
 )
 from softfinger.report.formatting import (
     count_things,
@@ -44,9 +43,9 @@ def judge_checks(
 ) -> Tile:
     """Sum checks up in one tile that names what failed."""
     passed = combine(checks)
-    failed = [f"{check.name} {check.found}" for check in checks if check.passed is False]
+    failed = [f"{check.name}: {check.found}" for check in checks if check.passed is False]
     made = sum(check.passed is not None for check in checks)
-    detail = join_words(failed) if failed else f"{made} of {len(checks)} checks made, none failed"
+    detail = "; ".join(failed) if failed else f"{made} of {len(checks)} checks made, none failed"
     answer = "not judged" if passed is None else answers[0] if passed else answers[1]
     return Tile(question, answer, passed, detail, anchor)
 
@@ -86,20 +85,21 @@ def describe_fit(material: Material) -> list[str]:
     ]
     unit = f"{material.load_unit}/rad"
     sentences = [f"Stiffness k_v [{unit}], with its spread between trials: {join_words(parts)}."]
-    excess = measure_shared_residual(residuals)
-    if excess >= material.limits.shared_residual_max:
-        largest = 1e3 * float(np.abs(residuals["mean_residual"]).max())
+    if judge(material)[2].passed is False:
+        largest = float(np.abs(residuals["mean_residual"]).max())
+        seen = material.angles["joint_angle"].where(material.angles["angle_flag"] == 0)
+        share = largest / float(seen.max() - seen.min())
         sentences.append(
             "The model misses motion that the trials share: up to "
-            f"{format_number(largest, 2)} mrad in the mean over trials, and in all "
-            f"{format_number(excess, 2)} times what chance leaves."
+            f"{format_number(1e3 * largest, 2)} mrad in the mean over trials, "
+            f"{format_percent(share, 1)} of the range of the recorded angles."
         )
     peaks = residuals["peak_frequency"].values
     rings = sorted({f"{peak:.1f} Hz" for peak in peaks[np.isfinite(peaks)]})
     if rings:
         sentences.append(
-            f"After each change of load the finger rings at {join_words(rings)}, which the model "
-            "does not have: it leaves out the finger's inertia."
+            f"After a change of load the finger rings at {join_words(rings)}, which the model, "
+            "having no inertia, cannot do."
         )
     return sentences
 
