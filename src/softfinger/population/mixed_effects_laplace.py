@@ -104,7 +104,7 @@ def fit_nonlinear(
     gram = linearise(own, shared)
     best = -np.inf
     for _ in range(steps):
-        moved = _shift(gram, own, shared)
+        moved = shift_gram(gram, own, shared)
         linear = fit_linear(moved, prior, omega)
         omega = linear.omega
         linear, target = _hold_bounds(moved, prior, bounds, linear, shared)
@@ -135,15 +135,8 @@ def _finish(
     converged: bool,
 ) -> Fit:
     d = len(omega)
-    linear = fit_linear(_shift(gram, own, shared), prior, omega)
+    linear, evidence = solve_linearised(gram, prior, bounds, (own, shared), omega, rounds=30)
     covariance = linear.shared_covariance
-    cut = compute_cut_array(
-        linear.shared[d:],
-        np.sqrt(np.diag(covariance)[d:]),
-        prior.mean[d:],
-        prior.precision[d:] ** -0.5,
-        bounds,
-    )
     return Fit(
         own,
         linear.own_covariance,
@@ -152,10 +145,38 @@ def _finish(
         shared,
         covariance[d:, d:],
         linear.omega,
-        linear.log_evidence + float(cut),
+        evidence,
         gram,
         bool(converged),
     )
+
+
+def solve_linearised(
+    gram: NDArray[np.float64],
+    prior: Prior,
+    bounds: SharedBounds,
+    place: tuple[NDArray[np.float64], NDArray[np.float64]],
+    omega: NDArray[np.float64],
+    *,
+    rounds: int = 0,
+) -> tuple[LinearFit, float]:
+    """Solve the model linearised at (η, φ); its log evidence includes the bounds.
+
+    Parameters
+    ----------
+    gram
+        (trial, …) of [∂F/∂η | ∂F/∂φ | residual] at `place`.
+    rounds
+        Of EM for Ω; 0 holds it.
+    """
+    moved = shift_gram(gram, *place)
+    linear = fit_linear(moved, prior, omega, rounds=rounds) if rounds else None
+    linear = linear or hold_omega(moved, prior, omega)
+    d = len(omega)
+    sd = np.sqrt(np.diag(linear.shared_covariance)[d:])
+    priors = prior.mean[d:], prior.precision[d:] ** -0.5
+    cut = compute_cut_array(linear.shared[d:], sd, *priors, bounds)
+    return linear, linear.log_evidence + float(cut)
 
 
 def compute_cut_array(
@@ -185,8 +206,8 @@ def _log_mass(mean: NDArray, sd: NDArray, bounds: SharedBounds) -> NDArray:
     return large + np.log1p(-np.exp(np.minimum(small - large, -1e-12)))
 
 
-def _shift(gram: NDArray, own: NDArray, shared: NDArray) -> NDArray:
-    """Gram matrices of [A | B | residual + A η + B φ] from those of [A | B | residual]."""
+def shift_gram(gram: NDArray, own: NDArray, shared: NDArray) -> NDArray:
+    """Turn Gram matrices of [A | B | residual] into those of [A | B | residual + A η + B φ]."""
     trials, size = gram.shape[:2]
     change = np.tile(np.eye(size), (trials, 1, 1))
     change[:, :-1, -1] = np.column_stack([own, np.tile(shared, (trials, 1))])

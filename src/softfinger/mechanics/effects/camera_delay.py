@@ -7,8 +7,7 @@ def _build_forms(setting: Setting) -> list[Form] | str:
     if not setting.load_known:
         return "there is no load log to compare with"
     delay = signed("delay_s", 3 * setting.interval, floor=0.05 * setting.interval,
-                   low=-20 * setting.interval, high=20 * setting.interval,
-                   starts=(-setting.interval, setting.interval))  # fmt: skip
+                   low=-20 * setting.interval, high=20 * setting.interval)  # fmt: skip
 
     def slots(values: Values) -> dict:
         return {"delay": values["delay_s"]}

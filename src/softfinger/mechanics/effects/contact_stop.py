@@ -4,7 +4,7 @@ import numpy as np
 
 from softfinger.mechanics.effects.effect import Effect, Form, Parameter, Setting, Values, positive
 
-WIDTHS_RAD = {"hard": 0.002, "soft": 0.03}
+WIDTHS_RAD = {"hard": 0.01, "soft": 0.05}
 
 
 def _build_form(kind: str, setting: Setting) -> Form:
@@ -14,7 +14,6 @@ def _build_form(kind: str, setting: Setting) -> Form:
         5 * stiffness,
         per="joint",
         floor=0.05 * stiffness,
-        starts=(0.3 * stiffness,),
     )
     place = Parameter(
         "stop_share_of_reach", 0.8, 0.15, per="joint", low=0.05, high=1.0, starts=(0.6, 0.8, 0.92)

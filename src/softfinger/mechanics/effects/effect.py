@@ -12,6 +12,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+SMALL = 0.01  # of the prior sd: amplitudes start almost absent, where the fit is nearly linear
+
 Values = Mapping[str, NDArray[np.float64]]
 
 
@@ -54,12 +56,12 @@ class Parameter:
 
 def positive(name: str, sd: float, **more: object) -> Parameter:
     """Build an amplitude that cannot be negative: half-normal prior of scale `sd`."""
-    return Parameter(name, 0.0, sd, low=0.0, amplitude=True, **more)
+    return Parameter(name, 0.0, sd, low=0.0, amplitude=True, starts=(SMALL * sd,), **more)
 
 
 def signed(name: str, sd: float, **more: object) -> Parameter:
     """Build an amplitude of either sign: normal prior of scale `sd` about 0."""
-    return Parameter(name, 0.0, sd, amplitude=True, **more)
+    return Parameter(name, 0.0, sd, amplitude=True, starts=(SMALL * sd,), **more)
 
 
 def time_constant(name: str, shortest: float, longest: float, starts: int = 3) -> Parameter:

@@ -13,9 +13,9 @@ from softfinger.mechanics.effects.effect import Effect, Form, Parameter, Setting
 def _build_forms(setting: Setting) -> list[Form]:
     middle = np.sqrt(setting.interval * setting.duration)  # where share and exponent are untied
     exponent = Parameter("exponent", 0.5, 0.2, low=0.05, high=0.95, starts=(0.25, 0.5, 0.75))
-    share = positive("springpot_share", 0.3, per="joint", floor=0.01, starts=(0.1,))
+    share = positive("springpot_share", 0.3, per="joint", floor=0.01)
     bent = Parameter(
-        "exponent_loss", 0.0, 0.3, low=0.0, high=0.9, amplitude=True, floor=0.02, starts=(0.3,)
+        "exponent_loss", 0.0, 0.3, low=0.0, high=0.9, amplitude=True, floor=0.02, starts=(0.003,)
     )
 
     def scale(values: Values) -> float:

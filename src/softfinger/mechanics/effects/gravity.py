@@ -6,8 +6,8 @@ from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, s
 def _build_forms(setting: Setting) -> list[Form] | str:
     if not setting.masses:
         return "link masses and lengths are not declared"
-    along = signed("tilt_along_rad", 0.2, low=-1.6, high=1.6, floor=5e-3, starts=(0.05,))
-    across = signed("tilt_across_rad", 0.2, low=-1.6, high=1.6, floor=5e-3, starts=(0.05,))
+    along = signed("tilt_along_rad", 0.2, low=-1.6, high=1.6, floor=5e-3)
+    across = signed("tilt_across_rad", 0.2, low=-1.6, high=1.6, floor=5e-3)
 
     def slots(values: Values) -> dict:
         return {name.removesuffix("_rad"): value for name, value in values.items()}

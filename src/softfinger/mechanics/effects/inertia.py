@@ -6,7 +6,7 @@ from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, p
 def _build_forms(setting: Setting) -> list[Form] | str:
     if not setting.masses:
         return "link masses and lengths are not declared"
-    scale = positive("inertia_scale", 1.0, floor=0.05, starts=(0.3, 1.0))
+    scale = positive("inertia_scale", 1.0, floor=0.05)
 
     def slots(values: Values) -> dict:
         return {"inertia_scale": values["inertia_scale"]}

@@ -9,8 +9,8 @@ def _build_forms(setting: Setting) -> list[Form] | str:
     if setting.joints < 2:
         return "there is only one joint"
     stiffness = float(np.median(setting.stiffness))
-    share = signed("coupling", 0.1, per="pair", floor=2e-3, starts=(0.02,))
-    mutual = signed("coupling_mutual", 0.1, floor=2e-3, starts=(0.02,))
+    share = signed("coupling", 0.1, per="pair", floor=2e-3)
+    mutual = signed("coupling_mutual", 0.1, floor=2e-3)
     near = np.eye(setting.joints, k=1) + np.eye(setting.joints, k=-1)
 
     def torque(values: Values) -> dict:

@@ -4,8 +4,8 @@ from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, s
 
 
 def _build_forms(setting: Setting) -> list[Form]:
-    cubic = signed("angle_cubic_per_rad2", 0.1, per="joint", floor=2e-3, starts=(0.02,))
-    radial = signed("lens_radial_per_m2", 10.0, floor=0.1, starts=(1.0,))
+    cubic = signed("angle_cubic_per_rad2", 0.1, per="joint", floor=2e-3)
+    radial = signed("lens_radial_per_m2", 10.0, floor=0.1)
 
     def bent(values: Values) -> dict:
         return {"angle_cubic": values["angle_cubic_per_rad2"]}

@@ -17,7 +17,7 @@ from softfinger.mechanics.effects.effect import (
 
 
 def _build_forms(setting: Setting) -> list[Form]:
-    share = signed("residual_strain_share", 0.1, per="joint", floor=2e-3, starts=(0.03,))
+    share = signed("residual_strain_share", 0.1, per="joint", floor=2e-3)
     usual = setting.torque / setting.stiffness
     before = setting.memory
 

@@ -1,7 +1,13 @@
 """Creep rate more than proportional to torque: Eyring's sinh or a power.
 
+The sinh is fitted by the square of 1/scale torque, in which a small one is linear.
+
 Eyring (1936), J. Chem. Phys. 4, 283.
 """
+
+from dataclasses import replace
+
+import numpy as np
 
 from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, positive
 
@@ -9,12 +15,12 @@ from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, p
 def _build_forms(setting: Setting) -> list[Form] | str:
     if setting.levels < 2 and not setting.reversals:
         return "a single constant load: any law of flow vanishes in c_p"
-    bend = positive("inverse_scale_torque_per_nm", 2 / setting.torque, floor=0.1 / setting.torque,
-                    starts=(0.5 / setting.torque, 2 / setting.torque))  # fmt: skip
-    power = positive("extra_power", 1.0, floor=0.02, starts=(0.2, 1.0))
+    square = positive("inverse_scale_torque_squared_per_nm2", (2 / setting.torque) ** 2)
+    bend = replace(square, low=1e-6 * square.sd, floor=(0.1 / setting.torque) ** 2)
+    power = positive("extra_power", 1.0, floor=0.02)
 
     def sinh(values: Values) -> dict:
-        return {"flow_sinh": values["inverse_scale_torque_per_nm"]}
+        return {"flow_sinh": np.sqrt(np.maximum(values[bend.name], bend.low))}
 
     def power_law(values: Values) -> dict:
         return {"flow_power": values["extra_power"], "flow_reference": setting.torque}

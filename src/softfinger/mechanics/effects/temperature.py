@@ -21,7 +21,6 @@ def _build_form(name: str, target: str, setting: Setting) -> Form:
         f"sensitivity_per_{unit}",
         0.3 / centred.std(),
         floor=2e-3 / centred.std(),
-        starts=(0.05 / centred.std(),),
     )
 
     def slots(values: Values) -> dict:

@@ -9,7 +9,6 @@ def _build_form(kind: str, setting: Setting) -> Form:
         0.5 * setting.torque,
         high=2 * setting.torque,
         floor=0.02 * setting.torque,
-        starts=tuple(share * setting.torque for share in (0.1, 0.3, 0.6)),
     )
 
     def slots(values: Values) -> dict:

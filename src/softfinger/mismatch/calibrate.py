@@ -1,0 +1,244 @@
+"""How large the best gain of the whole catalogue gets by chance: a parametric bootstrap.
+
+Campaigns are drawn from the fitted base model, on the campaign's own loads and frames, but only in
+the whitened reduced space: of a trial z* = A b + e nothing is needed but Cᵀz*, which is normal with
+covariance CᵀC + (CᵀA) Ω (AᵀC). Each replicate is fitted anew (Ω and μ); every form's gain is its
+one-step score: the log evidence of the linear model with the form's amplitudes.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from scipy.stats import norm
+
+from softfinger.mismatch.problem import Problem
+from softfinger.mismatch.rank import Candidate, Piece
+from softfinger.mismatch.reduce import reduce_trials
+from softfinger.population.mixed_effects import _climb, _solve
+
+REPLICATES = 199
+TAIL_SHARE = 0.2  # of the replicates, from which the tail of the largest gain is learnt
+
+
+class FalseAlarms(NamedTuple):
+    """Largest gain over the catalogue in each replicate (replicate,) [nats]."""
+
+    gain: NDArray[np.float64]
+
+    def p_value(self, gain: float) -> float:
+        """Probability that chance alone gains this much or more.
+
+        Beyond the replicates' upper fifth the tail is exponential, with its own mean excess.
+
+        >>> FalseAlarms(np.arange(100.0)).p_value(49.5)
+        0.5
+        """
+        ordered = np.sort(self.gain)
+        edge = ordered[-int(np.ceil(TAIL_SHARE * len(ordered)))]
+        if gain <= edge:
+            return float(np.mean(self.gain >= gain))
+        beyond = ordered[ordered >= edge] - edge
+        share = np.mean(self.gain >= edge)
+        return float(share * np.exp(-(gain - edge) / max(beyond.mean(), 0.5)))
+
+    def threshold(self, probability: float) -> float:
+        """Gain [nats] that chance exceeds with a probability (below the tail's share)."""
+        ordered = np.sort(self.gain)
+        edge = ordered[-int(np.ceil(TAIL_SHARE * len(ordered)))]
+        beyond = ordered[ordered >= edge] - edge
+        share = np.mean(self.gain >= edge)
+        return float(edge + max(beyond.mean(), 0.5) * np.log(share / probability))
+
+
+class ScoreColumns(NamedTuple):
+    """Whitened columns of every form at every start: amplitudes only.
+
+    Attributes
+    ----------
+    gram
+        (trial, d + c, d + c) of [∂F/∂η | all columns].
+    label
+        (form,) id of its effect.
+    first, count
+        (form,) where a form's columns stand among the c, and how many.
+    sd
+        (c,) prior sd of each column's amplitude.
+    positive
+        (c,) amplitudes that cannot be negative.
+    """
+
+    gram: NDArray[np.float64]
+    label: list[str]
+    first: NDArray[np.int64]
+    count: NDArray[np.int64]
+    sd: NDArray[np.float64]
+    positive: NDArray[np.bool_]
+
+
+def calibrate_false_alarms(
+    columns: ScoreColumns,
+    problem: Problem,
+    base: Candidate,
+    rng: np.random.Generator,
+    replicates: int = REPLICATES,
+) -> FalseAlarms:
+    """Draw replicates of the base model and find the largest gain in each."""
+    d = len(base.fit.omega)
+    factor = np.stack([_root(gram) for gram in columns.gram])
+    own_factor = np.linalg.cholesky(base.fit.omega)
+    prior = problem.build_prior(base.model)
+    largest = np.empty(replicates)
+    for k in range(replicates):
+        noise = rng.standard_normal((len(factor), factor.shape[2]))
+        own = rng.standard_normal((len(factor), d)) @ own_factor.T
+        product = np.einsum("tcr,tr->tc", factor, noise)
+        product += np.einsum("tcd,td->tc", columns.gram[:, :, :d], base.fit.mean + own)
+        gains = score_columns_array(columns, product, prior, base.fit.omega)
+        largest[k] = gains.max(initial=0.0)
+    return FalseAlarms(largest)
+
+
+def score_columns_array(
+    columns: ScoreColumns, product: NDArray[np.float64], prior: tuple, omega: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Gain [nats] of each form (form,) from Cᵀz (trial, d + c), Ω fitted under the base model."""
+    gain, mean, sd = _score(
+        columns.gram, product, columns.first, columns.count, columns.sd, *prior, omega
+    )
+    inside = norm.logcdf(mean / sd) + np.log(2.0)
+    cut = np.where(columns.positive, inside, 0.0)
+    add = np.add.reduceat(cut, columns.first) if len(columns.first) else np.zeros(0)
+    return gain + add
+
+
+def _root(gram: NDArray) -> NDArray:
+    value, vector = np.linalg.eigh(gram)
+    keep = value > 1e-12 * value[-1]
+    root = np.zeros_like(gram)
+    root[:, : keep.sum()] = vector[:, keep] * np.sqrt(value[keep])
+    return root
+
+
+@njit(cache=True)
+def _score(
+    gram: NDArray,
+    product: NDArray,
+    first: NDArray,
+    count: NDArray,
+    amplitude_sd: NDArray,
+    mean: NDArray,
+    precision: NDArray,
+    spread: NDArray,
+    weight: float,
+    block: int,
+    omega: NDArray,
+) -> tuple[NDArray, NDArray, NDArray]:
+    """Gain of each form, and mean and sd of each amplitude: one Ω, one inverse for each trial."""
+    trials, d = gram.shape[0], omega.shape[0]
+    own = np.zeros((trials, d + 1, d + 1))
+    own[:, :d, :d] = gram[:, :d, :d]
+    own[:, :d, d] = product[:, :d]
+    own[:, d, :d] = product[:, :d]
+    omega, _ = _climb(own, mean, precision, spread, weight, block, omega, 3, 1e-1)
+    shared, covariance = _solve(own, mean, precision, spread, weight, block, omega)[:2]
+    inverse = np.linalg.inv(omega)
+    size = amplitude_sd.size
+    cross, direct = np.zeros((size, d)), np.zeros(size)
+    kept = np.empty((trials, d, d))
+    for i in range(trials):
+        kept[i] = np.linalg.inv(inverse + own[i, :d, :d])
+        side = np.ascontiguousarray(gram[i, d:, :d])
+        taken = side @ kept[i]
+        cross += side - taken @ np.ascontiguousarray(own[i, :d, :d])
+        direct += product[i, d:] - taken @ product[i, :d]
+    direct -= cross @ shared
+    gain = np.empty(first.size)
+    location, sd = np.zeros(size), np.ones(size)
+    for form in range(first.size):
+        p, begin = count[form], first[form]
+        part = slice(begin, begin + p)
+        hessian = np.diag(amplitude_sd[part] ** -2.0)
+        hessian -= cross[part] @ covariance @ cross[part].T
+        for i in range(trials):
+            side = np.ascontiguousarray(gram[i, d + begin : d + begin + p, :d])
+            inner = gram[i, d + begin : d + begin + p, d + begin : d + begin + p]
+            hessian += inner - side @ kept[i] @ side.T
+        inside = np.linalg.inv(hessian)
+        place = inside @ direct[part]
+        location[part] = place
+        for a in range(p):
+            sd[begin + a] = np.sqrt(inside[a, a])
+        volume = np.linalg.slogdet(hessian)[1] + 2.0 * np.sum(np.log(amplitude_sd[part]))
+        gain[form] = 0.5 * (place @ direct[part] - volume)
+    return gain, location, sd
+
+
+def collect_columns(problem: Problem, base: Candidate, pieces: list[Piece]) -> ScoreColumns:
+    """Collect the whitened columns of all forms at all their starts."""
+    slopes, label, first, count, sd, positive = [], [], [], [], [], []
+    for piece in pieces:
+        model = base.model.extend(piece)
+        number = len(base.model.pieces)
+        known = len(base.fit.shared)
+        new = np.flatnonzero(model.amplitudes[known:])
+        for start in model.list_starts(number):
+            shared = np.concatenate([base.fit.shared, model.place_start(number, start)])
+            _, slope = problem.simulate(model, base.fit.own, shared)
+            column = slope[..., base.fit.own.shape[1] + known + new]
+            if not np.isfinite(column).all():
+                continue
+            slopes.append(column.astype(np.float32))
+            label.append(piece.effect.id)
+            first.append(sum(count))
+            count.append(len(new))
+            sd.append(model.shared_prior[1][known + new])
+            positive.append(model.low[known + new] == 0.0)
+    angle, own = problem.simulate(base.model, base.fit.own, base.fit.shared)
+    wide = np.concatenate([own, *slopes], axis=3)
+    gram = reduce_trials(problem.trials, angle, wide)[:, :-1, :-1]
+    return ScoreColumns(
+        gram,
+        label,
+        np.array(first, int),
+        np.array(count, int),
+        np.concatenate(sd),
+        np.concatenate(positive),
+    )
+
+
+def find_invisible(
+    columns: ScoreColumns, problem: Problem, base: Candidate, needed: float
+) -> list[str]:
+    """Effects that could not show at any plausible strength: two prior sd of every amplitude.
+
+    The signal counts after each trial's own parameters and μ have adapted to it; its expected gain
+    is ½ (s² − log(1 + s²)), s its size in whitened units.
+    """
+    best: dict[str, float] = {}
+    d = len(base.fit.omega)
+    prior = problem.build_prior(base.model)
+    left = project_columns(columns.gram, d, prior.precision[:d], base.fit.omega)
+    for label, first, count in zip(columns.label, columns.first, columns.count, strict=True):
+        part = slice(first, first + count)
+        amplitude = 2.0 * columns.sd[part]
+        size = float(amplitude @ left[part, part] @ amplitude)
+        gain = 0.5 * (size - np.log1p(size))
+        best[label] = max(best.get(label, 0.0), gain)
+    return [label for label, gain in best.items() if gain < needed]
+
+
+def project_columns(
+    gram: NDArray[np.float64],
+    d: int,
+    precision: NDArray[np.float64],
+    omega: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Gram matrix (c, c) of columns after η ~ N(μ, Ω) and μ have taken up what they can."""
+    inverse = np.linalg.inv(omega)
+    kept = np.linalg.inv(inverse + gram[:, :d, :d])
+    cross = gram[:, :, :d]
+    marginal = (gram - cross @ kept @ cross.transpose(0, 2, 1)).sum(axis=0)
+    mean = marginal[:d, :d] + np.diag(precision)
+    return marginal[d:, d:] - marginal[d:, :d] @ np.linalg.solve(mean, marginal[:d, d:])

@@ -1,0 +1,75 @@
+"""From fitted models to a decision: which effects, how probable, what cannot be told apart.
+
+Prior ½ on the base model, the rest shared evenly by the sets of effects that were fitted, and
+within a set by its forms.
+"""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from softfinger.mismatch.rank import Candidate
+
+SURE = 0.95  # posterior probability from which one set of effects is named
+
+Ids = frozenset[str]
+
+
+class Posterior(NamedTuple):
+    """Posterior probabilities.
+
+    Attributes
+    ----------
+    sets
+        Set of effect ids → probability, most probable first; the empty set is the base model.
+    inclusion
+        Effect id → probability that it is needed.
+    best
+        Set of effect ids → its best model.
+    """
+
+    sets: dict[Ids, float]
+    inclusion: dict[str, float]
+    best: dict[Ids, Candidate]
+
+    @property
+    def equivalent(self) -> list[Ids]:
+        """The fewest sets of effects that reach `SURE` together."""
+        total, chosen = 0.0, []
+        for ids, probability in self.sets.items():
+            chosen.append(ids)
+            total += probability
+            if total >= SURE:
+                break
+        return chosen
+
+
+def weigh_models(base: Candidate, others: Iterable[Candidate]) -> Posterior:
+    """Weigh the base model and every other fitted model by evidence and prior."""
+    groups: dict[Ids, list[Candidate]] = {}
+    for candidate in others:
+        groups.setdefault(candidate.model.ids, []).append(candidate)
+    groups.pop(frozenset(), None)
+    log_weight = {frozenset(): np.log(0.5) + base.log_evidence}
+    for ids, members in groups.items():
+        evidence = np.array([member.log_evidence for member in members])
+        share = np.logaddexp.reduce(evidence) - np.log(len(members))
+        log_weight[ids] = share + np.log(0.5 / len(groups))
+    total = np.logaddexp.reduce(list(log_weight.values()))
+    sets = {ids: float(np.exp(weight - total)) for ids, weight in log_weight.items()}
+    sets = dict(sorted(sets.items(), key=lambda item: (-item[1], sorted(item[0]))))
+    names = dict.fromkeys(name for ids in sets for name in sorted(ids))
+    inclusion = {name: sum(p for ids, p in sets.items() if name in ids) for name in names}
+    best = {ids: max(members, key=lambda c: c.log_evidence) for ids, members in groups.items()}
+    best[frozenset()] = base
+    return Posterior(sets, inclusion, best)
+
+
+def join_ids(ids: Ids) -> str:
+    """Name a set of effects.
+
+    >>> join_ids(frozenset({"gravity", "actuator_lag"}))
+    'actuator_lag+gravity'
+    """
+    return "+".join(sorted(ids)) or "none"

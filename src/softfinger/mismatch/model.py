@@ -1,0 +1,173 @@
+"""A set of effects as one vector φ: names, priors, bounds, and the slots that it fills."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softfinger.faults import Fault
+from softfinger.mechanics.effects.effect import Effect, Form, Parameter, Setting
+from softfinger.mechanics.forward.slots import SLOTS, SlotArrays, build_slots
+
+DIFFERENCE = 1e-5  # of a parameter's prior sd, to differentiate slots by it
+LONGEST_STEP = 1.0  # of a parameter's prior sd, in one linearisation
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """One effect in one form, at some places: joints (j,) or pairs (j, k), 0-based."""
+
+    effect: Effect
+    form: Form
+    places: tuple[tuple[int, ...], ...]
+
+    @property
+    def label(self) -> str:
+        """Effect, form and places in one word."""
+        places = ",".join("".join(str(j + 1) for j in place) for place in self.places)
+        return f"{self.effect.id}/{self.form.name}/{places}".rstrip("/")
+
+    @property
+    def joints(self) -> list[int]:
+        """The joints that it is tied to, counted from 1."""
+        return sorted({place[0] + 1 for place in self.places})
+
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """One number of φ: a parameter of a piece, of one joint, one pair, or the chain."""
+
+    piece: int
+    parameter: Parameter
+    place: tuple[int, ...]
+
+    @property
+    def name(self) -> str:
+        """The parameter's name with its joint or pair."""
+        if not self.place:
+            return self.parameter.name
+        return f"{self.parameter.name}_" + "".join(str(j + 1) for j in self.place)
+
+
+@dataclass(frozen=True, eq=False)
+class EffectModel:
+    """The base model and a set of effects."""
+
+    setting: Setting
+    pieces: tuple[Piece, ...] = ()
+
+    @property
+    def ids(self) -> frozenset[str]:
+        """The ids of its effects."""
+        return frozenset(piece.effect.id for piece in self.pieces)
+
+    @property
+    def label(self) -> str:
+        """All pieces in one line."""
+        return " + ".join(piece.label for piece in self.pieces) or "base"
+
+    def without(self, entry: Entry) -> "EffectModel":
+        """Build the model in which an amplitude and what belongs to its place are absent."""
+        piece = self.pieces[entry.piece]
+        places = tuple(place for place in piece.places if place != entry.place)
+        pieces = list(self.pieces)
+        if entry.place and places:
+            pieces[entry.piece] = replace(piece, places=places)
+        else:
+            del pieces[entry.piece]
+        return EffectModel(self.setting, tuple(pieces))
+
+    def match(self, other: "EffectModel") -> NDArray[np.int64]:
+        """Where the entries of another model, which has no more than this one, stand in φ."""
+        mine = [(self.pieces[e.piece].effect.id, e.name) for e in self.entries]
+        return np.array(
+            [mine.index((other.pieces[e.piece].effect.id, e.name)) for e in other.entries], int
+        )
+
+    def extend(self, piece: Piece) -> "EffectModel":
+        """Build the model with one more piece."""
+        return EffectModel(self.setting, (*self.pieces, piece))
+
+    @cached_property
+    def entries(self) -> tuple[Entry, ...]:
+        """Every number of φ, in order."""
+        entries = []
+        for number, piece in enumerate(self.pieces):
+            for parameter in piece.form.parameters:
+                places = [()] if parameter.per == "chain" else piece.places
+                entries += [Entry(number, parameter, place) for place in places]
+        return tuple(entries)
+
+    @property
+    def shared_prior(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Prior mean and sd of φ, on the internal scale."""
+        return self._gather("mean"), self._gather("sd")
+
+    @property
+    def low(self) -> NDArray[np.float64]:
+        """Lower bounds of φ."""
+        return self._gather("low")
+
+    @property
+    def high(self) -> NDArray[np.float64]:
+        """Upper bounds of φ."""
+        return self._gather("high")
+
+    @property
+    def amplitudes(self) -> NDArray[np.bool_]:
+        """Which numbers of φ are amplitudes."""
+        return np.array([e.parameter.amplitude for e in self.entries], bool)
+
+    def _gather(self, attribute: str) -> NDArray[np.float64]:
+        return np.array([getattr(e.parameter, attribute) for e in self.entries], float)
+
+    def list_starts(self, piece: int) -> list[dict[str, float]]:
+        """Every combination of starts of one piece's parameters, internal scale."""
+        parameters = self.pieces[piece].form.parameters
+        choices = [p.starts or (p.mean,) for p in parameters]
+        names = [p.name for p in parameters]
+        return [dict(zip(names, values, strict=True)) for values in product(*choices)]
+
+    def place_start(self, piece: int, start: Mapping[str, float]) -> NDArray[np.float64]:
+        """Values of the entries of one piece at one of its starts."""
+        mine = [entry for entry in self.entries if entry.piece == piece]
+        return np.array([start[entry.parameter.name] for entry in mine])
+
+    def fill_slots(self, shared: NDArray[np.float64]) -> SlotArrays:
+        """Fill the slots of the forward model for all trials from φ (p,)."""
+        values: dict[str, NDArray] = {}
+        for number, piece in enumerate(self.pieces):
+            for name, value in piece.form.slots(self._physical(number, shared)).items():
+                if name in values and SLOTS[name].null != 0.0:
+                    raise Fault(f"{self.label}: two effects claim the slot {name}")
+                values[name] = values[name] + value if name in values else value
+        if not np.all([np.isfinite(value).all() for value in values.values()]):
+            raise ArithmeticError(f"{self.label}: a slot is not finite at {shared}")
+        return build_slots(self.setting.trials, self.setting.joints, values)
+
+    def fill_tangents(self, shared: NDArray[np.float64]) -> list[SlotArrays]:
+        """Differentiate the slots by each number of φ: central differences of a smooth map."""
+        tangents = []
+        for k, entry in enumerate(self.entries):
+            step = DIFFERENCE * entry.parameter.sd
+            up, down = shared.copy(), shared.copy()
+            up[k], down[k] = shared[k] + step, shared[k] - step
+            pairs = zip(self.fill_slots(up), self.fill_slots(down), strict=True)
+            tangents.append(SlotArrays(*((a - b) / (2 * step) for a, b in pairs)))
+        return tangents
+
+    def _physical(self, piece: int, shared: NDArray[np.float64]) -> dict[str, NDArray]:
+        joints = self.setting.joints
+        empty = {"chain": (), "joint": (joints,), "pair": (joints, joints)}
+        values = {}
+        for parameter in self.pieces[piece].form.parameters:
+            fill = 0.0 if parameter.amplitude else np.exp(parameter.mean * parameter.log)
+            values[parameter.name] = np.full(empty[parameter.per], fill)
+        for entry, value in zip(self.entries, shared, strict=True):
+            if entry.piece == piece:
+                physical = np.exp(value) if entry.parameter.log else value
+                values[entry.parameter.name][entry.place] = physical
+        return values

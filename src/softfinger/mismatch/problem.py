@@ -1,0 +1,136 @@
+"""A campaign as a mixed-effects problem: recordings, priors, forward model; and its fits."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from softfinger.faults import Fault
+from softfinger.mechanics.effects.effect import Setting
+from softfinger.mechanics.forward.simulate import (
+    Finger,
+    describe_finger,
+    describe_unknown_finger,
+    simulate_joint_angle_array,
+)
+from softfinger.mismatch.model import LONGEST_STEP, EffectModel
+from softfinger.mismatch.pilot import guess_own
+from softfinger.mismatch.reduce import reduce_trials
+from softfinger.mismatch.setting import build_setting, read_geometry
+from softfinger.mismatch.trials import Trials, prepare_trials
+from softfinger.population.mixed_effects import Prior
+from softfinger.population.mixed_effects_laplace import Fit, SharedBounds, fit_nonlinear
+
+OWN = 4  # log k_v, log c_v, log c_p, q_ini
+MEAN_SD = (2.0, 2.5, 3.0, 0.5)  # prior sd of the population's mean, about the first guess
+SPREAD = (0.2, 0.3, 0.4, 0.01)  # typical sd between trials
+SPREAD_WEIGHT = 2.0  # what that counts in trials
+TOLERANCE = 1e-5  # [rad] of the forward model, a hundredth of a good camera's noise
+LONGEST_OWN_STEP = (0.7, 0.7, 1.0, 0.5)
+START_SPREAD = (0.4, 0.6, 0.8, 0.02)
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """What every fit of a campaign shares."""
+
+    trials: Trials
+    noise: xr.Dataset
+    finger: Finger
+    guess: NDArray[np.float64]
+    setting: Setting
+
+    @property
+    def base(self) -> EffectModel:
+        """The model without any effect."""
+        return EffectModel(self.setting)
+
+    def simulate(
+        self, model: EffectModel, own: NDArray[np.float64], shared: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Angles (trial, joint, node) and derivatives (trial, joint, node, 4 · joint + p)."""
+        trials = self.trials
+        return simulate_joint_angle_array(
+            own.reshape(len(own), trials.joints, OWN),
+            model.fill_slots(shared),
+            model.fill_tangents(shared),
+            self.finger,
+            trials.node.reshape(len(own), -1),
+            trials.load_time,
+            trials.load_torque,
+            tolerance=TOLERANCE,
+        )
+
+    def linearise(
+        self, model: EffectModel, own: NDArray[np.float64], shared: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Gram matrices (trial, …) of [∂F/∂η | ∂F/∂φ | residual]; NaN where there is no motion."""
+        try:
+            angle, slope = self.simulate(model, own, shared)
+        except (ArithmeticError, Fault):
+            size = own.shape[1] + len(shared) + 1
+            return np.full((len(own), size, size), np.nan)
+        return reduce_trials(self.trials, angle, slope)
+
+    def build_prior(self, model: EffectModel) -> Prior:
+        """Priors of μ, φ and Ω."""
+        mean, sd = model.shared_prior
+        joints = self.trials.joints
+        return Prior(
+            np.concatenate([self.guess.ravel(), mean]),
+            np.concatenate([np.tile(MEAN_SD, joints), sd]) ** -2.0,
+            np.tile(SPREAD, joints),
+            SPREAD_WEIGHT,
+            OWN,
+        )
+
+    def build_bounds(self, model: EffectModel) -> SharedBounds:
+        """Bounds and longest steps of φ."""
+        return SharedBounds(model.low, model.high, LONGEST_STEP * model.shared_prior[1])
+
+    def fit(
+        self,
+        model: EffectModel,
+        start: tuple[NDArray, NDArray, NDArray],
+        *,
+        steps: int = 25,
+        tolerance: float = 0.02,
+    ) -> Fit:
+        """Fit a model from (η, φ, Ω)."""
+        longest = np.tile(LONGEST_OWN_STEP, self.trials.joints)
+        return fit_nonlinear(
+            lambda own, shared: self.linearise(model, own, shared),
+            self.build_prior(model),
+            self.build_bounds(model),
+            longest,
+            start,
+            steps=steps,
+            tolerance=tolerance,
+        )
+
+
+def pose_problem(angles: xr.Dataset) -> tuple[Problem, Fit]:
+    """Prepare a campaign and fit the base model to it.
+
+    Parameters
+    ----------
+    angles
+        The `angles` artifact.
+    """
+    trials, noise = prepare_trials(angles)
+    guess = guess_own(trials)
+    own = np.tile(guess.ravel(), (len(trials.name), 1))
+    own[:, OWN - 1 :: OWN] = _first_angle(trials, guess)
+    geometry = read_geometry(angles)
+    unknown = describe_unknown_finger(trials.joints)
+    finger = unknown if geometry is None else describe_finger(geometry)
+    problem = Problem(trials, noise, finger, guess, build_setting(angles, trials, own))
+    omega = np.diag(np.tile(START_SPREAD, trials.joints) * np.ones(own.shape[1])) ** 2
+    fit = problem.fit(problem.base, (own, np.zeros(0), omega), steps=60)
+    return replace(problem, setting=build_setting(angles, trials, fit.own)), fit
+
+
+def _first_angle(trials: Trials, guess: NDArray) -> NDArray:
+    first = trials.angle[:, :3].mean(axis=1)
+    return np.where(trials.present, np.nan_to_num(first), guess[:, OWN - 1])

@@ -1,0 +1,120 @@
+"""Which effects together: forward addition, backward elimination, every model kept."""
+
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
+
+from softfinger.mismatch.model import EffectModel, Piece
+from softfinger.mismatch.problem import Problem
+from softfinger.mismatch.rank import Candidate, Score, list_pieces, prune, rank_pieces
+
+MOST_EFFECTS = 3
+RIVALS = 2  # sets of effects from which a further effect is tried
+RIVAL_NATS = 10.0  # behind the best, at most
+
+Progress = Callable[[Iterable, str], Iterable]
+
+
+class Search(NamedTuple):
+    """Everything that was fitted.
+
+    Attributes
+    ----------
+    base
+        The base model.
+    candidates
+        All other models, best first.
+    best
+        The set that addition and elimination end with.
+    first_gain
+        Largest gain of one effect over the base model [nats].
+    refused
+        Effect id → why the campaign cannot show it.
+    scores
+        One-step scores of every form over the base model.
+    """
+
+    base: Candidate
+    candidates: list[Candidate]
+    best: Candidate
+    first_gain: float
+    refused: dict[str, str]
+    scores: list[Score]
+
+
+def search_effects(problem: Problem, base: Candidate, needed: float, progress: Progress) -> Search:
+    """Add effects while the best addition gains more than `needed` nats; then eliminate.
+
+    Parameters
+    ----------
+    needed
+        Gain [nats] that chance exceeds in 1 % of campaigns, over the whole catalogue.
+    """
+    pieces, refused = list_pieces(problem.setting)
+    singles, scores = rank_pieces(problem, base, progress(pieces, "trying effects"))
+    found = list(singles)
+    best = singles[0] if singles else base
+    first_gain = best.log_evidence - base.log_evidence
+    if first_gain <= needed or best.fit is None:
+        return Search(base, found, base, max(first_gain, 0.0), refused, scores)
+    for _ in range(MOST_EFFECTS - 1):
+        larger = []
+        for rival in _list_rivals(found, len(best.model.ids)):
+            more = [p for p in pieces if p.effect.id not in rival.model.ids and p.form]
+            added, _ = rank_pieces(problem, rival, progress(_compatible(rival, more), "adding"))
+            larger += added
+        found += larger
+        larger = [c for c in larger if c.fit is not None]
+        top = max(larger, key=lambda c: c.log_evidence, default=best)
+        if top.log_evidence - best.log_evidence <= needed:
+            break
+        best = _eliminate(problem, base, top, needed, found)
+    found.sort(key=lambda c: -c.log_evidence)
+    return Search(base, found, best, first_gain, refused, scores)
+
+
+def _list_rivals(found: list[Candidate], size: int) -> list[Candidate]:
+    """Best models of the closest sets of effects of one size."""
+    best: dict[frozenset[str], Candidate] = {}
+    for candidate in sorted(found, key=lambda c: -c.log_evidence):
+        if candidate.fit is not None and len(candidate.model.ids) == size:
+            best.setdefault(candidate.model.ids, candidate)
+    rivals = list(best.values())[:RIVALS]
+    return [c for c in rivals if c.log_evidence > rivals[0].log_evidence - RIVAL_NATS]
+
+
+def _compatible(candidate: Candidate, pieces: Iterable[Piece]) -> list[Piece]:
+    """Pieces that claim no slot that the model already uses in another sense."""
+    fitting = []
+    for piece in pieces:
+        try:
+            model = candidate.model.extend(piece)
+            model.fill_slots(model.shared_prior[0])
+        except (ValueError, ArithmeticError):
+            continue
+        fitting.append(piece)
+    return fitting
+
+
+def _eliminate(
+    problem: Problem,
+    base: Candidate,
+    candidate: Candidate,
+    needed: float,
+    found: list[Candidate],
+) -> Candidate:
+    """Drop effects whose absence costs less than `needed` nats; each smaller model is kept."""
+    while len(candidate.model.pieces) > 1:
+        smaller = []
+        for piece in candidate.model.pieces:
+            kept = tuple(p for p in candidate.model.pieces if p is not piece)
+            model = EffectModel(problem.setting, kept)
+            shared = candidate.fit.shared[candidate.model.match(model)]
+            fit = problem.fit(model, (candidate.fit.own, shared, candidate.fit.omega))
+            if fit.converged:
+                smaller.append(prune(problem, Candidate(model, fit, fit.log_evidence)))
+        found += smaller
+        top = max(smaller, key=lambda c: c.log_evidence, default=None)
+        if top is None or candidate.log_evidence - top.log_evidence > needed:
+            return candidate
+        candidate = top
+    return candidate

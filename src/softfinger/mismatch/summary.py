@@ -1,0 +1,125 @@
+"""Numbers of a verdict that come straight from two fits: residuals, spread, elpd, bias."""
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.stats import norm
+
+from softfinger.mechanics.forward.simulate import simulate_joint_angle_array
+from softfinger.mismatch.locate import PARAMETERS
+from softfinger.mismatch.problem import OWN, TOLERANCE, Problem
+from softfinger.mismatch.rank import Candidate
+from softfinger.mismatch.verdict import Elpd
+from softfinger.population.mixed_effects_loo import compute_left_out
+
+NOISE_VARIANCE_SD = 0.02  # how well a bin's noise variance is known, relatively
+
+
+def predict_frames(
+    problem: Problem, candidate: Candidate, angles: xr.Dataset
+) -> NDArray[np.float64]:
+    """Angles (trial, joint, frame) [rad] at every frame, each trial at its own mode."""
+    trials = problem.trials
+    own = candidate.fit.own.reshape(len(trials.name), trials.joints, OWN)
+    time = angles.sel(trial=trials.name)["time"].transpose("trial", "frame").values
+    forward = np.maximum.accumulate(np.where(np.isfinite(time), time, -np.inf), axis=1)
+    time = np.where(np.isfinite(time), forward, np.nan)
+    angle, _ = simulate_joint_angle_array(
+        own,
+        candidate.model.fill_slots(candidate.fit.shared),
+        [],
+        problem.finger,
+        time,
+        trials.load_time,
+        trials.load_torque,
+        gradient=False,
+        tolerance=TOLERANCE,
+    )
+    return angle
+
+
+def compute_residual(
+    problem: Problem, candidate: Candidate, angles: xr.Dataset
+) -> NDArray[np.float64]:
+    """Recorded minus predicted angle (trial, joint, frame) [rad]; NaN where a frame is not used."""
+    chosen = angles.sel(trial=problem.trials.name)
+    recorded = chosen["joint_angle"].transpose("trial", "joint", "frame").values
+    residual = recorded - predict_frames(problem, candidate, angles)
+    used = np.zeros(residual.shape[::2], bool)
+    for i, frames in enumerate(problem.trials.used):
+        used[i, frames] = True
+    return np.where(used[:, None] & problem.trials.present[:, :, None], residual, np.nan)
+
+
+def compute_elpd(problem: Problem, base: Candidate, final: Candidate) -> Elpd | None:
+    """Leave-one-trial-out elpd of two fits; None for a single trial."""
+    trials = problem.trials
+    if len(trials.name) < 2:
+        return None
+    rows, logdet = trials.size[trials.protocol], trials.logdet[trials.protocol]
+    before, after = (
+        compute_left_out(c.fit, problem.build_prior(c.model), rows, logdet) for c in (base, final)
+    )
+    difference = after - before
+    return Elpd(
+        baseline=float(before.sum()),
+        final=float(after.sum()),
+        difference=float(difference.sum()),
+        se=float(np.sqrt(len(difference) * difference.var(ddof=1))),
+    )
+
+
+def compute_spread(problem: Problem, candidate: Candidate) -> NDArray[np.float64]:
+    """Variance between trials (joint, 4) of each parameter."""
+    return np.diag(candidate.fit.omega).reshape(problem.trials.joints, OWN)
+
+
+def explain_spread(
+    problem: Problem, base: Candidate, final: Candidate
+) -> dict[str, dict[str, float]]:
+    """Share of the trial-to-trial variance that the final model's physics explains."""
+    share = 1.0 - compute_spread(problem, final) / compute_spread(problem, base)
+    return {
+        name: {str(j + 1): float(share[j, k]) for j in range(len(share))}
+        for k, name in enumerate(PARAMETERS)
+    }
+
+
+def compare_parameters(problem: Problem, base: Candidate, final: Candidate) -> xr.Dataset:
+    """Population means before and after, and the bias that the omission caused.
+
+    Returns
+    -------
+    Dataset
+        before, before_sd, after, after_sd, bias (joint, parameter); bias = before − after: of a
+        logarithm about the relative error.
+    """
+    shape = (problem.trials.joints, OWN)
+    values = {}
+    for word, candidate in (("before", base), ("after", final)):
+        values[word] = candidate.fit.mean.reshape(shape)
+        values[f"{word}_sd"] = np.sqrt(np.diag(candidate.fit.mean_covariance)).reshape(shape)
+    values["bias"] = values["before"] - values["after"]
+    return xr.Dataset(
+        {name: (("joint", "parameter"), value) for name, value in values.items()},
+        coords={"joint": np.arange(1, shape[0] + 1), "parameter": list(PARAMETERS)},
+    )
+
+
+def compute_excess(candidate: Candidate, rows: NDArray[np.int64]) -> tuple[float, float]:
+    """Excess of χ² within trials over its expectation, per number, and its p-value.
+
+    Each trial's residual is taken perpendicular to what its own parameters could still take up, so
+    the population has no part in it.
+    """
+    d = len(candidate.fit.omega)
+    square, freedom = 0.0, 0
+    for gram, n in zip(candidate.fit.gram, rows, strict=True):
+        own, cross = gram[:d, :d], gram[:d, -1]
+        rank = int(np.linalg.matrix_rank(own, tol=1e-9 * np.trace(own), hermitian=True))
+        square += gram[-1, -1] - cross @ np.linalg.pinv(own, rcond=1e-9, hermitian=True) @ cross
+        freedom += n - rank
+    freedom = max(freedom - len(candidate.fit.shared), 1)
+    excess = square / freedom - 1.0
+    sd = np.hypot(np.sqrt(2.0 / freedom), NOISE_VARIANCE_SD)
+    return float(excess), float(norm.sf(excess / sd))
