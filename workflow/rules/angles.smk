@@ -4,13 +4,13 @@ rule angles:
         markers=expand(OUT / "markers/{batch}.nc", batch=BATCHES),
     output:
         angles=OUT / "angles.nc",
+    log:
+        OUT / "logs/angles.log",
     params:
         folder=CAMPAIGN,
         config=config["tracking"],
         seed=config["seed"],
         code=code_hash("angles"),
-    log:
-        OUT / "logs/angles.log",
     message:
         "Turn marker positions and angle tables into joint angles and loads"
     script:

@@ -3,12 +3,12 @@ rule least_squares:
         angles=OUT / "angles.nc",
     output:
         least_squares=OUT / "least_squares.nc",
+    log:
+        OUT / "logs/least_squares.log",
     params:
         config=config["estimation"],
         seed=config["seed"],
         code=code_hash("least_squares"),
-    log:
-        OUT / "logs/least_squares.log",
     message:
         "Fit each trial by least squares, the paper's way"
     script:
@@ -21,13 +21,13 @@ rule fit:
     output:
         posterior=OUT / "posterior.nc",
         sampling=OUT / "sampling.nc",
+    log:
+        OUT / "logs/fit.log",
+    threads: 2
     params:
         config=config["estimation"],
         seed=config["seed"],
         code=code_hash("fit"),
-    log:
-        OUT / "logs/fit.log",
-    threads: 2
     message:
         "Sample the hierarchical posterior"
     script:

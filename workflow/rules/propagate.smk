@@ -6,12 +6,12 @@ rule propagate:
     output:
         bands=OUT / "bands.nc",
         densities=OUT / "densities.nc",
+    log:
+        OUT / "logs/propagate.log",
     params:
         config=config["propagation"],
         seed=config["seed"],
         code=code_hash("propagate"),
-    log:
-        OUT / "logs/propagate.log",
     message:
         "Propagate the spread of the parameters to bands and densities of the angles"
     script:

@@ -1,4 +1,12 @@
-ARTIFACTS = ["angles", "least_squares", "posterior", "sampling", "bands", "densities", "sobol"]
+ARTIFACTS = [
+    "angles",
+    "least_squares",
+    "posterior",
+    "sampling",
+    "bands",
+    "densities",
+    "sobol",
+]
 
 
 rule report:
@@ -7,11 +15,11 @@ rule report:
         markers=expand(OUT / "markers/{batch}.nc", batch=BATCHES),
     output:
         report=report(OUT / "report.html", caption="../report/report.rst"),
+    log:
+        OUT / "logs/report.log",
     params:
         config=config,
         code=code_hash("report"),
-    log:
-        OUT / "logs/report.log",
     message:
         "Write the report"
     script:
@@ -24,10 +32,10 @@ rule check_artifacts:
         markers=expand(OUT / "markers/{batch}.nc", batch=BATCHES),
     output:
         receipt=OUT / "receipt.csv",
-    params:
-        code=code_hash("check_artifacts"),
     log:
         OUT / "logs/check_artifacts.log",
+    params:
+        code=code_hash("check_artifacts"),
     message:
         "Check every artifact against its declaration"
     script:

@@ -5,12 +5,12 @@ rule sobol:
         posterior=OUT / "posterior.nc",
     output:
         sobol=OUT / "sobol.nc",
+    log:
+        OUT / "logs/sobol.log",
     params:
         config=config["propagation"],
         seed=config["seed"],
         code=code_hash("sobol"),
-    log:
-        OUT / "logs/sobol.log",
     message:
         "Split the spread of the angles among the parameters"
     script:

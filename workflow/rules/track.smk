@@ -4,14 +4,14 @@ rule track:
         videos=batch_videos,
     output:
         markers=OUT / "markers/{batch}.nc",
+    log:
+        OUT / "logs/track_{batch}.log",
     params:
         folder=CAMPAIGN,
         trials=batch_trials,
         config=config["tracking"],
         seed=config["seed"],
         code=code_hash("track"),
-    log:
-        OUT / "logs/track_{batch}.log",
     message:
         "Track the markers in batch {wildcards.batch}"
     script:

@@ -5,13 +5,13 @@ if SIMULATED:
         output:
             TABLES,
             truth=OUT / "truth.nc",
+        log:
+            OUT / "logs/virtual_rig.log",
         params:
             folder=CAMPAIGN,
             config=config["virtual_rig"],
             seed=config["seed"],
             code=code_hash("virtual_rig"),
-        log:
-            OUT / "logs/virtual_rig.log",
         message:
             "Draw a finger's trials and move it by the full equations of motion"
         script:
@@ -26,12 +26,12 @@ if SIMULATED:
                 truth=OUT / "truth.nc",
             output:
                 videos=[VIDEOS[name] for name in names],
+            log:
+                OUT / f"logs/film_{batch}.log",
             params:
                 config=config["virtual_rig"],
                 seed=config["seed"],
                 code=code_hash("film"),
-            log:
-                OUT / f"logs/film_{batch}.log",
             message:
                 f"Film {len(names)} trials, from {names[0]}"
             script:

@@ -1,3 +1,5 @@
+"""Rule `angles`."""
+
 from softfinger.stages.angles import angles
 from softfinger.stages.glue import run_stage
 

@@ -1,3 +1,5 @@
+"""Rule `check_artifacts`."""
+
 from softfinger.stages.check_artifacts import check_artifacts
 from softfinger.stages.glue import run_stage
 

@@ -1,3 +1,5 @@
+"""Rule `film`."""
+
 from softfinger.stages.film import film
 from softfinger.stages.glue import run_stage
 

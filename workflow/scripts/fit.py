@@ -1,3 +1,5 @@
+"""Rule `fit`."""
+
 from softfinger.stages.fit import fit
 from softfinger.stages.glue import run_stage
 

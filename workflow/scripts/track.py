@@ -1,4 +1,6 @@
-from softfinger.stages.track import track
+"""Rule `track`."""
+
 from softfinger.stages.glue import run_stage
+from softfinger.stages.track import track
 
 run_stage(track, snakemake)
