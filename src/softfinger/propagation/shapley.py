@@ -21,6 +21,7 @@ from itertools import combinations
 from math import factorial
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from softfinger.faults import Fault
@@ -144,8 +145,35 @@ def _square_shared(
     step = float(compute_log_step(shared))
     half = int(REACH * shared / step) + 1
     y = step * np.arange(-half, half + 1)
-    given = compute_normal_weights(lattice, centre + y, np.full(y.size, own)) @ table
-    return compute_normal_weights(y, 0.0, shared) @ given**2
+    weight = compute_normal_weights(y, 0.0, shared)
+    return _average_squares(lattice, table, centre + y, weight, own)
+
+
+@njit(cache=True)
+def _average_squares(
+    lattice: NDArray, table: NDArray, centre: NDArray, weight: NDArray, sd: float
+) -> NDArray:
+    """Σ_i weight_i (mean of the table's rows under N(centre_i, sd²))²: (n,).
+
+    Not by a matrix product: there are thousands of these, too small for a threaded library.
+    """
+    n = table.shape[1]
+    square = np.zeros(n)
+    for i in range(centre.size):
+        given = np.zeros(n)
+        total = 0.0
+        first = np.searchsorted(lattice, centre[i] - REACH * sd)
+        last = np.searchsorted(lattice, centre[i] + REACH * sd)
+        for m in range(first, last):
+            z = (lattice[m] - centre[i]) / sd
+            mass = np.exp(-0.5 * z * z)
+            total += mass
+            for t in range(n):
+                given[t] += mass * table[m, t]
+        scale = weight[i] / total**2
+        for t in range(n):
+            square[t] += scale * given[t] * given[t]
+    return square
 
 
 def _space_lattice(mu: NDArray, covariance: NDArray) -> NDArray[np.float64]:
