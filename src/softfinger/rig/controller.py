@@ -132,6 +132,7 @@ class Controller:
         self._may_pull = False
         self._request("release")
         self._request("stream", rate_hz=0)
+        self._take(self._link.poll())  # so that no later pull is blamed for this release
 
     def release_for_certain(self) -> str:
         """Let the wire go though anything may be broken; return a clause that says what is known.

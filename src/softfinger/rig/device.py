@@ -56,6 +56,8 @@ class Device:
         Tension that something other than the motor adds.
     ignores_limit
         A firmware at fault.
+    verbs
+        What it obeys.
     """
 
     def __init__(self, settings: DeviceSettings, rng: np.random.Generator) -> None:
@@ -73,7 +75,7 @@ class Device:
         self._next_sample, self._sample_number = np.inf, 0
         self._edges_told = 0
         self._fed = 0.0
-        self._verbs: dict[str, Callable[[Message, float], Mapping[str, object]]] = {
+        self.verbs: dict[str, Callable[[Message, float], Mapping[str, object]]] = {
             "hello": self._hello,
             "limit": self._set_limit,
             "environment": self._tell_environment,
@@ -99,9 +101,9 @@ class Device:
         if message.verb in ("release", "hello"):
             said = self._release(now, "request")
         try:
-            if message.verb not in self._verbs:
+            if message.verb not in self.verbs:
                 raise Refusal("unknown_verb")
-            fields = self._verbs[message.verb](message, now)
+            fields = self.verbs[message.verb](message, now)
         except Refusal as refusal:
             return [*said, Message(message.number, "error", refusal.fields)]
         except LineFault:

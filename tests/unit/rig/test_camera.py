@@ -62,9 +62,7 @@ def test_a_camera_that_takes_another_size_is_a_fault(tmp_path, plan):
     film = write_film(tmp_path / "a.avi", 5)
     with (
         FrameGrabber(open_camera(str(film), plan), plan) as grabber,
-        pytest.raises(
-            Fault, match=r"pictures of 80 × 60 px, but .*picture_px is \[640, 480"
-        ),
+        pytest.raises(Fault, match=r"pictures of 80 × 60 px, but .*picture_px is \[640, 480"),
     ):
         take_until(grabber, 1)
 
