@@ -1,1 +1,7 @@
 """Parameters of every trial and their distribution over trials, the paper's way and Bayes'."""
+
+from softfinger.estimation.diagnostics import diagnose_sampling
+from softfinger.estimation.least_squares import fit_least_squares
+from softfinger.estimation.posterior import fit_posterior
+
+__all__ = ["diagnose_sampling", "fit_least_squares", "fit_posterior"]

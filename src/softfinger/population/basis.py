@@ -29,12 +29,16 @@ Protocol = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 
 
 class ElasticTable(NamedTuple):
-    """Coefficients c(x) and their slopes by x on an even grid of x: first, step, (node, mode)."""
+    """Coefficients c(x) and their slopes by x on an even grid of x."""
 
-    first: float
-    step: float
-    value: NDArray[np.float64]
-    slope: NDArray[np.float64]
+    place: NDArray[np.float64]  # (2,): first x, step
+    value: NDArray[np.float64]  # (node, mode)
+    slope: NDArray[np.float64]  # (node, mode)
+
+    @property
+    def nodes(self) -> NDArray[np.float64]:
+        """The grid of x (node,)."""
+        return self.place[0] + self.place[1] * np.arange(len(self.value))
 
 
 def build_elastic_table(protocols: list[Protocol]) -> ElasticTable:
@@ -56,13 +60,12 @@ def build_elastic_table(protocols: list[Protocol]) -> ElasticTable:
     modes = modes[size > TOLERANCE * size[0]]
     nodes = np.linspace(low, high, int(np.ceil((high - low) / TABLE_STEP)) + 1)
     value, slope = _project(nodes, [protocols[i] for i in chosen], modes)
-    return ElasticTable(low, nodes[1] - nodes[0], value, slope)
+    return ElasticTable(np.array([low, nodes[1] - nodes[0]]), value, slope)
 
 
 def build_elastic_modes(table: ElasticTable, protocol: Protocol) -> NDArray[np.float64]:
     """Build the curves U (mode, n) [N m] of one protocol for the table's coefficients."""
-    high = table.first + table.step * (len(table.value) - 1)
-    places = place_curves_array(table.first, high)
+    places = place_curves_array(*table.nodes[[0, -1]])
     coefficients = np.stack([interpolate_coefficients_array(table, x)[0] for x in places])
     curves, _ = _evaluate(places, protocol)
     return np.linalg.lstsq(coefficients, curves, rcond=1e-14)[0]
@@ -92,8 +95,7 @@ def interpolate_coefficients_array(
 @njit(cache=True)
 def fill_coefficients(
     x: float,
-    first: float,
-    step: float,
+    place: NDArray,
     table_value: NDArray,
     table_slope: NDArray,
     value: NDArray,
@@ -101,20 +103,21 @@ def fill_coefficients(
 ) -> None:
     """Write c(x) and dc/dx into `value` and `slope` (mode,); limits outside of the table."""
     last = table_value.shape[0] - 1
-    place = (x - first) / step
-    if place <= 0.0:
-        share = np.exp(x - first)
+    step = place[1]
+    where = (x - place[0]) / step
+    if where <= 0.0:
+        share = np.exp(x - place[0])
         for m in range(value.size):
             value[m] = table_value[0, m] * share
             slope[m] = value[m]
         return
-    if place >= last:
+    if where >= last:
         for m in range(value.size):
             value[m] = table_value[last, m]
             slope[m] = 0.0
         return
-    k = int(place)
-    s = place - k
+    k = int(where)
+    s = where - k
     r = 1.0 - s
     h00, h01 = (1.0 + 2.0 * s) * r * r, s * s * (3.0 - 2.0 * s)
     h10, h11 = s * r * r * step, -s * s * r * step

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from softfinger.mechanics.load import integrate_load_array
 from softfinger.population.basis import (
+    TOLERANCE,
     ElasticTable,
     Protocol,
     build_elastic_modes,
@@ -29,15 +30,21 @@ from softfinger.population.gaps import place_gap_nodes_array, spread_gaps_array
 
 
 class Collapse(NamedTuple):
-    """What is left of a campaign's frames; D = modes + 2 + joints, node = a gap between frames."""
+    """What is left of a campaign's frames; D = modes + 2 + joints."""
 
     table: ElasticTable
-    gap: NDArray[np.float64]  # (node,) in median frame intervals
-    products: NDArray[np.float64]  # (trial, node, 3, D, D): N, B, X
+    gap: NDArray[np.float64]  # (gap,) nodes of gaps between frames, in median intervals
+    products: NDArray[np.float64]  # (trial, gap, 3, D, D): N, B, X
     first: NDArray[np.float64]  # (trial, D): the first used row
-    count: NDArray[np.float64]  # (trial, node): pairs of frames
-    log_scale: NDArray[np.float64]  # (trial,): Σ log frame_scale, of one joint
-    present: NDArray[np.bool_]  # (trial, joint)
+    count: NDArray[np.float64]  # (trial, gap + 1): pairs of frames, then 1 if there is a frame
+    offset: NDArray[np.float64]  # (trial,) [nats]: the constant of log p
+    patterns: NDArray[np.bool_]  # (pattern, joint): who is present
+    pattern: NDArray[np.int64]  # (trial,)
+
+    @property
+    def present(self) -> NDArray[np.bool_]:
+        """Which joints (trial, joint) take part."""
+        return self.patterns[self.pattern]
 
 
 def collapse_angles(angles: xr.Dataset, frames: xr.Dataset) -> Collapse:
@@ -56,20 +63,43 @@ def collapse_angles(angles: xr.Dataset, frames: xr.Dataset) -> Collapse:
     modes = {key: build_elastic_modes(table, value) for key, value in protocols.items()}
     gaps = [np.diff(s.protocol[0][s.kept]) / float(frames["frame_interval"]) for s in series]
     nodes = place_gap_nodes_array(np.concatenate(gaps))
-    size = table.value.shape[1] + 2 + angles.sizes["joint"]
-    n = len(series)
+    n, size = len(series), table.value.shape[1] + 2 + angles.sizes["joint"]
     products, first = np.zeros((n, len(nodes), 3, size, size)), np.zeros((n, size))
-    count = np.zeros((n, len(nodes)))
+    count = np.zeros((n, len(nodes) + 1))
     for i, (trial, gap) in enumerate(zip(series, gaps, strict=True)):
-        if len(trial.angle) == 0:
-            continue
-        rows = _build_rows(trial, modes[_fingerprint(trial.protocol)])
-        weights = spread_gaps_array(gap, nodes)
-        first[i], count[i] = rows[0], weights.sum(axis=0)
-        products[i] = _sum_products(rows, weights)
-    log_scale = np.array([np.log(s.scale).sum() for s in series])
+        if len(trial.angle) > 0:
+            rows = _build_rows(trial, modes[_fingerprint(trial.protocol)])
+            weights = spread_gaps_array(gap, nodes)
+            first[i], count[i] = rows[0], [*weights.sum(axis=0), 1.0]
+            products[i] = _sum_products(rows, weights)
     present = frames["present"].transpose("trial", "joint").values
-    return Collapse(table, nodes, products, first, count, log_scale, present)
+    patterns, pattern = np.unique(present, axis=0, return_inverse=True)
+    constant = [np.log(s.scale).sum() + 0.5 * np.log(2 * np.pi) * len(s.scale) for s in series]
+    offset = -present.sum(axis=1) * np.array(constant)
+    return Collapse(table, nodes, products, first, count, offset, patterns, pattern.ravel())
+
+
+def restrict_collapse(collapse: Collapse, low: float, high: float) -> Collapse:
+    """Reduce the curves to those of rates between two values of x, which need fewer modes.
+
+    Between low and high the likelihood stays the same to rounding; beyond, it is that of the
+    curves' projection.
+    """
+    table = collapse.table
+    inside = (table.nodes >= low) & (table.nodes <= high)
+    _, size, modes = np.linalg.svd(table.value[inside], full_matrices=False)
+    modes = modes[size > TOLERANCE * size[0]]
+    rest = collapse.first.shape[1] - table.value.shape[1]
+    turn = np.block(
+        [
+            [modes, np.zeros((len(modes), rest))],
+            [np.zeros((rest, modes.shape[1])), np.eye(rest)],
+        ]
+    )
+    smaller = ElasticTable(table.place, table.value @ modes.T, table.slope @ modes.T)
+    return collapse._replace(
+        table=smaller, products=turn @ collapse.products @ turn.T, first=collapse.first @ turn.T
+    )
 
 
 class _Series(NamedTuple):

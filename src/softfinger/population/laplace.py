@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from softfinger.population.basis import fill_coefficients
 from softfinger.population.collapse import Collapse
-from softfinger.population.likelihood import NoiseWeights, find_patterns_array
+from softfinger.population.weights import NoiseWeights
 
 STEPS = 60
 LONGEST_STEP = 1.0  # in any log-parameter, or rad
@@ -44,21 +44,20 @@ def find_modes(
     Parameters
     ----------
     collapse, weights
-        What `collapse_angles` and `compute_noise_weights_array` make.
+        What `collapse_angles` and `weigh_noise` make.
     mean, precision
         (p,) μ and (p, p) Ω⁻¹ of the population.
     start
         (trial, p) where the search begins.
     """
-    _, index = find_patterns_array(collapse.present)
     trials, size = start.shape
     eta = np.array(start, float)
     curvature, pull = np.empty((trials, size, size)), np.empty((trials, size))
     quadratic = np.empty(trials)
     _search(
-        eta, mean, precision, collapse.table.first, collapse.table.step, collapse.table.value,
-        collapse.table.slope, collapse.products, collapse.first, weights.pair, weights.first,
-        index, curvature, pull, quadratic,
+        eta, mean, precision, collapse.table.place, collapse.table.value, collapse.table.slope,
+        collapse.products, collapse.first, weights.pair, weights.precision[:, -1],
+        collapse.pattern, curvature, pull, quadratic,
     )  # fmt: skip
     return Modes(eta, curvature, pull, quadratic)
 
@@ -68,8 +67,7 @@ def _search(
     eta: NDArray,
     mean: NDArray,
     precision: NDArray,
-    table_first: float,
-    table_step: float,
+    place: NDArray,
     table_value: NDArray,
     table_slope: NDArray,
     products: NDArray,
@@ -85,7 +83,7 @@ def _search(
     eye = np.eye(size)
     for i in range(eta.shape[0]):
         here = pattern[i]
-        table = (table_first, table_step, table_value, table_slope)
+        table = (place, table_value, table_slope)
         data = (products[i], first[i], pair[here], initial[here])
         square, slope, bend = _expand(eta[i], table, data)
         away = eta[i] - mean
@@ -161,7 +159,7 @@ def _stack_vectors(eta: NDArray, table: tuple, size: int, joints: int) -> NDArra
         w = vectors[5 * j]
         bent = vectors[5 * j + 2, :modes]
         rate = eta[4 * j] - eta[4 * j + 1]
-        fill_coefficients(rate, table[0], table[1], table[2], table[3], w[:modes], bent)
+        fill_coefficients(rate, table[0], table[1], table[2], w[:modes], bent)
         compliance = np.exp(-eta[4 * j])
         w[:modes] *= compliance
         bent *= -compliance

@@ -1,4 +1,4 @@
-"""The likelihood of a trial given its own parameters and the noise, from its collapsed matrices.
+"""The likelihood of trials given their own parameters and the noise, from their collapsed matrices.
 
     log p(y | η) = −½ [Σ_g Σ_jk P_jk (N_jk − 2 ρ_j^g X_jk + ρ_j^g ρ_k^g B_jk) + r₀ᵀ S⁻¹ r₀]
                    −½ [Σ_g n_g log|2π Q_g| + log|2π S|] − J Σ log scale
@@ -8,90 +8,15 @@ over the gap g, and S = Q_∞ (`covariance`). Only the joints present in a trial
 with the same joints present share a pattern.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from softfinger.population.basis import fill_coefficients
 from softfinger.population.collapse import Collapse
-from softfinger.population.covariance import compute_innovation_covariance_array
+from softfinger.population.weights import pull_weights_back, weigh_noise
 
 PARAMETERS = ("log_k_v", "log_c_v", "log_c_p", "q_ini")
-
-
-class NoiseWeights(NamedTuple):
-    """How the noise weighs the sums of each pattern of present joints.
-
-    `pair` (pattern, node, 3, J, J) multiplies (N, B, X), `first` (pattern, J, J) is S⁻¹; absent
-    joints weigh 0. `pair_logdet` (pattern, node) and `first_logdet` (pattern,) are log|2πQ_g|,
-    log|2πS|.
-    """
-
-    pair: NDArray[np.float64]
-    first: NDArray[np.float64]
-    pair_logdet: NDArray[np.float64]
-    first_logdet: NDArray[np.float64]
-
-
-def find_patterns_array(
-    present: NDArray[np.bool_],
-) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
-    """Find the distinct patterns (pattern, joint) of present joints and each trial's (trial,).
-
-    >>> find_patterns_array(np.array([[True, True], [True, False], [True, True]]))
-    (array([[ True, False],
-           [ True,  True]]), array([1, 0, 1]))
-    """
-    patterns, index = np.unique(present, axis=0, return_inverse=True)
-    return patterns, index.ravel()
-
-
-def compute_noise_weights_array(
-    gap: NDArray[np.float64],
-    patterns: NDArray[np.bool_],
-    sd: NDArray[np.float64],
-    autocorrelation: NDArray[np.float64],
-    correlation: NDArray[np.float64],
-) -> NoiseWeights:
-    """Compute the weights of the collapsed sums.
-
-    Parameters
-    ----------
-    gap
-        (node,) in median frame intervals.
-    patterns
-        (pattern, joint).
-    sd, autocorrelation, correlation
-        (joint,) σ [rad], (joint,) ρ, (joint, joint) C of the innovations.
-    """
-    joints = len(sd)
-    pair = np.zeros((len(patterns), len(gap), 3, joints, joints))
-    pair_logdet = np.zeros(pair.shape[:2])
-    first, first_logdet = np.zeros((len(patterns), joints, joints)), np.zeros(len(patterns))
-    for p, here in enumerate(patterns):
-        for g, length in enumerate([*gap, np.inf]):
-            covariance = compute_innovation_covariance_array(
-                length, sd, autocorrelation, correlation
-            )
-            precision, logdet = _invert_present(covariance, here)
-            if g == len(gap):
-                first[p], first_logdet[p] = precision, logdet
-                continue
-            kept = autocorrelation**length
-            pair[p, g, 0] = precision
-            pair[p, g, 1] = np.outer(kept, kept) * precision
-            pair[p, g, 2] = -2 * kept[:, None] * precision
-            pair_logdet[p, g] = logdet
-    return NoiseWeights(pair, first, pair_logdet, first_logdet)
-
-
-def _invert_present(covariance: NDArray, here: NDArray[np.bool_]) -> tuple[NDArray, float]:
-    both = np.outer(here, here)
-    guarded = np.where(both, covariance, np.eye(len(here)))
-    logdet = np.linalg.slogdet(guarded)[1] + here.sum() * np.log(2 * np.pi)
-    return np.where(both, np.linalg.inv(guarded), 0.0), float(logdet)
 
 
 def compute_log_likelihood_array(
@@ -116,26 +41,60 @@ def compute_log_likelihood_array(
     -------
     (trial,) log density of the used angles [rad]; 0 for a trial without any.
     """
-    patterns, index = find_patterns_array(collapse.present)
-    weights = compute_noise_weights_array(collapse.gap, patterns, sd, autocorrelation, correlation)
-    n, joints = collapse.present.shape
-    quadratic, slope = np.empty(n), np.empty((n, joints, 4))
+    noise = (np.asarray(sd, float), np.asarray(autocorrelation, float), correlation)
+    weights = weigh_noise(collapse.gap, collapse.patterns, *noise)
+    n = len(eta)
+    quadratic, slope = np.empty(n), np.empty((n, len(noise[0]), 4))
     fill_quadratics(
-        np.ascontiguousarray(eta, float), collapse.table.first, collapse.table.step,
-        collapse.table.value, collapse.table.slope, collapse.products, collapse.first,
-        weights.pair, weights.first, index, quadratic, slope,
-        np.zeros_like(weights.pair), np.zeros_like(weights.first),
+        np.ascontiguousarray(eta, float), collapse.table.place, collapse.table.value,
+        collapse.table.slope, collapse.products, collapse.first, weights.pair,
+        weights.precision[:, -1].copy(), collapse.pattern, quadratic, slope,
+        np.zeros_like(weights.pair), np.zeros_like(weights.precision[:, 0]),
     )  # fmt: skip
-    logdet = (collapse.count * weights.pair_logdet[index]).sum(axis=1)
-    logdet += np.where(collapse.present.any(axis=1), weights.first_logdet[index], 0.0)
-    return -0.5 * (quadratic + logdet) - collapse.present.sum(axis=1) * collapse.log_scale
+    logdet = (collapse.count * weights.logdet[collapse.pattern]).sum(axis=1)
+    return collapse.offset - 0.5 * (quadratic + logdet)
+
+
+@njit(cache=True)
+def sum_log_likelihood(
+    eta: NDArray,
+    sd: NDArray,
+    rho: NDArray,
+    correlation: NDArray,
+    place: NDArray,
+    table_value: NDArray,
+    table_slope: NDArray,
+    products: NDArray,
+    first: NDArray,
+    pattern: NDArray,
+    patterns: NDArray,
+    gap: NDArray,
+    total: NDArray,
+) -> tuple[float, NDArray, NDArray, NDArray, NDArray]:
+    """Sum log p over trials but for constants; also its slopes by η, σ, ρ and C.
+
+    `total` (pattern, gap + 1) counts the pairs of each gap, then the trials, of each pattern.
+    """
+    weights = weigh_noise(gap, patterns, sd, rho, correlation)
+    quadratic, slope = np.empty(eta.shape[0]), np.empty(eta.shape)
+    sums = np.zeros(weights.pair.shape)
+    initial = weights.precision[:, -1].copy()
+    first_sums = np.zeros(initial.shape)
+    fill_quadratics(
+        eta, place, table_value, table_slope, products, first, weights.pair, initial, pattern,
+        quadratic, slope, sums, first_sums,
+    )  # fmt: skip
+    value = -0.5 * (quadratic.sum() + (total * weights.logdet).sum())
+    bars = pull_weights_back(
+        gap, sd, rho, correlation, weights.precision, -0.5 * sums, -0.5 * first_sums, -0.5 * total
+    )
+    return value, -0.5 * slope, bars[0], bars[1], bars[2]
 
 
 @njit(cache=True)
 def fill_quadratics(
     eta: NDArray,
-    table_first: float,
-    table_step: float,
+    place: NDArray,
     table_value: NDArray,
     table_slope: NDArray,
     products: NDArray,
@@ -158,23 +117,11 @@ def fill_quadratics(
     for i in range(trials):
         here = pattern[i]
         for j in range(joints):
-            coefficients = weight[j, :modes]
-            fill_coefficients(
-                eta[i, j, 0] - eta[i, j, 1], table_first, table_step, table_value, table_slope,
-                coefficients, bent[j],
-            )  # fmt: skip
-            compliance = np.exp(-eta[i, j, 0])
-            for m in range(modes):
-                weight[j, m] *= compliance
-                bent[j, m] *= compliance
-            weight[j, modes] = np.exp(-eta[i, j, 2])
-            weight[j, modes + 1] = eta[i, j, 3]
-            weight[j, modes + 2 + j] = -1.0
+            _fill_weight(eta[i, j], j, place, table_value, table_slope, weight[j], bent[j])
         quadratic[i] = _start_pull(weight, first[i], initial[here], pull, first_sums[here])
         for g in range(pair.shape[1]):
-            quadratic[i] += _add_pairs(
-                weight, products[i, g], pair[here, g], moved, pull, sums[here, g]
-            )
+            _move(weight, products[i, g], moved)
+            quadratic[i] += _add_pairs(weight, moved, pair[here, g], pull, sums[here, g])
         for j in range(joints):
             elastic, lagging = 0.0, 0.0
             for m in range(modes):
@@ -187,12 +134,38 @@ def fill_quadratics(
 
 
 @njit(cache=True)
+def _fill_weight(
+    eta: NDArray,
+    joint: int,
+    place: NDArray,
+    table_value: NDArray,
+    table_slope: NDArray,
+    weight: NDArray,
+    bent: NDArray,
+) -> None:
+    """Write w of a joint's residual and the elastic part's slope by x."""
+    modes = bent.size
+    rate = eta[0] - eta[1]
+    fill_coefficients(rate, place, table_value, table_slope, weight[:modes], bent)
+    compliance = np.exp(-eta[0])
+    for m in range(modes):
+        weight[m] *= compliance
+        bent[m] *= compliance
+    weight[modes] = np.exp(-eta[2])
+    weight[modes + 1] = eta[3]
+    weight[modes + 2 + joint] = -1.0
+
+
+@njit(cache=True)
 def _start_pull(
     weight: NDArray, row: NDArray, initial: NDArray, pull: NDArray, sums: NDArray
 ) -> float:
     """Square of the first residuals; `pull` becomes its slope by the weights."""
-    joints = weight.shape[0]
-    residual = weight @ row
+    joints, size = weight.shape
+    residual = np.zeros(joints)
+    for j in range(joints):
+        for r in range(size):
+            residual[j] += weight[j, r] * row[r]
     total = 0.0
     for j in range(joints):
         force = 0.0
@@ -200,32 +173,39 @@ def _start_pull(
             force += initial[j, k] * residual[k]
             sums[j, k] += residual[j] * residual[k]
         total += residual[j] * force
-        pull[j] = 2.0 * force * row
+        for r in range(size):
+            pull[j, r] = 2.0 * force * row[r]
     return total
 
 
 @njit(cache=True, fastmath={"reassoc", "contract"})
+def _move(weight: NDArray, products: NDArray, moved: NDArray) -> None:
+    """Write N w, B w, X w, Xᵀ w of every joint into `moved` (4, joint, D)."""
+    joints, size = weight.shape
+    for k in range(joints):
+        for r in range(size):
+            moved[3, k, r] = 0.0
+    for r in range(size):
+        for k in range(joints):
+            now, before, cross = 0.0, 0.0, 0.0
+            own = weight[k, r]
+            for c in range(size):
+                w = weight[k, c]
+                now += products[0, r, c] * w
+                before += products[1, r, c] * w
+                cross += products[2, r, c] * w
+                moved[3, k, c] += products[2, r, c] * own
+            moved[0, k, r] = now
+            moved[1, k, r] = before
+            moved[2, k, r] = cross
+
+
+@njit(cache=True, fastmath={"reassoc", "contract"})
 def _add_pairs(
-    weight: NDArray, products: NDArray, pair: NDArray, moved: NDArray, pull: NDArray, sums: NDArray
+    weight: NDArray, moved: NDArray, pair: NDArray, pull: NDArray, sums: NDArray
 ) -> float:
     """Square of the residuals' gains over a gap; adds slopes to `pull`, parts to `sums`."""
     joints, size = weight.shape
-    data = size - joints
-    moved[:] = 0.0
-    for k in range(joints):
-        for c in range(size):
-            w = weight[k, c]
-            if w == 0.0:
-                continue
-            for r in range(size):
-                moved[0, k, r] += w * products[0, c, r]
-                moved[1, k, r] += w * products[1, c, r]
-                moved[3, k, r] += w * products[2, c, r]
-        for r in range(size):
-            lagged = 0.0
-            for c in range(data):
-                lagged += products[2, r, c] * weight[k, c]
-            moved[2, k, r] = lagged - products[2, r, data + k]
     total = 0.0
     for j in range(joints):
         for k in range(joints):

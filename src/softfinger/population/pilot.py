@@ -12,17 +12,21 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from softfinger.population.collapse import Collapse
-from softfinger.population.laplace import Modes, find_modes
-from softfinger.population.likelihood import (
-    compute_noise_weights_array,
-    fill_quadratics,
-    find_patterns_array,
+from softfinger.population.covariance import (
+    correlate_partials_array,
+    factorise_partials,
+    find_partials_array,
+    pull_partials_back,
 )
+from softfinger.population.laplace import Modes, find_modes
+from softfinger.population.likelihood import fill_quadratics
 from softfinger.population.priors import Prior
-from softfinger.population.profile import build_joint_gram, profile_rates
+from softfinger.population.profile import GRID, build_joint_gram, profile_rates, solve_linear_array
+from softfinger.population.weights import pull_weights_back, weigh_noise
 
 ROUNDS = 12
 NOISE_ROUNDS = (0, 1, 2, 4, 8)  # the noise settles early
+NEGLIGIBLE = 40.0  # nats
 LEAST_SHARE = 0.02  # of the median 1/k_v and 1/c_p: a start where least squares went negative
 
 
@@ -55,12 +59,11 @@ def fit_pilot(collapse: Collapse, prior: Prior) -> Pilot:
     """
     eta, noise = _start(collapse, prior)
     trials, joints = collapse.present.shape
-    patterns, _ = find_patterns_array(collapse.present)
     mu = np.median(eta, axis=0)
     sigma = np.tile(prior.sigma_median, (joints, 1))
     modes = None
     for turn in range(ROUNDS):
-        weights = compute_noise_weights_array(collapse.gap, patterns, *noise)
+        weights = weigh_noise(collapse.gap, collapse.patterns, *noise)
         precision = np.diag(1 / sigma.ravel() ** 2)
         modes = find_modes(collapse, weights, mu.ravel(), precision, eta.reshape(trials, -1))
         eta = modes.eta.reshape(trials, joints, 4)
@@ -99,31 +102,49 @@ def update_population_array(
 
 def fit_noise(collapse: Collapse, eta: NDArray[np.float64], noise: Noise, prior: Prior) -> Noise:
     """Fit the noise to the residuals that the parameters eta (trial, joint, 4) leave."""
-    patterns, index = find_patterns_array(collapse.present)
-    joints = collapse.present.shape[1]
-    sums, first_sums = _sum_residuals(collapse, eta, patterns, index)
-    count = np.stack([collapse.count[index == p].sum(axis=0) for p in range(len(patterns))])
-    started = np.bincount(index[collapse.present.any(axis=1)], minlength=len(patterns))
+    joints = eta.shape[1]
+    sums, first_sums = _sum_residuals(collapse, eta)
+    total = count_patterns(collapse)
 
-    def deviance(free: NDArray) -> float:
-        trial = _unpack_noise(free, joints)
-        weights = compute_noise_weights_array(collapse.gap, patterns, *trial)
-        total = (weights.pair * sums).sum() + (weights.first * first_sums).sum()
-        total += (count * weights.pair_logdet).sum() + (started * weights.first_logdet).sum()
-        away = (np.log(trial.sd / prior.noise_median) / prior.noise_log_sd) ** 2
-        return float(total + away.sum() + (free[joints:] ** 2).sum() * 0.01)
+    def deviance(free: NDArray) -> tuple[float, NDArray]:
+        log_sd, logit, angle = np.split(free, [joints, 2 * joints])
+        sd, rho, partial = np.exp(log_sd), 1 / (1 + np.exp(-logit)), np.tanh(angle)
+        factor = factorise_partials(partial)
+        correlation = factor @ factor.T
+        weights = weigh_noise(collapse.gap, collapse.patterns, sd, rho, correlation)
+        value = (weights.pair * sums).sum() + (weights.precision[:, -1] * first_sums).sum()
+        value += (total * weights.logdet).sum()
+        sd_bar, rho_bar, correlation_bar = pull_weights_back(
+            collapse.gap, sd, rho, correlation, weights.precision, sums, first_sums, total
+        )
+        partial_bar = pull_partials_back(partial, factor, correlation_bar)
+        away = np.concatenate(
+            [(log_sd - np.log(prior.noise_median)) / prior.noise_log_sd**2, 0.1 * free[joints:]]
+        )
+        slope = [sd_bar * sd, rho_bar * rho * (1 - rho), partial_bar * (1 - partial**2)]
+        value += (away * np.concatenate([log_sd - np.log(prior.noise_median), free[joints:]])).sum()
+        return value, np.concatenate(slope) + 2 * away
 
-    start = np.concatenate([np.log(noise.sd), _logit(noise.autocorrelation)])
-    start = np.concatenate([start, _flatten_correlation(noise.correlation)])
-    found = minimize(deviance, start, method="L-BFGS-B", options={"maxiter": 60})
-    return _unpack_noise(found.x, joints)
+    start = [np.log(noise.sd), _logit(noise.autocorrelation)]
+    start.append(np.arctanh(find_partials_array(noise.correlation)))
+    found = minimize(deviance, np.concatenate(start), jac=True, method="L-BFGS-B")
+    log_sd, logit, angle = np.split(found.x, [joints, 2 * joints])
+    correlation = correlate_partials_array(np.tanh(angle))
+    return Noise(np.exp(log_sd), 1 / (1 + np.exp(-logit)), correlation)
+
+
+def count_patterns(collapse: Collapse) -> NDArray[np.float64]:
+    """Count (pattern, gap + 1) the pairs of frames of each gap, then the trials."""
+    total = np.zeros((len(collapse.patterns), collapse.count.shape[1]))
+    np.add.at(total, collapse.pattern, collapse.count)
+    return total
 
 
 def _start(collapse: Collapse, prior: Prior) -> tuple[NDArray, Noise]:
     trials, joints = collapse.present.shape
     eta = np.tile(prior.mu_mean, (trials, joints, 1))
     sd = np.full(joints, prior.noise_median)
-    frames = collapse.count.sum(axis=1) + 1
+    frames = collapse.count.sum(axis=1)
     for joint in range(joints):
         here = collapse.present[:, joint]
         if not here.any():
@@ -145,33 +166,39 @@ def _start(collapse: Collapse, prior: Prior) -> tuple[NDArray, Noise]:
     return eta, Noise(sd, np.full(joints, 0.3), np.eye(joints))
 
 
-def _sum_residuals(
-    collapse: Collapse, eta: NDArray, patterns: NDArray, index: NDArray
-) -> tuple[NDArray, NDArray]:
-    trials, joints = collapse.present.shape
-    shape = (len(patterns), len(collapse.gap), 3, joints, joints)
-    sums, first_sums = np.zeros(shape), np.zeros((len(patterns), joints, joints))
+def _sum_residuals(collapse: Collapse, eta: NDArray) -> tuple[NDArray, NDArray]:
+    trials, joints = eta.shape[:2]
+    shape = (len(collapse.patterns), len(collapse.gap), 3, joints, joints)
+    sums, first_sums = np.zeros(shape), np.zeros((shape[0], joints, joints))
     fill_quadratics(
-        np.ascontiguousarray(eta), collapse.table.first, collapse.table.step,
-        collapse.table.value, collapse.table.slope, collapse.products, collapse.first,
-        np.zeros(shape), np.zeros_like(first_sums), index, np.empty(trials),
+        np.ascontiguousarray(eta), *collapse.table, collapse.products, collapse.first,
+        np.zeros(shape), np.zeros_like(first_sums), collapse.pattern, np.empty(trials),
         np.empty((trials, joints, 4)), sums, first_sums,
     )  # fmt: skip
     return sums, first_sums
 
 
-def _unpack_noise(free: NDArray, joints: int) -> Noise:
-    sd, rho = np.exp(free[:joints]), 1 / (1 + np.exp(-free[joints : 2 * joints]))
-    rows = np.eye(joints)
-    rows[np.tril_indices(joints, -1)] = free[2 * joints :]
-    rows /= np.linalg.norm(rows, axis=1, keepdims=True)
-    return Noise(sd, rho, rows @ rows.T)
-
-
-def _flatten_correlation(correlation: NDArray) -> NDArray:
-    factor = np.linalg.cholesky(correlation)
-    return (factor / np.diag(factor)[:, None])[np.tril_indices(len(factor), -1)]
-
-
 def _logit(share: NDArray) -> NDArray:
     return np.log(share) - np.log1p(-share)
+
+
+def find_plausible_rates(collapse: Collapse, pilot: Pilot) -> tuple[float, float]:
+    """Find the range of x = log(k_v/c_v) outside of which no trial's likelihood is worth a thing.
+
+    Inside, some trial and joint has a likelihood, its other parameters at their best, within
+    `NEGLIGIBLE` nats of its largest.
+    """
+    grid = np.linspace(*collapse.table.nodes[[0, -1]], GRID)
+    plausible = np.zeros(GRID, bool)
+    for joint, (sd, rho) in enumerate(
+        zip(pilot.noise.sd, pilot.noise.autocorrelation, strict=True)
+    ):
+        here = collapse.present[:, joint]
+        gram = build_joint_gram(collapse, joint, sd, rho)[here]
+        rss = solve_linear_array(gram, np.tile(grid, (here.sum(), 1)), collapse.table)[1]
+        best = profile_rates(gram, collapse.table)
+        plausible |= (rss <= best.rss[:, None] + 2 * NEGLIGIBLE).any(axis=0)
+        plausible[np.abs(best.log_rate[:, None] - grid).argmin(axis=1)] = True
+    places = np.flatnonzero(plausible)
+    low, high = max(places[0] - 2, 0), min(places[-1] + 2, GRID - 1)
+    return float(grid[low]), float(grid[high])

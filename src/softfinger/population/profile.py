@@ -68,9 +68,9 @@ def profile_rates(gram: NDArray[np.float64], table: ElasticTable) -> Profile:
     table
         The coefficients c(x).
     """
-    span = table.step * (len(table.value) - 1)
-    offset = np.linspace(0.0, span, GRID)
-    best = np.full(len(gram), table.first)
+    low, high = table.nodes[[0, -1]]
+    offset = np.linspace(0.0, high - low, GRID)
+    best = np.full(len(gram), low)
     for _ in range(ZOOMS + 1):
         rss = solve_linear_array(gram, best[:, None] + offset, table)[1]
         best += offset[rss.argmin(axis=1)]
@@ -97,7 +97,7 @@ def solve_linear_array(
     linear, rss : (trial, rate, 3) and (trial, rate).
     """
     gram, log_rate = np.ascontiguousarray(gram), np.ascontiguousarray(log_rate)
-    normal = _reduce(gram, log_rate, table.first, table.step, table.value, table.slope)
+    normal = _reduce(gram, log_rate, *table)
     size = np.sqrt(np.einsum("...kk->...k", normal[..., :3, :3])) + 1e-300
     scaled = normal[..., :3, :3] / (size[..., :, None] * size[..., None, :])
     right = normal[..., :3, 3] / size
@@ -111,8 +111,7 @@ def solve_linear_array(
 def _reduce(
     gram: NDArray,
     log_rate: NDArray,
-    first: float,
-    step: float,
+    place: NDArray,
     value: NDArray,
     slope: NDArray,
 ) -> NDArray:
@@ -122,7 +121,7 @@ def _reduce(
     curve, unused = np.empty(modes), np.empty(modes)
     for i in range(log_rate.shape[0]):
         for r in range(log_rate.shape[1]):
-            fill_coefficients(log_rate[i, r], first, step, value, slope, curve, unused)
+            fill_coefficients(log_rate[i, r], place, value, slope, curve, unused)
             moved = curve @ gram[i, :modes]
             reduced[i, r, 0, 0] = moved[:modes] @ curve
             reduced[i, r, 0, 1:] = moved[modes:]

@@ -1,0 +1,147 @@
+"""The hierarchical model in PyMC: a textbook population of trials with a collapsed likelihood.
+
+    μ_jk ~ normal, log σ_jk ~ normal        (joint j; k = log k_v, log c_v, log c_p, q_ini)
+    η_ijk ~ normal(μ_jk, σ_jk)              (trial i)
+    y_i ~ normal(q(t; η_i), AR(1) noise: sd s_j, autocorrelation ρ_j, joints' correlation C)
+
+The likelihood of all frames enters through `population.collapse`, exactly. The sampler sees η
+through `population.whitening`, so that its geometry is near a standard normal's. All data are
+`pm.Data`: compile once, swap campaigns of the same size with `.with_data`.
+"""
+
+import numpy as np
+import pymc as pm
+import pytensor.tensor as pt
+from numpy.typing import NDArray
+from pymc.logprob.transforms import Transform
+from pytensor.graph.basic import Variable
+from pytensor.tensor.variable import TensorVariable
+
+from softfinger.estimation.operations import CollapsedLikelihood, ColourTrials
+from softfinger.population.collapse import Collapse
+from softfinger.population.likelihood import PARAMETERS
+from softfinger.population.pilot import Pilot, count_patterns
+from softfinger.population.priors import Prior
+
+LKJ_SHAPE = 2.0
+
+
+class Whitening(Transform):
+    """The trials' parameters seen as standard normals, given the population (`whitening`).
+
+    The inputs of the distribution end in mean, sd (p,), curvature (trial, p, p), pull (trial, p).
+    """
+
+    name = "whitened"
+    ndim_supp = 2
+
+    def _colour(self, z: Variable, inputs: tuple[Variable, ...]) -> list[Variable]:
+        mean, sd, curvature, pull = inputs[-4:]
+        return ColourTrials()(z, curvature, pull, mean, pt.diag(sd**-2))
+
+    def backward(self, value: Variable, *inputs: Variable) -> TensorVariable:
+        """Parameters from standard normals."""
+        return self._colour(value, inputs)[0]
+
+    def forward(self, value: Variable, *inputs: Variable) -> TensorVariable:
+        """Standard normals from parameters."""
+        eta, _, factor = self._colour(pt.zeros_like(value), inputs)
+        return pt.sum(factor * (value - eta)[:, :, None], axis=1)
+
+    def log_jac_det(self, value: Variable, *inputs: Variable) -> TensorVariable:
+        """Log volume of all trials."""
+        return pt.sum(self._colour(value, inputs)[1])
+
+
+def _population_logp(
+    eta: Variable, mean: Variable, sd: Variable, curvature: Variable, pull: Variable
+) -> TensorVariable:
+    """Independent normals; the likelihood's normal stand-in serves the whitening only."""
+    return pt.sum(pm.logp(pm.Normal.dist(mean, sd), eta))
+
+
+def _draw_population(
+    mean: NDArray,
+    sd: NDArray,
+    curvature: NDArray,
+    pull: NDArray,
+    rng: np.random.Generator,
+    size: object,
+) -> NDArray:
+    return rng.normal(mean, sd, np.shape(pull))
+
+
+def build_model(collapse: Collapse, prior: Prior, pilot: Pilot, coords: dict) -> pm.Model:
+    """Build the hierarchical model.
+
+    Parameters
+    ----------
+    collapse, prior, pilot
+        What `collapse_angles`, `build_prior` and `fit_pilot` make.
+    coords
+        Names of trial and joint.
+    """
+    joints = collapse.present.shape[1]
+    own = [f"{name}[{joint}]" for joint in coords["joint"] for name in PARAMETERS]
+    with pm.Model(coords={**coords, "own": own}) as model:
+        data = {name: pm.Data(name, value) for name, value in gather_data(collapse, pilot).items()}
+        tiled = _tile_prior(prior, joints)
+        given = {name: pm.Data(f"prior_{name}", value) for name, value in tiled.items()}
+        mu = pm.Normal("mu", given["mu_mean"], given["mu_sd"], dims="own")
+        sigma = pm.LogNormal("sigma", given["log_sigma"], given["sigma_log_sd"], dims="own")
+        eta = pm.CustomDist(
+            "eta", mu, sigma, data["curvature"], data["pull"], logp=_population_logp,
+            random=_draw_population, signature="(p),(p),(n,p,p),(n,p)->(n,p)",
+            transform=Whitening(), dims=("trial", "own"),
+        )  # fmt: skip
+        sd = pm.LogNormal("noise_sd", given["log_noise"], given["noise_log_sd"], dims="joint")
+        rho = pm.Uniform("noise_autocorrelation", dims="joint")
+        partial = _draw_partials(joints) if joints > 1 else np.empty(0)
+        likelihood = CollapsedLikelihood()(
+            eta.reshape((-1, joints, len(PARAMETERS))), sd, rho, partial,
+            *(data[name] for name in LIKELIHOOD_DATA),
+        )[0]  # fmt: skip
+        pm.Potential("log_likelihood", likelihood + data["offset"])
+    return model
+
+
+LIKELIHOOD_DATA = (
+    "place", "table_value", "table_slope", "products", "first_row", "pattern", "patterns", "gap",
+    "total",
+)  # fmt: skip
+
+
+def _draw_partials(joints: int) -> TensorVariable:
+    """Partial correlations of the joints' noise whose correlation matrix is LKJ(2)."""
+    column = np.concatenate([np.arange(row) for row in range(1, joints)])
+    shape = LKJ_SHAPE + (joints - 2 - column) / 2
+    return 2 * pm.Beta("noise_partial", shape, shape) - 1
+
+
+def gather_data(collapse: Collapse, pilot: Pilot) -> dict[str, NDArray]:
+    """Gather everything that the compiled model reads and that another campaign replaces."""
+    return {
+        "place": collapse.table.place,
+        "table_value": collapse.table.value,
+        "table_slope": collapse.table.slope,
+        "products": collapse.products,
+        "first_row": collapse.first,
+        "pattern": collapse.pattern,
+        "patterns": collapse.patterns,
+        "gap": collapse.gap,
+        "total": count_patterns(collapse),
+        "offset": collapse.offset.sum(),
+        "curvature": pilot.modes.curvature,
+        "pull": pilot.modes.pull,
+    }
+
+
+def _tile_prior(prior: Prior, joints: int) -> dict[str, NDArray]:
+    return {
+        "mu_mean": np.tile(prior.mu_mean, joints),
+        "mu_sd": np.tile(prior.mu_sd, joints),
+        "log_sigma": np.tile(np.log(prior.sigma_median), joints),
+        "sigma_log_sd": np.tile(prior.sigma_log_sd, joints),
+        "log_noise": np.asarray(np.log(prior.noise_median)),
+        "noise_log_sd": np.asarray(prior.noise_log_sd),
+    }

@@ -1,0 +1,163 @@
+"""Operations that PyMC lacks, compiled by numba: the collapsed likelihood and the whitening.
+
+They are ordinary PyTensor operations with exact derivatives, so any PyMC sampler can use them.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import ClassVar
+
+import numpy as np
+import pytensor.tensor as pt
+from numba import njit
+from numpy.typing import NDArray
+from pytensor.gradient import DisconnectedType
+from pytensor.graph.basic import Apply, Variable
+from pytensor.graph.op import Op
+from pytensor.link.numba.dispatch.basic import (
+    numba_njit,
+    register_funcify_default_op_cache_key,
+)
+
+from softfinger.population.covariance import factorise_partials, pull_partials_back
+from softfinger.population.likelihood import sum_log_likelihood
+from softfinger.population.whitening import colour_trials, pull_colours_back
+
+
+@njit(cache=True)
+def evaluate_likelihood(
+    eta: NDArray,
+    sd: NDArray,
+    rho: NDArray,
+    partial: NDArray,
+    place: NDArray,
+    table_value: NDArray,
+    table_slope: NDArray,
+    products: NDArray,
+    first: NDArray,
+    pattern: NDArray,
+    patterns: NDArray,
+    gap: NDArray,
+    total: NDArray,
+) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray]:
+    """Sum log p over trials but for constants; also its slopes by η, σ, ρ and the partials."""
+    factor = factorise_partials(partial)
+    value, eta_bar, sd_bar, rho_bar, correlation_bar = sum_log_likelihood(
+        eta, sd, rho, factor @ factor.T, place, table_value, table_slope, products, first,
+        pattern, patterns, gap, total,
+    )  # fmt: skip
+    partial_bar = pull_partials_back(partial, factor, correlation_bar)
+    return np.asarray(value), eta_bar, sd_bar, rho_bar, partial_bar
+
+
+class _Compiled(Op):
+    """An operation that is one numba function of arrays."""
+
+    __props__ = ()
+    function: ClassVar[Callable]
+
+    def perform(self, node: Apply, inputs: Sequence, output_storage: Sequence) -> None:
+        """Evaluate with numpy arrays."""
+        results = type(self).function(*(np.ascontiguousarray(x) for x in inputs))
+        for storage, result in zip(output_storage, results, strict=True):
+            storage[0] = np.asarray(result)
+
+
+class CollapsedLikelihood(_Compiled):
+    """Σ over trials of log p(y | η, noise), but for constants (`population.likelihood`).
+
+    Inputs: eta (trial, joint, 4), noise sd, autocorrelation (joint,), partial correlations (pair,);
+    then the data, in the order of `evaluate_likelihood`. Outputs: the sum and, for its
+    derivatives, its slopes by the first four inputs.
+    """
+
+    function = staticmethod(evaluate_likelihood)
+
+    def make_node(self, *inputs: Variable) -> Apply:
+        """Build the node; the slopes have the types of what they are slopes by."""
+        variables = [pt.as_tensor_variable(x) for x in inputs]
+        return Apply(self, variables, [pt.dscalar(), *(x.type() for x in variables[:4])])
+
+    def infer_shape(self, node: Apply, shapes: Sequence) -> list:
+        """Shapes of the outputs."""
+        return [(), *shapes[:4]]
+
+    def pullback(
+        self, inputs: Sequence[Variable], outputs: Sequence[Variable], cotangents: Sequence
+    ) -> list[Variable]:
+        """Pull the cotangent of the sum back."""
+        slopes = [cotangents[0] * slope for slope in outputs[1:]]
+        return slopes + [DisconnectedType()() for _ in inputs[4:]]
+
+    def connection_pattern(self, node: Apply) -> list[list[bool]]:
+        """Only the sum hangs on the parameters."""
+        return [[k < 4, False, False, False, False] for k in range(len(node.inputs))]
+
+
+class ColourTrials(_Compiled):
+    """Parameters of the trials from standard normals, given the population (`whitening`).
+
+    Inputs: z (trial, p), curvature, pull, mean (p,), precision (p, p). Outputs: eta (trial, p),
+    log_volume (trial,), and the Cholesky factors for the way back.
+    """
+
+    function = staticmethod(colour_trials)
+
+    def make_node(self, *inputs: Variable) -> Apply:
+        """Build the node."""
+        z, curvature, *rest = (pt.as_tensor_variable(x) for x in inputs)
+        volume = pt.TensorType("float64", z.type.shape[:1])()
+        factor = pt.TensorType("float64", (*z.type.shape, z.type.shape[1]))()
+        return Apply(self, [z, curvature, *rest], [z.type(), volume, factor])
+
+    def infer_shape(self, node: Apply, shapes: Sequence) -> list:
+        """Shapes of the outputs."""
+        trials, size = shapes[0]
+        return [(trials, size), (trials,), (trials, size, size)]
+
+    def pullback(
+        self, inputs: Sequence[Variable], outputs: Sequence[Variable], cotangents: Sequence
+    ) -> list[Variable]:
+        """Pull the cotangents of eta and log_volume back."""
+        z, _, _, mean, precision = inputs
+        eta, volume, factor = outputs
+        bars = [
+            pt.zeros_like(out) if isinstance(bar.type, DisconnectedType) else bar
+            for out, bar in zip((eta, volume), cotangents[:2], strict=True)
+        ]
+        z_bar, mean_bar, precision_bar = PullColoursBack()(eta, z, factor, mean, precision, *bars)
+        return [z_bar, DisconnectedType()(), DisconnectedType()(), mean_bar, precision_bar]
+
+    def connection_pattern(self, node: Apply) -> list[list[bool]]:
+        """Curvature and pull are data; the factor serves the way back only."""
+        return [[k in (0, 3, 4)] * 2 + [False] for k in range(5)]
+
+
+class PullColoursBack(_Compiled):
+    """The derivative of `ColourTrials`."""
+
+    function = staticmethod(pull_colours_back)
+
+    def make_node(self, *inputs: Variable) -> Apply:
+        """Build the node."""
+        variables = [pt.as_tensor_variable(x) for x in inputs]
+        return Apply(self, variables, [variables[k].type() for k in (1, 3, 4)])
+
+    def infer_shape(self, node: Apply, shapes: Sequence) -> list:
+        """Shapes of the outputs."""
+        return [shapes[k] for k in (1, 3, 4)]
+
+
+def _compile(op: _Compiled, **_: object) -> Callable:
+    function = type(op).function
+    names = [f"a{k}" for k in range(len(function.py_func.__annotations__) - 1)]
+    source = (
+        f"def run({', '.join(names)}):\n"
+        f"    return function({', '.join(f'contiguous({name})' for name in names)})"
+    )
+    scope = {"function": function, "contiguous": np.ascontiguousarray}
+    exec(source, scope)
+    return numba_njit(scope["run"])
+
+
+for _operation in (CollapsedLikelihood, ColourTrials, PullColoursBack):
+    register_funcify_default_op_cache_key(_operation)(_compile)

@@ -1,0 +1,131 @@
+"""What the model expects to record: of the trials that were, of new ones, and before any data."""
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from softfinger.population.likelihood import PARAMETERS
+from softfinger.population.priors import Prior
+from softfinger.population.simulate import compute_motion, draw_noise_array
+
+PRIOR_DRAWS = 1000
+PREDICTED_FRAMES = 60  # of each trial, evenly spaced
+MOST_PROTOCOLS = 8
+LKJ_SHAPE = 2.0
+LOGS = PARAMETERS[:3]
+LARGEST_LOG = 300.0  # a prior draw beyond it would leave the floating-point range
+
+
+def draw_prior(prior: Prior, joints: int, rng: np.random.Generator) -> dict[str, NDArray]:
+    """Draw population and noise (1, draw, …) from the prior, as the model's variables."""
+    shape = (1, PRIOR_DRAWS, joints, 4)
+    mu = rng.normal(prior.mu_mean, prior.mu_sd, shape)
+    sigma = np.exp(rng.normal(np.log(prior.sigma_median), prior.sigma_log_sd, shape))
+    lead = (1, PRIOR_DRAWS)
+    noise = rng.normal(np.log(prior.noise_median), prior.noise_log_sd, (*lead, joints))
+    column = np.array([k for row in range(joints) for k in range(row)], float)
+    beta = LKJ_SHAPE + (joints - 2 - column) / 2
+    return {
+        "mu": mu.reshape(*lead, -1),
+        "sigma": sigma.reshape(*lead, -1),
+        "noise_sd": np.exp(noise),
+        "noise_autocorrelation": rng.uniform(size=(*lead, joints)),
+        "noise_partial": 2 * rng.beta(beta, beta, (*lead, len(column))) - 1,
+    }
+
+
+def predict_trials(
+    angles: xr.Dataset,
+    frames: xr.Dataset,
+    posterior: xr.Dataset,
+    draws: int,
+    rng: np.random.Generator,
+) -> xr.Dataset:
+    """Draw recordings of the very trials: joint_angle (chain, draw, trial, joint, moment) [rad].
+
+    `moment` counts evenly spaced frames of each trial; their times are in `predicted_time`.
+    """
+    chosen = thin_draws(posterior, draws)
+    thinned = _thin_frames(angles, frames)
+    parameters = chosen[[*PARAMETERS]]
+    return _record(thinned, parameters, chosen, rng)
+
+
+def predict_new_trials(
+    angles: xr.Dataset,
+    frames: xr.Dataset,
+    population: xr.Dataset,
+    draws: int,
+    rng: np.random.Generator,
+) -> xr.Dataset:
+    """Draw recordings of new trials under each load history, at most `MOST_PROTOCOLS` of them.
+
+    Returns
+    -------
+    Dataset
+        new_joint_angle (chain, draw, like_trial, joint, moment) [rad]; `like_trial` names a trial
+        that had the same load history; new_predicted_time (like_trial, moment) [s].
+    """
+    chosen = thin_draws(population, draws)
+    load = np.stack([angles[name].values for name in ("load_time", "load_torque")], axis=1)
+    _, first = np.unique(load.reshape(len(load), -1), axis=0, return_index=True)
+    some = np.linspace(0, len(first) - 1, min(len(first), MOST_PROTOCOLS)).astype(int)
+    first = np.sort(first)[some]
+    thinned = _thin_frames(angles.isel(trial=first), frames.isel(trial=first))
+    shape = (*(chosen.sizes[d] for d in ("chain", "draw")), len(first), chosen.sizes["joint"])
+    parameters = xr.Dataset()
+    for name in PARAMETERS:
+        spread = chosen[f"sigma_{name}"].values[:, :, None] * rng.standard_normal(shape)
+        values = chosen[f"mu_{name}"].values[:, :, None] + spread
+        parameters[name] = (("chain", "draw", "trial", "joint"), values)
+    recorded = _record(thinned, parameters, chosen, rng)
+    renamed = {name: f"new_{name}" for name in recorded.data_vars}
+    return recorded.rename({**renamed, "trial": "like_trial"})
+
+
+def thin_draws(posterior: xr.Dataset, draws: int) -> xr.Dataset:
+    """Take about `draws` draws in all, evenly from every chain."""
+    each = max(draws // posterior.sizes["chain"], 1)
+    kept = np.linspace(0, posterior.sizes["draw"] - 1, min(each, posterior.sizes["draw"]))
+    return posterior.isel(draw=kept.astype(int))
+
+
+def _thin_frames(angles: xr.Dataset, frames: xr.Dataset) -> xr.Dataset:
+    """Replace the frames by evenly spaced used ones; trials without any keep NaN times."""
+    time = angles["time"].transpose("trial", "frame").values
+    thinned = np.full((len(time), PREDICTED_FRAMES), np.nan)
+    for i, used in enumerate(frames["used"].values):
+        index = np.flatnonzero(used)
+        if len(index) > 0:
+            step = max(len(index) // PREDICTED_FRAMES, 1)
+            some = index[::step][:PREDICTED_FRAMES]
+            thinned[i, : len(some)] = time[i, some]
+    kept = angles[["load_time", "load_torque"]]
+    interval = float(frames["frame_interval"])
+    return kept.assign(time=(("trial", "frame"), thinned), frame_interval=((), interval))
+
+
+def _record(
+    thinned: xr.Dataset, parameters: xr.Dataset, noise: xr.Dataset, rng: np.random.Generator
+) -> xr.Dataset:
+    bounded = {name[4:]: parameters[name].clip(-LARGEST_LOG, LARGEST_LOG) for name in LOGS}
+    natural = parameters.assign({name: np.exp(log) for name, log in bounded.items()})
+    motion = compute_motion(thinned, natural).transpose("chain", "draw", "trial", "joint", "frame")
+    values = motion.values
+    clock = thinned["time"].values / float(thinned["frame_interval"])
+    for chain, draw in np.ndindex(*values.shape[:2]):
+        own = noise.isel(chain=chain, draw=draw)
+        for trial, time in enumerate(clock):
+            known = np.isfinite(time)
+            if known.any():
+                drawn = draw_noise_array(time[known], own, rng)
+                values[chain, draw, trial][:, known] += drawn
+    coords = {name: noise[name] for name in ("chain", "draw", "joint")}
+    coords["trial"] = thinned["trial"]
+    return xr.Dataset(
+        {
+            "joint_angle": (("chain", "draw", "trial", "joint", "moment"), values),
+            "predicted_time": (("trial", "moment"), thinned["time"].values),
+        },
+        coords=coords,
+    )

@@ -1,0 +1,176 @@
+"""NUTS by nutpie on a PyMC model whose log density PyTensor compiles, and caches, with numba.
+
+nutpie's own compilation of a PyMC model is redone in every process and takes long with many data
+arrays, so PyTensor's compiled function is handed over as it is, free of Python's lock.
+"""
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+import nutpie
+import pymc as pm
+import pytensor.tensor as pt
+import xarray as xr
+from numba import njit
+from numpy.typing import NDArray
+from pymc.pytensorf import compile as compile_function
+from pymc.pytensorf import join_nonshared_inputs
+from scipy.special import expit, logit
+
+from softfinger.population.covariance import find_partials_array
+from softfinger.population.pilot import Pilot
+from softfinger.population.whitening import colour_trials
+
+DISPERSION = 2.0  # of the starts, in approximate posterior standard deviations
+STATISTICS = ("diverging", "energy", "logp", "n_steps", "step_size", "tree_depth", "depth")
+
+
+class Density(NamedTuple):
+    """A compiled log density of the unconstrained point (n,), its data, and the point's layout."""
+
+    evaluate: Callable[[NDArray, tuple[NDArray, ...]], tuple[NDArray, NDArray]]
+    data: dict[str, NDArray]  # in the order in which evaluate takes them
+    shapes: dict[str, tuple[int, ...]]  # of the model's variables, in the order of the point
+
+    @property
+    def size(self) -> int:
+        """Length of the point."""
+        return sum(int(np.prod(shape)) for shape in self.shapes.values())
+
+
+def compile_density(model: pm.Model) -> Density:
+    """Compile the log density, its slope, and the model's variables as functions of one vector.
+
+    Parameters
+    ----------
+    model
+        Any PyMC model without discrete variables.
+    """
+    values = [model.rvs_to_values[rv] for rv in model.free_RVs]
+    log_density = model.logp()
+    slope = pt.concatenate([pt.grad(log_density, value).ravel() for value in values])
+    start = model.initial_point()
+    (log_density, slope), point = join_nonshared_inputs(start, [log_density, slope], values)
+    with model:
+        compiled = compile_function([point], [log_density, slope], mode="NUMBA")
+    inner = compiled.vm.jit_fn
+
+    @njit(nogil=True)
+    def evaluate(x, data):  # noqa: ANN001, ANN202
+        return inner(x, *data)
+
+    data = {shared.name: shared.get_value() for shared in compiled.get_shared()}
+    sizes = [np.shape(value) for value in start.values()]
+    shapes = {rv.name: shape for rv, shape in zip(model.free_RVs, sizes, strict=True)}
+    return Density(evaluate, data, shapes)
+
+
+def expand_points(
+    points: NDArray[np.float64], shapes: Mapping[str, tuple[int, ...]], pilot: Pilot
+) -> dict[str, NDArray[np.float64]]:
+    """Turn unconstrained points (chain, draw, n) into the model's variables (chain, draw, …).
+
+    Undoes PyMC's default transforms (log, log odds) and the whitening; partial correlations come
+    back as such, from −1 to 1.
+    """
+    lead = points.shape[:2]
+    ends = np.cumsum([int(np.prod(shape)) for shape in shapes.values()])
+    parts = np.split(points, ends[:-1], axis=-1)
+    raw = {
+        name: part.reshape(*lead, *shape)
+        for (name, shape), part in zip(shapes.items(), parts, strict=True)
+    }
+    variables = {"mu": raw["mu"], "sigma": np.exp(raw["sigma"]), "eta": np.empty_like(raw["eta"])}
+    for at in np.ndindex(*lead):
+        population = (variables["mu"][at], np.diag(variables["sigma"][at] ** -2.0))
+        variables["eta"][at] = colour_trials(
+            raw["eta"][at], pilot.modes.curvature, pilot.modes.pull, *population
+        )[0]
+    variables["noise_sd"] = np.exp(raw["noise_sd"])
+    variables["noise_autocorrelation"] = expit(raw["noise_autocorrelation"])
+    if "noise_partial" in raw:
+        variables["noise_partial"] = 2 * expit(raw["noise_partial"]) - 1
+    return variables
+
+
+def draw_starts(
+    shapes: Mapping[str, tuple[int, ...]], pilot: Pilot
+) -> Callable[[int], NDArray[np.float64]]:
+    """Make a function from a chain's seed to its dispersed start (n,), around the pilot fit."""
+    trials, joints = len(pilot.modes.eta), len(pilot.mu)
+    centre = {
+        "mu": (pilot.mu, pilot.sigma / np.sqrt(trials)),
+        "sigma": (np.log(pilot.sigma), np.full((joints, 4), 1 / np.sqrt(2 * trials))),
+        "eta": (np.zeros((trials, 4 * joints)), np.full((trials, 4 * joints), 1 / DISPERSION)),
+        "noise_sd": (np.log(pilot.noise.sd), np.full(joints, 0.02)),
+        "noise_autocorrelation": (logit(pilot.noise.autocorrelation), np.full(joints, 0.05)),
+    }
+    if joints > 1:
+        partial = find_partials_array(pilot.noise.correlation)
+        centre["noise_partial"] = (logit((1 + partial) / 2), np.full(len(partial), 0.05))
+    order = [centre[name] for name in shapes]
+    middle = np.concatenate([np.ravel(at) for at, _ in order])
+    width = DISPERSION * np.concatenate([np.ravel(spread) for _, spread in order])
+
+    def start(seed: int) -> NDArray[np.float64]:
+        return middle + width * np.random.default_rng(seed).standard_normal(middle.size)
+
+    return start
+
+
+def sample_density(
+    density: Density,
+    start: Callable[[int], NDArray[np.float64]],
+    *,
+    chains: int,
+    tune: int,
+    draws: int,
+    cores: int,
+    rng: np.random.Generator,
+    data: Mapping[str, NDArray] | None = None,
+) -> tuple[NDArray[np.float64], xr.Dataset]:
+    """Draw from a density by NUTS.
+
+    Parameters
+    ----------
+    density
+        What `compile_density` makes.
+    start
+        An unconstrained point (n,) from a chain's seed.
+    chains, tune, draws, cores
+        As usual.
+    rng
+        Gives the sampler's seed.
+    data
+        Replaces the density's own data, all of the same rank.
+
+    Returns
+    -------
+    points, statistics
+        (chain, draw, n) and the sampler's statistics (chain, draw).
+    """
+    arrays = tuple((density.data if data is None else {**density.data, **data}).values())
+
+    def log_density(x: NDArray) -> tuple[float, NDArray]:
+        value, slope = density.evaluate(x, arrays)
+        return float(value), slope
+
+    compiled = nutpie.compiled_pyfunc.from_pyfunc(
+        density.size,
+        lambda: log_density,
+        lambda *_: lambda x: {"point": x},
+        [np.dtype(float)],
+        [(density.size,)],
+        ["point"],
+        dims={"point": ("value",)},
+        coords={"value": np.arange(density.size)},
+        make_initial_point_fn=start,
+    )
+    trace = nutpie.sample(
+        compiled, draws=draws, tune=tune, chains=chains, cores=cores,
+        seed=int(rng.integers(2**31)), progress_bar=False, save_warmup=False,
+    )  # fmt: skip
+    statistics = trace["sample_stats"].to_dataset()
+    kept = [name for name in STATISTICS if name in statistics]
+    return trace["posterior"]["point"].values, statistics[kept]

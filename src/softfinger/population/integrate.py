@@ -1,0 +1,122 @@
+"""The likelihood of a trial with its own parameters integrated over the population.
+
+    p(y_i | μ, Ω, noise) = ∫ p(y_i | η, noise) N(η; μ, Ω) dη
+
+by importance sampling from the normal that the likelihood's stand-in and the population make
+(`whitening`). The normal follows the population from draw to draw, so few points suffice; they come
+in pairs ±z, and both the points and their weights are exact for a likelihood that is normal.
+"""
+
+import numpy as np
+import xarray as xr
+from numba import njit
+from numpy.typing import NDArray
+
+from softfinger.population.collapse import Collapse
+from softfinger.population.laplace import Modes
+from softfinger.population.likelihood import PARAMETERS, fill_quadratics
+from softfinger.population.weights import weigh_noise
+from softfinger.population.whitening import colour_trials
+
+PAIRS = 4
+
+
+def compute_integrated_log_likelihood(
+    collapse: Collapse, modes: Modes, posterior: xr.Dataset, rng: np.random.Generator
+) -> xr.DataArray:
+    """Compute log p(y_i | population, noise) [nats] for every draw and trial.
+
+    Parameters
+    ----------
+    collapse, modes
+        Of the campaign.
+    posterior
+        mu_…, sigma_… (chain, draw, joint) of the four parameters, noise_sd, noise_autocorrelation
+        (chain, draw, joint), noise_correlation (chain, draw, joint, other_joint).
+    rng
+        For the points.
+
+    Returns
+    -------
+    DataArray
+        `recording` (chain, draw, trial).
+    """
+    lead = (posterior.sizes["chain"], posterior.sizes["draw"])
+    mu, sigma = (
+        np.stack([posterior[f"{level}_{name}"].values for name in PARAMETERS], axis=-1)
+        for level in ("mu", "sigma")
+    )
+    trials, size = modes.eta.shape
+    half = rng.standard_normal((PAIRS, trials, size))
+    points = np.concatenate([half, -half])
+    result = np.empty((*lead, trials))
+    for at in np.ndindex(*lead):
+        noise = [posterior[f"noise_{name}"].values[at] for name in _NOISE]
+        population = (mu[at].ravel(), sigma[at].ravel())
+        result[at] = integrate_trials_array(collapse, modes, *population, *noise, points)
+    coords = {name: posterior[name] for name in ("chain", "draw", "trial")}
+    return xr.DataArray(result, coords, ("chain", "draw", "trial"), name="recording")
+
+
+_NOISE = ("sd", "autocorrelation", "correlation")
+
+
+def integrate_trials_array(
+    collapse: Collapse,
+    modes: Modes,
+    mean: NDArray[np.float64],
+    sd: NDArray[np.float64],
+    noise_sd: NDArray[np.float64],
+    autocorrelation: NDArray[np.float64],
+    correlation: NDArray[np.float64],
+    points: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Integrate (trial,) [nats] for one population N(mean, sd), (p,) each; points (m, trial, p)."""
+    weights = weigh_noise(collapse.gap, collapse.patterns, noise_sd, autocorrelation, correlation)
+    log_weight = _weigh_points(
+        points, modes.curvature, modes.pull, mean, sd, *collapse.table, collapse.products,
+        collapse.first, weights.pair, weights.precision[:, -1].copy(), collapse.pattern,
+        len(noise_sd),
+    )  # fmt: skip
+    logdet = (collapse.count * weights.logdet[collapse.pattern]).sum(axis=1)
+    top = log_weight.max(axis=0)
+    mean_weight = np.log(np.mean(np.exp(log_weight - top), axis=0)) + top
+    return np.where(collapse.present.any(axis=1), mean_weight, 0.0) + collapse.offset - 0.5 * logdet
+
+
+@njit(cache=True)
+def _weigh_points(
+    points: NDArray,
+    curvature: NDArray,
+    pull: NDArray,
+    mean: NDArray,
+    sd: NDArray,
+    place: NDArray,
+    table_value: NDArray,
+    table_slope: NDArray,
+    products: NDArray,
+    first: NDArray,
+    pair: NDArray,
+    initial: NDArray,
+    pattern: NDArray,
+    joints: int,
+) -> NDArray:
+    """Log of p(y|η) p(η) / q(η), but for noise constants: (point, trial)."""
+    count, trials, size = points.shape
+    precision = np.diag(1.0 / sd**2)
+    log_weight = np.empty((count, trials))
+    quadratic, slope = np.empty(trials), np.empty((trials, joints, 4))
+    sums, first_sums = np.zeros(pair.shape), np.zeros(initial.shape)
+    for m in range(count):
+        eta, volume, _ = colour_trials(points[m], curvature, pull, mean, precision)
+        fill_quadratics(
+            eta.reshape((trials, joints, 4)), place, table_value, table_slope, products, first,
+            pair, initial, pattern, quadratic, slope, sums, first_sums,
+        )  # fmt: skip
+        for i in range(trials):
+            total = volume[i] - 0.5 * quadratic[i]
+            for a in range(size):
+                away = (eta[i, a] - mean[a]) / sd[a]
+                total += 0.5 * (points[m, i, a] ** 2 - away * away) - np.log(sd[a])
+            log_weight[m, i] = total
+    return log_weight
