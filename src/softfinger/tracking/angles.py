@@ -73,7 +73,7 @@ def compute_joint_angles(markers: xr.Dataset, campaign: Campaign) -> xr.Dataset:
 
 
 def compute_direction_array(position: np.ndarray, sd: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Direction of one link in the picture, counter-clockwise from x to the right, and its variance.
+    """Direction of a link in the picture, counter-clockwise from x to the right, and its variance.
 
     Parameters
     ----------

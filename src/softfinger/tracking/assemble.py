@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -18,9 +19,14 @@ from softfinger.faults import CampaignFault, TrialFault
 from softfinger.tracking.angles import compute_joint_angles
 from softfinger.tracking.flags import JUMP, MISSING, STALE
 from softfinger.tracking.outliers import find_jumps_array, find_stale_array
+from softfinger.tracking.plausibility import flag_markers
+from softfinger.tracking.quality import LIMITS, compute_quality, list_poor
+from softfinger.tracking.sense import refuse_wrong_sign
 
 
-def assemble_angles(campaign: Campaign, markers: Sequence[xr.Dataset]) -> xr.Dataset:
+def assemble_angles(
+    campaign: Campaign, markers: Sequence[xr.Dataset], limits: Mapping[str, float] = LIMITS
+) -> xr.Dataset:
     """Gather joint angles and loads of all trials into the one `angles` artifact.
 
     Parameters
@@ -28,12 +34,16 @@ def assemble_angles(campaign: Campaign, markers: Sequence[xr.Dataset]) -> xr.Dat
     campaign : Campaign
     markers : sequence of Dataset
         The `markers` artifacts of the filmed trials; empty where nothing was filmed.
+    limits : mapping
+        What tracking must reach for a trial to be used; see
+        :data:`softfinger.tracking.quality.LIMITS`.
 
     Returns
     -------
     Dataset
         The artifact `angles`; trials in the order of ``trials.csv``. A trial that cannot be used
-        stands in ``set_aside_reason``.
+        stands in ``set_aside_reason``. The attribute ``notes`` (JSON, trial → sentences) says what
+        is worth knowing of those that are used.
 
     Raises
     ------
@@ -47,52 +57,100 @@ def assemble_angles(campaign: Campaign, markers: Sequence[xr.Dataset]) -> xr.Dat
     used: list[tuple[Trial, xr.Dataset]] = []
     for trial in campaign.trials:
         try:
-            used.append((trial, read_trial(campaign, trial, filmed)))
+            used.append((trial, read_trial(campaign, trial, filmed, limits)))
         except TrialFault as fault:
             reasons[trial.name] = str(fault)
     if not used:
         listed = [f"trial {name}: {reason}" for name, reason in reasons.items()]
         raise CampaignFault(campaign.name, ["no trial can be used", *listed])
-    _refuse_wrong_sign(campaign, [dataset for _, dataset in used])
+    refuse_wrong_sign(campaign.name, [dataset for _, dataset in used])
     return _gather(campaign, used, reasons)
 
 
-def read_trial(campaign: Campaign, trial: Trial, filmed: Mapping[str, xr.Dataset]) -> xr.Dataset:
+def read_trial(
+    campaign: Campaign,
+    trial: Trial,
+    filmed: Mapping[str, xr.Dataset],
+    limits: Mapping[str, float],
+) -> xr.Dataset:
     """Read one trial's joint angles with flags, and its load.
 
     Returns
     -------
     Dataset
         ``time (frame)``, ``joint_angle (joint, frame)``, ``joint_angle_covariance``,
-        ``angle_flag``, ``load_time (knot)``, ``load_torque (knot)``; attribute ``load_kind``.
+        ``angle_flag``, ``load_time (knot)``, ``load_torque (knot)``; attributes ``load_kind``
+        and ``notes``.
 
     Raises
     ------
     TrialFault
-        The recording or its load log cannot be used.
+        The recording or its load log cannot be used, or it was tracked too poorly.
     """
-    angles = _read_level(campaign, trial, filmed)
-    angles = angles.isel(frame=np.isfinite(angles["time"].to_numpy()))
-    time = angles["time"].to_numpy()
-    if time.size < 2 or not np.isfinite(angles["joint_angle"]).any():
-        raise TrialFault(f"{trial.recording.name}: holds no usable frame")
+    recording = _read_level(campaign, trial, filmed)
+    recording = recording.isel(frame=np.isfinite(recording["time"].to_numpy()))
+    time = recording["time"].to_numpy()
+    if time.size < 2:
+        raise TrialFault(f"{trial.recording.name}: holds {time.size} frames; expected at least 2")
     interval = float(np.median(np.diff(time)))
     load_time, load_torque, kind = read_load(campaign, trial, interval, float(time[0]))
-    flagged = flag_frames(angles, load_time, load_torque)
+    jumps = find_load_jumps_array(load_time, load_torque)
+    if "marker" in recording.dims:
+        recording = flag_markers(recording, jumps)
+        poor = list_poor(compute_quality(recording.expand_dims(trial=[trial.name])), limits)
+        if poor:
+            raise TrialFault(f"{trial.recording.name}: {poor[trial.name]}")
+        recording = compute_joint_angles(recording, campaign)
+    if not np.isfinite(recording["joint_angle"]).any("frame").all():
+        raise TrialFault(
+            f"{trial.recording.name}: holds no usable frame of at least one joint; see that every "
+            "link shows two markers"
+        )
+    flagged = flag_frames(recording, jumps)
     return flagged.assign(
         load_time=("knot", load_time), load_torque=("knot", load_torque)
-    ).assign_attrs(load_kind=kind)
+    ).assign_attrs(load_kind=kind, notes=list_notes(flagged, load_time, kind))
 
 
-def flag_frames(angles: xr.Dataset, load_time: np.ndarray, load_torque: np.ndarray) -> xr.Dataset:
-    """Flag missing angles, repeated frames and a tracker's jumps; values stay as they are."""
+def list_notes(angles: xr.Dataset, load_time: np.ndarray, kind: str) -> list[str]:
+    """Sentences on what is worth knowing of a trial that is used."""
+    time, flag = angles["time"].to_numpy(), angles["angle_flag"].to_numpy()
+    notes = []
+    if kind == "assumed":
+        notes.append("no load log: a unit command from the first frame on is assumed")
+    elif time[-1] < load_time[-1] - 2.0 * np.median(np.diff(time)):
+        notes.append(
+            f"the recording ends at {time[-1]:.3g} s, the load log at {load_time[-1]:.3g} s: used "
+            "as far as it goes"
+        )
+    for bit, said in (
+        (MISSING, "frames miss an angle"),
+        (STALE, "frames repeat the one before"),
+        (JUMP, "frames hold a jump of the tracker and are masked"),
+    ):
+        count = int(((flag & bit) > 0).any(axis=0).sum())
+        if count:
+            notes.append(f"{count} of {time.size} {said}")
+    return notes
+
+
+def find_load_jumps_array(load_time: np.ndarray, load: np.ndarray) -> np.ndarray:
+    """Times at which a piecewise-linear load jumps: those of repeated knots that differ.
+
+    >>> find_load_jumps_array(np.array([0.0, 1.0, 1.0, 4.0]), np.array([0.0, 0.0, 2.0, 2.0]))
+    array([1.])
+    """
+    return np.unique(load_time[1:][(np.diff(load_time) == 0) & (np.diff(load) != 0)])
+
+
+def flag_frames(angles: xr.Dataset, load_jumps: np.ndarray) -> xr.Dataset:
+    """Flag repeated frames and a tracker's jumps; values stay as they are."""
     angle = angles["joint_angle"].transpose("joint", "frame").to_numpy()
     time = angles["time"].to_numpy()
     flag = angles["angle_flag"].transpose("joint", "frame").to_numpy().copy()
-    stepped = load_time[1:][(np.diff(load_time) == 0) & (np.diff(load_torque) != 0)]
     flag[:, find_stale_array(angle)] |= STALE
     for joint, values in enumerate(angle):
-        flag[joint, find_jumps_array(time, values, np.unique(stepped))] |= JUMP
+        flag[joint, find_jumps_array(time, values, load_jumps)] |= JUMP
     return angles.assign(angle_flag=(("joint", "frame"), flag))
 
 
@@ -107,57 +165,14 @@ def _read_level(campaign: Campaign, trial: Trial, filmed: Mapping[str, xr.Datase
             angle_flag=(("joint", "frame"), flag),
         )
     if trial.level == "markers":
-        return compute_joint_angles(read_marker_table(campaign, trial), campaign)
+        return read_marker_table(campaign, trial)
     if trial.name not in filmed:
         raise TrialFault(f"trial {trial.name}: its video has not been tracked; run `track` first")
     one = filmed[trial.name]
     reason = str(one["set_aside_reason"].item())
     if reason:
         raise TrialFault(reason)
-    return compute_joint_angles(one, campaign)
-
-
-def _refuse_wrong_sign(campaign: Campaign, trials: Sequence[xr.Dataset]) -> None:
-    senses = np.array([find_sense(trial) for trial in trials])
-    against = int((senses < 0).sum())
-    if against > int((senses > 0).sum()):
-        raise CampaignFault(
-            campaign.name,
-            [
-                f"{against} of {len(trials)} trials move against the load; a positive load must "
-                "bend the finger positively: set finger.bends in campaign.yaml (videos and "
-                "markers), or turn the sign of the angles or of the load"
-            ],
-        )
-
-
-def find_sense(trial: xr.Dataset) -> int:
-    """Whether a trial moves with its load (+1), against it (−1), or too little to say (0).
-
-    Compares the summed joint angles of the tenth of frames under the strongest load, late ones
-    before early ones, with those of the first frames.
-    """
-    time = trial["time"].to_numpy()
-    good = (trial["angle_flag"] & (MISSING | JUMP)) == 0
-    total = trial["joint_angle"].where(good).sum("joint", skipna=False).to_numpy()
-    seen = np.isfinite(total)
-    load = np.interp(time, trial["load_time"], trial["load_torque"], left=0.0)
-    if seen.sum() < 4 or not np.any(load[seen]):
-        return 0
-    time, total, load = time[seen], total[seen], load[seen]
-    count = max(1, seen.sum() // 10)
-    strongest = np.lexsort((time, np.abs(load)))[-count:]
-    first = np.flatnonzero(load == load[0])[: max(1, min(count, 3))]
-    moved = np.median(total[strongest]) - np.median(total[first])
-    noise = 1.4826 * np.median(np.abs(np.diff(total))) / np.sqrt(2.0)
-    if abs(moved) <= 5.0 * noise:
-        return 0
-    return int(
-        np.sign(
-            moved
-            * np.median(load[strongest] - load[first[0]] * (load[first[0]] != load[strongest[-1]]))
-        )
-    )
+    return one
 
 
 def _gather(
@@ -200,6 +215,7 @@ def _gather(
             campaign=campaign.name,
             source=campaign.source,
             noise_sd_rad=campaign.noise_sd_rad if campaign.noise_sd_rad is not None else np.nan,
+            notes=json.dumps({t.name: one.attrs["notes"] for t, one in used if one.attrs["notes"]}),
         )
     )
 

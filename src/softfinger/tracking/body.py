@@ -10,7 +10,23 @@ import numpy as np
 
 _STRETCH = 0.25  # how far a distance on a link may be off, in radii
 _SEARCH = 8.0  # radii around the predicted place, growing with the time lost
-_SEARCH_GROWTH, _LONGEST_GROWTH = 0.25, 40  # per frame, and frames
+_LONE_SEARCH = 2.5  # the same for a marker that no other one on its link confirms
+_SEARCH_GROWTH, _LONGEST_GROWTH = 0.05, 40  # per frame, and frames
+
+
+@dataclass(frozen=True)
+class _Search:
+    """One picture's search for lost markers."""
+
+    place: np.ndarray
+    predicted: np.ndarray
+    radius: np.ndarray
+    reach: np.ndarray
+    discs: np.ndarray
+
+    def measure_away(self, marker: int, disc: int) -> float:
+        """How far a disc is from a marker's predicted place, in that marker's reach."""
+        return float(_measure_gap(self.discs[disc], self.predicted[marker]) / self.reach[marker])
 
 
 @dataclass(frozen=True)
@@ -86,7 +102,8 @@ class Body:
 
         A disc is taken only where it lies at the known distance from the link's other markers;
         among such choices the one with most markers wins, then the one nearest to where the
-        motion and the joint before it expect them.
+        motion and the joint before it expect them. A marker that no other one confirms must be
+        near its predicted place.
 
         Parameters
         ----------
@@ -97,58 +114,46 @@ class Body:
             Frames since each marker was last seen.
         discs : (disc, 2) [px]
         """
-        place = position.copy()
         seen = np.isfinite(position[:, 0])
         gap = _measure_gap(discs[:, None], position[seen][None])
         free = [k for k in range(len(discs)) if not (gap[k] < radius[seen]).any()]
-        growth = 1.0 + _SEARCH_GROWTH * np.minimum(lost_for, _LONGEST_GROWTH)
-        reach = _SEARCH * radius * growth
+        reach = radius * (1.0 + _SEARCH_GROWTH * np.minimum(lost_for, _LONGEST_GROWTH))
+        search = _Search(position.copy(), predicted, radius, reach, discs)
         chosen: dict[int, int] = {}
         for number, link in enumerate(self.links):
             lost = [m for m in link if not seen[m]]
-            near = [
-                [d for d in free if _measure_gap(discs[d], predicted[m]) < reach[m]] + [-1]
-                for m in lost
-            ]
-            best = min(
-                self._list_choices(number, lost, near, place, predicted, radius, discs),
-                default=(0, 0.0, ()),
-            )
+            best = min(self._list_choices(number, lost, free, search), default=(0, 0.0, ()))
             for marker, disc in zip(lost, best[2], strict=False):
                 if disc >= 0:
                     chosen[marker] = disc
-                    place[marker] = discs[disc]
+                    search.place[marker] = discs[disc]
                     free.remove(disc)
         return chosen
 
     def _list_choices(
-        self,
-        number: int,
-        lost: Sequence[int],
-        near: Sequence[Sequence[int]],
-        place: np.ndarray,
-        predicted: np.ndarray,
-        radius: np.ndarray,
-        discs: np.ndarray,
+        self, number: int, lost: Sequence[int], free: Sequence[int], search: _Search
     ) -> Iterator[tuple[int, float, tuple[int, ...]]]:
         """Choices of discs (−1 = none) for a link's lost markers: (−number taken, cost, discs)."""
-        joint = self._find_joint(number, place)
-        for choice in product(*near):
-            taken = [d for d in choice if d >= 0]
-            if not taken or len(set(taken)) < len(taken):
+        joint = self._find_joint(number, search.place)
+        link = list(self.links[number])
+        near = [[d for d in free if search.measure_away(m, d) < _SEARCH] for m in lost]
+        for choice in product(*([*ds, -1] for ds in near)):
+            taken = {m: d for m, d in zip(lost, choice, strict=True) if d >= 0}
+            if not taken or len(set(taken.values())) < len(taken):
                 continue
-            tried = np.full_like(place, np.nan)
-            link = list(self.links[number])
-            tried[link] = place[link]
+            tried = np.full_like(search.place, np.nan)
+            tried[link] = search.place[link]
             cost = 0.0
-            for marker, disc in zip(lost, choice, strict=True):
-                if disc >= 0:
-                    tried[marker] = discs[disc]
-                    cost += float(np.sum((discs[disc] - predicted[marker]) ** 2))
-                    off = _measure_gap(discs[disc], joint) - self.arm[marker]
-                    cost += float(np.nan_to_num(off) ** 2)
-            if not self.find_stretched(tried, radius).any():
-                yield -len(taken), cost, tuple(choice)
+            for marker, disc in taken.items():
+                tried[marker] = search.discs[disc]
+                cost += float(np.sum((tried[marker] - search.predicted[marker]) ** 2))
+                off = _measure_gap(tried[marker], joint) - self.arm[marker]
+                cost += float(np.nan_to_num(off) ** 2)
+            alone = np.isfinite(tried[:, 0]).sum() == 1
+            if alone and max(search.measure_away(m, d) for m, d in taken.items()) > _LONE_SEARCH:
+                continue
+            if not self.find_stretched(tried, search.radius).any():
+                yield -len(taken), cost, choice
 
     def _find_joint(self, number: int, place: np.ndarray) -> np.ndarray:
         """Proximal joint of a link [px], from the link before; NaN where that is not seen."""

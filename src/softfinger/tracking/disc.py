@@ -21,7 +21,7 @@ import numpy as np
 from numba import njit
 from scipy.special import ndtr
 
-#: The order of a disc's parameters: centre, contrast, radius, edge spread S, level, slopes of the shade.
+#: A disc's parameters: centre, contrast, radius, edge spread S, level, slopes of the shade.
 PARAMETERS = ("x", "y", "contrast", "radius", "spread", "level", "slope_x", "slope_y")
 X, Y, CONTRAST, RADIUS, SPREAD, LEVEL, SLOPE_X, SLOPE_Y = range(8)
 
@@ -38,7 +38,7 @@ _NORMAL_DENSITY = np.exp(-0.5 * _NODES**2) / np.sqrt(2.0 * np.pi)
 
 @njit(cache=True)
 def count_divisions(spread: float) -> int:
-    """Sub-pixels along a side that keep the centre's bias below 0.3 of any sd that is within reach."""
+    """Sub-pixels along a side that keep the centre's bias far below its standard deviation."""
     if spread >= 0.5:
         return 1
     if spread >= 0.4:
@@ -68,7 +68,7 @@ def compute_edge_array(
     --------
     >>> share, slope = compute_edge_array(0.0, 0.5, 1 / 12, 0.0)
     >>> share, round(slope, 4)
-    (0.5, 0.7779)
+    (0.5, 0.7846)
     """
     sharpness = 1.0 / spread
     u = depth * sharpness

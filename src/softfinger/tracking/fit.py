@@ -37,6 +37,7 @@ LARGEST_WINDOW = 20_000  # pixels: a radius of about 75
 
 _SIZE = len(PARAMETERS)
 _SMALLEST_RADIUS = 1.0
+_MOST_GROWTH = 2.5  # radii of the start: what grows beyond is no disc of that kind
 _FEWEST_RIM, _FEWEST_FLAT = 12, 8
 
 
@@ -78,6 +79,7 @@ def fit_disc_array(
     products = np.empty((_SIZE + 1, _SIZE + 1))
     low, inverse, step = np.empty((_SIZE, _SIZE)), np.empty((_SIZE, _SIZE)), np.empty(_SIZE)
     quality[:] = np.nan
+    widest = _MOST_GROWTH * p[RADIUS]
     for _ in range(iterations):
         count = linearise_window_array(picture, weight, p, others, own, rows, side)
         if count <= 0:
@@ -92,9 +94,16 @@ def fit_disc_array(
             for b in range(_SIZE):
                 step[a] += inverse[a, b] * products[_SIZE, b]
         moved = max(math.hypot(step[X], step[Y]), abs(step[RADIUS]), abs(step[SPREAD]))
-        share = min(1.0, 0.5 * p[RADIUS] / max(moved, 1e-9))
+        share = min(
+            1.0,
+            0.5 * p[RADIUS] / max(moved, 1e-9),
+            0.3 * p[RADIUS] / max(abs(step[RADIUS]), 1e-9),
+            0.5 * p[SPREAD] / max(abs(step[SPREAD]), 1e-9),
+        )
         last = moved < LAST_STEP * p[SPREAD]
         _take_step(p, step, share)
+        if p[RADIUS] > widest or p[SPREAD] > 0.5 * widest:
+            return False
         if last:
             quality[UNIT_XX], quality[UNIT_YY] = inverse[X, X], inverse[Y, Y]
             quality[UNIT_XY] = inverse[X, Y]

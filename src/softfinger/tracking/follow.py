@@ -15,7 +15,7 @@ from softfinger.tracking.fit import (
     fit_disc_array,
 )
 
-_ITERATIONS = 8
+_ITERATIONS = 25  # far more than a good prediction needs
 _CONTRAST_CHANGE = (0.4, 2.5)  # from one picture to the next
 _RADIUS_CHANGE = (0.6, 1.6)
 _LARGEST_SD = 0.15  # radii: less certain than that, a disc is not seen

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
+from scipy.ndimage import median_filter
 
 _LONGEST_EXCURSION = 15  # frames
-_NEIGHBOURS = 3  # steps between distinct frames on either side
-_ABRUPT = 8.0  # how much larger than any step nearby the steps away and back are
-_ABOVE_NOISE = 8.0
-_RETURN = 0.25  # how near to its start, in units of the smaller step
+_BASELINE_WINDOWS = (2 * _LONGEST_EXCURSION + 1, 15, 7)  # distinct frames
+_NEIGHBOURS = 3  # steps of the motion on either side
+_ABRUPT = 8.0  # how much larger than these the steps away and back are
+_ABOVE_NOISE = 8.0  # standard deviations
+_RETURN = 0.25  # how near to where it left, in units of the step
+_AFTER_LOAD = (-1.5, 3.5)  # frames about a jump of the load at which a motion may begin
 _NEARBY_CHANGES = 31
 _ALIKE = 1e-4  # difference of two changes that are the same, in the typical change
 _MOST_ALIKE = 0.3  # share of changes that have a twin nearby, above which values are rounded
@@ -48,7 +53,7 @@ def find_stale_array(angle: np.ndarray) -> np.ndarray:
 
 
 def _resolves_finely(change: np.ndarray) -> np.ndarray:
-    """Whether hardly any changes around each one are alike, as unrounded ones are (change,) bool."""
+    """Whether few changes around each one are alike, as unrounded ones are (change,) bool."""
     at = np.flatnonzero(np.isfinite(change) & (change > 0))
     if at.size < 2:
         return np.full(change.size, at.size > 0)
@@ -62,73 +67,95 @@ def _resolves_finely(change: np.ndarray) -> np.ndarray:
 def find_jumps_array(time: np.ndarray, value: np.ndarray, load_jumps: np.ndarray) -> np.ndarray:
     """Find excursions of a tracker: samples that leave the motion at once, and return at once.
 
-    A run of at most 15 frames is an excursion where the steps into and out of it (i) have opposite
-    signs and lead back to where it began, (ii) exceed eight times each of the three steps between
-    distinct frames before and after it, (iii) exceed eight noise standard deviations, and (iv) it
-    does not begin at a jump of the load. A ring after a step, however fast, fails (ii): its
-    neighbours move as well. A step of the finger fails (i): it does not return.
+    Candidates are runs of at most 15 frames that differ from a running median (over 31, 15 or 7
+    distinct frames) by more than eight noise standard deviations. A candidate is an excursion where
+    the steps into and out of it (i) lead back to where it left, (ii) exceed eight times those of
+    the remaining motion, of which the three before and the three after it are taken and a single
+    large one is allowed, and (iii) it does not begin at a jump of the load. A ring after a step,
+    however fast, fails (ii): what remains of it moves as well. A step of the finger is no
+    candidate: it does not return.
 
     Parameters
     ----------
     time : (frame,) [s]
-    value : (frame,)
-        One channel; NaN = missing.
+    value : (frame,) or (frame, axis)
+        A joint angle, or a marker's place; NaN = missing.
     load_jumps : (jump,) [s]
 
     Returns
     -------
     (frame,) bool
+
+    Examples
+    --------
+    >>> value = np.sin(np.arange(40) / 40)
+    >>> value[[17, 18]] -= 3.0
+    >>> np.flatnonzero(find_jumps_array(np.arange(40.0), value, np.array([])))
+    array([17, 18])
     """
-    jumps = np.zeros(value.size, bool)
-    good = np.flatnonzero(np.isfinite(value))
-    if good.size < 2 * _NEIGHBOURS:
-        return jumps
-    distinct = good[np.concatenate([[True], np.diff(value[good]) != 0])]
-    x, t = value[distinct], time[distinct]
-    step = np.diff(x)
-    noise = 1.4826 * np.median(np.abs(np.diff(x, 2))) / np.sqrt(6.0) if x.size > 4 else 0.0
-    interval = np.median(np.diff(time[np.isfinite(time)]))
-    protected = _near_load_jump(t, load_jumps, interval)
-    start = 1
-    while start < x.size:
-        end = _find_return(x, step, start, noise, protected)
-        if end == start:
-            start += 1
-            continue
-        run = (good >= distinct[start]) & (good < (distinct[end] if end < x.size else value.size))
-        # An excursion is at most so long in frames of the recording, repeated ones included.
-        if run.sum() <= _LONGEST_EXCURSION:
-            jumps[good[run]] = True
-            x[start:end] = x[start - 1]
-            step = np.diff(x)
-        start = end
+    value = value.reshape(len(value), -1)
+    interval = float(np.median(np.diff(time[np.isfinite(time)])))
+    jumps = np.zeros(len(value), bool)
+    for window in _BASELINE_WINDOWS:
+        seen = np.flatnonzero(np.isfinite(value).all(axis=1) & ~jumps)
+        for run in _list_excursions(value, seen, window):
+            begin = (time[run[0]] - load_jumps) / interval
+            if not ((begin >= _AFTER_LOAD[0]) & (begin <= _AFTER_LOAD[1])).any():
+                jumps[run] = True
     return jumps
 
 
-def _near_load_jump(time: np.ndarray, load_jumps: np.ndarray, interval: float) -> np.ndarray:
-    """Whether the step into each sample may be the load's doing."""
-    near = np.zeros(time.size, bool)
-    for jump in load_jumps:
-        near |= (time >= jump - 1.5 * interval) & (time <= jump + 3.5 * interval)
-    return near
+def _list_excursions(value: np.ndarray, seen: np.ndarray, window: int) -> Iterator[np.ndarray]:
+    """Frames of each abrupt run away from the running median over so many distinct frames."""
+    if seen.size < 2 * _NEIGHBOURS + 2:
+        return
+    moved = np.concatenate([[True], (np.diff(value[seen], axis=0) != 0).any(axis=1)])
+    distinct = seen[moved]
+    path = value[distinct]
+    noise = _measure_noise(path)
+    away = _find_away(path, window, noise)
+    beyond = np.append(distinct, len(value))
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], away, [0]])))
+    for start, end in edges.reshape(-1, 2):
+        run = seen[(seen >= distinct[start]) & (seen < beyond[end])]
+        if run.size <= _LONGEST_EXCURSION and _is_abrupt(path, away, start, end, noise):
+            yield run
 
 
-def _find_return(
-    x: np.ndarray, step: np.ndarray, start: int, noise: float, protected: np.ndarray
-) -> int:
-    """First sample after the excursion that begins at `start`; `start` itself if none does."""
-    away = step[start - 1]
-    if protected[start] or abs(away) <= _ABOVE_NOISE * noise:
-        return start
-    before = np.abs(step[max(0, start - 1 - _NEIGHBOURS) : start - 1])
-    if before.size and abs(away) < _ABRUPT * before.max():
-        return start
-    for end in range(start + 1, min(x.size, start + 1 + _LONGEST_EXCURSION)):
-        back = step[end - 1]
-        smaller = min(abs(away), abs(back))
-        if back * away >= 0 or abs(x[end] - x[start - 1]) > _RETURN * smaller:
-            continue
-        after = np.abs(step[end : end + _NEIGHBOURS])
-        around = max(before.max(initial=0.0), after.max(initial=0.0), noise)
-        return end if smaller > _ABRUPT * around else start
-    return start
+def _find_away(path: np.ndarray, window: int, noise: float) -> np.ndarray:
+    """Whether each sample of a path (sample, axis) is away from the running median, 0 or 1."""
+    size = min(window, 2 * ((len(path) - 1) // 2) + 1)
+    baseline = median_filter(path, (size, 1), mode="nearest")
+    return (_measure_length(path - baseline) > _ABOVE_NOISE * noise).astype(int)
+
+
+def _get(array: np.ndarray, index: int, beyond: int) -> int:
+    return int(array[index]) if index < array.size else beyond
+
+
+def _measure_length(vector: np.ndarray) -> np.ndarray:
+    return np.sqrt((vector**2).sum(axis=-1))
+
+
+def _measure_noise(path: np.ndarray) -> float:
+    """Noise sd from second differences (whatever the motion), at least the recording's step."""
+    if len(path) < 4:
+        return 0.0
+    steps = np.abs(np.diff(path, axis=0))
+    second = np.abs(np.diff(path, 2, axis=0))
+    robust = 1.4826 * np.median(second, axis=0) / np.sqrt(6.0)
+    return float(max(np.sqrt((robust**2).sum()), steps[steps > 0].min(initial=np.inf)))
+
+
+def _is_abrupt(path: np.ndarray, away: np.ndarray, start: int, end: int, noise: float) -> bool:
+    """Whether the motion without any candidate knows no steps like those into and out of a run."""
+    before = np.flatnonzero(away[:start] == 0)[-_NEIGHBOURS - 1 :]
+    after = end + np.flatnonzero(away[end:] == 0)[: _NEIGHBOURS + 1]
+    if not (before.size and after.size):
+        return False
+    ends = [path[start] - path[before[-1]], path[after[0]] - path[end - 1]]
+    step = min(_measure_length(vector) for vector in ends)
+    bridge = _measure_length(path[after[0]] - path[before[-1]])
+    around = [_measure_length(np.diff(path[k], axis=0)) for k in (before, after)]
+    motion = np.sort(np.concatenate([*around, [noise, noise]]))[-2]
+    return bool(bridge <= _RETURN * step and step > _ABRUPT * motion)

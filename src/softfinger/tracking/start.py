@@ -19,7 +19,7 @@ from softfinger.tracking.appearance import (
 from softfinger.tracking.body import Body
 from softfinger.tracking.camera import undistort_array
 from softfinger.tracking.detection import find_discs_array
-from softfinger.tracking.disc import RADIUS
+from softfinger.tracking.disc import PARAMETERS, RADIUS, SPREAD, X, Y
 from softfinger.tracking.identity import Match, match_finger_array
 from softfinger.tracking.tracker import Tracker
 from softfinger.tracking.video import Frame, peek_pictures
@@ -69,12 +69,32 @@ def find_start(
                 chosen = _choose(sightings, path, camera, link_length)
                 return before, frame, _build_tracker(frame.picture, chosen, camera, link_length)
         before.append(frame.time)
-    size = "" if camera.metres_per_pixel is None else f" of radius {_list_radii(camera)[0]:.1f} px"
+    scaled = camera.metres_per_pixel is not None
+    size = f" of radius {_list_radii(camera)[0]:.1f} px" if scaled else ""
     raise TrialFault(
-        f"{path.name}: the {len(marker_names(camera))} declared markers are in none of its "
-        f"{len(before)} frames (at most {most} discs{size} were found in one); check marker_colour, "
-        "marker_diameter_m, metres_per_pixel and the markers' places in campaign.yaml"
+        f"{path.name}: the {len(marker_names(camera))} declared markers are in none of the "
+        f"{len(before)} frames (at most {most} discs{size} were found in one); check "
+        "marker_colour, marker_diameter_m, metres_per_pixel and markers in campaign.yaml"
     )
+
+
+def start_at_points(picture: np.ndarray, places: np.ndarray, radius: float) -> Tracker:
+    """Tracker of discs near given places, each on its own: no geometry binds them.
+
+    Parameters
+    ----------
+    picture : (row, column, channel)
+    places : (marker, 2) [px]
+    radius : float [px]
+        About the discs' radius.
+    """
+    rough = np.zeros((len(places), len(PARAMETERS)))
+    rough[:, [X, Y]] = places
+    rough[:, RADIUS], rough[:, SPREAD] = radius, 0.1 * radius
+    weight = np.full(picture.shape[2], 1.0 / picture.shape[2])
+    known = measure_light(picture, weight, rough)
+    links = [[k] for k in range(len(places))]
+    return Tracker(weight, known, Body.measure(links, known[:, :2]))
 
 
 def list_sightings(
