@@ -13,7 +13,6 @@ from softfinger.rig.messages import VERSION, LineFault, Message
 from softfinger.rig.plan import Plan
 from softfinger.rig.profiles import Knots
 
-CONNECT_S = 5.0  # a controller that restarts when its port is opened needs a few seconds
 _HELLO_EVERY_S = 0.5
 
 
@@ -212,7 +211,7 @@ def connect_controller(port: str, plan: Plan) -> Iterator[Controller]:
         interruption inside, with what is known of the wire added.
     """
     with SerialLink(port) as link:
-        identity = _identify(link)
+        identity = _identify(link, plan.safety.connect_timeout_s)
         controller = Controller(link, plan, identity)
         try:
             _check_abilities(identity, plan)
@@ -229,12 +228,12 @@ def connect_controller(port: str, plan: Plan) -> Iterator[Controller]:
         controller.release()
 
 
-def _identify(link: SerialLink) -> Identity:
+def _identify(link: SerialLink, timeout: float) -> Identity:
     link.discard()
-    deadline = time.monotonic() + CONNECT_S
+    deadline = time.monotonic() + timeout
     while True:
         try:
-            answer = link.request("hello", _HELLO_EVERY_S, version=VERSION)
+            answer = link.request("hello", min(_HELLO_EVERY_S, timeout), version=VERSION)
             break
         except Silence:
             if time.monotonic() < deadline:

@@ -20,6 +20,7 @@ class Safety(Settings):
     """Limits that both sides check, and how long a silence is believed to be harmless."""
 
     tension_limit_n: Positive
+    connect_timeout_s: Positive  # controllers that restart when their port is opened need seconds
     heartbeat_s: Positive  # the recorder's; the controller's watchdog must be three times as long
     answer_timeout_s: Positive
     stream_timeout_s: Positive

@@ -19,6 +19,7 @@ from softfinger.rig.rehearsal import Rehearsal
 from softfinger.rig.virtual_camera import CAMERA_AHEAD_S, ExposureFeed
 
 _TICK_S = 0.004
+_LONGEST_STEP_S = 0.02  # of the simulator's time
 _MOST_WAITING_BYTES = 1_000_000  # what a host's driver would hold for a slow reader
 
 
@@ -48,7 +49,7 @@ class Simulator:
         os.set_blocking(self._master, False)
         self.port, self.camera = os.ttyname(self._slave), self._feed.name
         self._look(0.0)  # compiles now what must not wait later
-        self._began = time.monotonic()
+        self._began, self._now = time.monotonic(), 0.0
         self._note(0.0, "#", f"camera clock = controller clock + {CAMERA_AHEAD_S} s")
 
     def run(self) -> None:
@@ -57,16 +58,21 @@ class Simulator:
             while True:
                 self._wait()
                 wall = time.monotonic() - self._began
-                now = wall * self._scale
-                for message in self._device.advance(now, wall):
-                    self._say(now, message)
-                self._film(now)
-                self._rehearse(now)
+                while self._now < wall * self._scale:
+                    # In short steps, so that a busy computer changes nothing of what happens
+                    self._go_on(min(self._now + _LONGEST_STEP_S, wall * self._scale), wall)
                 for line in self._lines.feed(self._read()):
-                    self._obey(line, now, wall)
+                    self._obey(line, self._now, wall)
         finally:
             self._feed.close()
             self._unplug()
+
+    def _go_on(self, now: float, wall: float) -> None:
+        self._now = now
+        for message in self._device.advance(now, wall):
+            self._say(now, message)
+        self._film(now)
+        self._rehearse(now)
 
     def _wait(self) -> None:
         if self._master is None:

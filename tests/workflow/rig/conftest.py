@@ -13,7 +13,7 @@ from softfinger.rig.recorder import record_campaign
 
 EXAMPLE = Path(__file__).parents[3] / "docs/rig/plan.yaml"
 COMMAND = (sys.executable, "-c", "from softfinger.rig.cli import app; app()")
-TIME_SCALE, FPS, WATCHDOG_S, SEED = 6.0, 10.0, 2.5, 11
+TIME_SCALE, FPS, WATCHDOG_S, SEED = 10.0, 10.0, 2.5, 11
 PATIENCE_S = 60.0  # only a hanging test waits so long
 
 
@@ -130,3 +130,13 @@ def read_files():
         }
 
     return read
+
+
+@pytest.fixture
+def long_plan(plan_file, half_done, tmp_path) -> Path:
+    """The plan of a folder whose second trial lasts until something happens."""
+    plan = YAML(typ="safe").load(plan_file)
+    plan["profiles"][1]["hold_s"] = 60.0
+    path = half_done / "recording/plan.yaml"
+    YAML().dump(plan, path)
+    return path
