@@ -1,0 +1,52 @@
+"""The hierarchical posterior of a campaign, in ArviZ's groups."""
+
+from softfinger.artifacts.spec import ArtifactSpec, Variable
+
+_POPULATION = ("chain", "draw", "joint")
+_TRIAL = ("chain", "draw", "trial", "joint")
+_LOGS = {"k_v": "stiffness", "c_v": "damping of the Kelvin–Voigt element", "c_p": "damping of flow"}
+
+
+def _describe_populations() -> dict[str, Variable]:
+    declared = {}
+    for name, meaning in _LOGS.items():
+        text = f"log of the {meaning} [N m/rad]" if name == "k_v" else f"log of the {meaning}"
+        declared[f"mu_log_{name}"] = Variable(_POPULATION, "1", f"population mean of the {text}")
+        declared[f"sigma_log_{name}"] = Variable(
+            _POPULATION, "1", f"population sd of the {text}", at_least=0.0
+        )
+        declared[f"log_{name}"] = Variable(_TRIAL, "1", f"{text} of a trial")
+    return declared
+
+
+SPEC = ArtifactSpec(
+    name="posterior",
+    title="Hierarchical posterior of the viscoelastic parameters",
+    rule="fit",
+    variables={},
+    groups={
+        "posterior": {
+            **_describe_populations(),
+            "mu_q_ini": Variable(_POPULATION, "rad", "population mean of the initial angle"),
+            "sigma_q_ini": Variable(
+                _POPULATION, "rad", "population sd of the initial angle", at_least=0.0
+            ),
+            "q_ini": Variable(_TRIAL, "rad", "initial angle of a trial"),
+            "noise_sd": Variable(
+                _POPULATION, "rad", "marginal sd of the measurement noise", at_least=0.0
+            ),
+            "noise_autocorrelation": Variable(
+                _POPULATION,
+                "1",
+                "its autocorrelation over a median frame interval",
+                at_least=-1.0,
+                at_most=1.0,
+            ),
+        },
+        "sample_stats": {
+            "diverging": Variable(
+                ("chain", "draw"), "1", "whether the trajectory diverged", "truth value"
+            ),
+        },
+    },
+)

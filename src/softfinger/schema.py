@@ -1,0 +1,56 @@
+"""The schema of the configuration, generated from the blocks that the packages declare.
+
+``python -m softfinger.schema workflow/schemas/config.schema.yaml`` renews the file, from which the
+workflow is checked before it starts, without importing the packages; a test finds drift.
+"""
+
+from __future__ import annotations
+
+import io
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field
+from ruamel.yaml import YAML
+
+from softfinger.estimation.config import EstimationConfig
+from softfinger.propagation.config import PropagationConfig
+from softfinger.report.config import ReportConfig
+from softfinger.settings import Settings
+from softfinger.tracking.config import TrackingConfig
+from softfinger.virtual_rig.config import VirtualRigConfig
+
+
+class Configuration(Settings):
+    """Every knob, once."""
+
+    campaign: str | None
+    out: Annotated[str, Field(min_length=1)]
+    seed: Annotated[int, Field(ge=0)]
+    trials_per_job: Annotated[int, Field(ge=1)]
+    virtual_rig: VirtualRigConfig
+    tracking: TrackingConfig
+    estimation: EstimationConfig
+    propagation: PropagationConfig
+    report: ReportConfig
+
+
+def format_schema() -> str:
+    """JSON schema of the configuration, as YAML."""
+    stream = io.StringIO()
+    YAML().dump(_drop_titles(Configuration.model_json_schema()), stream)
+    return "# Generated from the declared blocks; renew with: python -m softfinger.schema\n" + (
+        stream.getvalue()
+    )
+
+
+def _drop_titles(node: Any) -> Any:  # noqa: ANN401 (a JSON tree holds anything)
+    if isinstance(node, dict):
+        kept = {key: _drop_titles(value) for key, value in node.items()}
+        return {k: v for k, v in kept.items() if not (k == "title" and isinstance(v, str))}
+    return [_drop_titles(value) for value in node] if isinstance(node, list) else node
+
+
+if __name__ == "__main__":
+    Path(sys.argv[1]).write_text(format_schema(), encoding="utf-8")
