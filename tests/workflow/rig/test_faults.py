@@ -13,6 +13,7 @@ from ruamel.yaml import YAML
 
 from softfinger.campaign import check_campaign
 from softfinger.faults import Fault
+from softfinger.rig.cli import record
 from softfinger.rig.link import SerialLink
 from softfinger.rig.recorder import record_campaign
 
@@ -98,16 +99,26 @@ def test_a_recorder_killed_in_mid_trial(rig, long_plan, half_done, read_files):
     assert recorder.returncode == -signal.SIGKILL
 
 
-def test_ctrl_c_in_mid_trial(rig, long_plan, half_done, read_files):
+@pytest.fixture
+def restored_signals():
+    before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+@pytest.mark.usefixtures("restored_signals")
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_or_a_polite_kill_in_mid_trial(rig, long_plan, half_done, read_files, sent):
     def interrupt(since):
         rig.wait_for(" start*", since)
-        os.kill(os.getpid(), signal.SIGINT)
+        os.kill(os.getpid(), sent)
 
     with everything_stays_safe(rig, half_done, read_files) as since:
         waiting = threading.Thread(target=interrupt, args=(since,))
         waiting.start()
         with pytest.raises(Fault, match="interrupted; the wire is released"):
-            rig.record(long_plan, half_done)
+            record(long_plan, half_done, rig.port, rig.camera, ["humidity_pct=40"])
         waiting.join()
 
 
