@@ -98,7 +98,7 @@ def fill_angles(model: Model, work: Work, j: int) -> None:
 def _correct_spring(model: Model, work: Work, j: int) -> bool:
     """One Newton step for the spring's torque at the nodes; True where none was needed."""
     nodes, local = work.nodes, work.newton.local
-    missing = work.newton.right[:3]
+    missing = work.newton.column
     worst, scale = 0.0, 0.0
     for i in range(3):
         torque, nodes.spring_slope[0, i, j], nodes.spring_slope[1, i, j] = spring_torque(
@@ -145,7 +145,7 @@ def fill_slopes_by_torque(model: Model, work: Work, j: int) -> None:
         fill_local(work, j)
         factorise(newton.local)
         for m in range(3):
-            column = newton.right[:3]
+            column = newton.column
             column[:] = by_spring[:, m]
             solve_factorised(newton.local, column)
             by_spring[:, m] = column
@@ -204,7 +204,7 @@ def fill_tangents_at_fixed_torque(model: Model, work: Work, step: float, j: int)
 @compiled
 def _add_spring_tangents(model: Model, work: Work, j: int) -> None:
     nodes, linear, local = work.nodes, work.linear, work.newton.local
-    column = work.newton.right[:3]
+    column = work.newton.column
     fill_local(work, j)
     factorise(local)
     for c in model.columns[j]:

@@ -45,6 +45,7 @@ from softfinger.mechanics.linear import factorise_pivoted, solve_pivoted
 _WIDTH = CHAIN_SLOTS.index("friction_width")
 _DRIVER = CHAIN_SLOTS.index("friction_driver")
 _ITERATIONS = 12
+_NO, _YES = np.bool_(False), np.bool_(True)  # Python's own would make numba compile twice
 
 
 @compiled
@@ -152,10 +153,10 @@ def solve_step(model: Model, work: Work, step: float, tangents: bool) -> bool:
             fill_angles(model, work, j)
     if not change <= 1e-10 * scale:
         return False
-    fill_drives(model, work, False)
+    fill_drives(model, work, _NO)
     if tangents:
         _fill_tangents(model, work, step, feedback)
-        fill_drives(model, work, True)
+        fill_drives(model, work, _YES)
     return True
 
 
@@ -176,7 +177,7 @@ def _fill_residual(model: Model, work: Work, step: float) -> float:
                 nodes.acceleration[i, j] = total / step
     scale = 1e-300
     for i in range(3):
-        fill_balance(model, nodes, balance, i, False)
+        fill_balance(model, nodes, balance, i, _NO)
         for j in range(joints):
             newton.right[i * joints + j] = balance.torque[i, j] - nodes.torque[i, j]
             scale = max(scale, abs(nodes.torque[i, j]), abs(nodes.load[i]))
@@ -246,7 +247,7 @@ def _fill_tangents(model: Model, work: Work, step: float, feedback: bool) -> Non
             fill_slopes_by_torque(model, work, j)
     if feedback:
         for i in range(3):
-            fill_balance(model, nodes, work.balance, i, True)
+            fill_balance(model, nodes, work.balance, i, _YES)
     for c in range(model.d_chain.shape[0]):
         if not feedback:  # the torque is the load
             for i in range(3):

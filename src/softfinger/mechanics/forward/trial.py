@@ -31,7 +31,7 @@ from softfinger.mechanics.forward.work import (
 _DELAY, _LAG = CHAIN_SLOTS.index("delay"), CHAIN_SLOTS.index("lag")
 _WIDTH, _DRIVER = CHAIN_SLOTS.index("friction_width"), CHAIN_SLOTS.index("friction_driver")
 _INERTIA = CHAIN_SLOTS.index("inertia_scale")
-_MAX_STEPS = 200_000
+_MAX_STEPS = 20_000
 _VALUE, _SLOPE, _ACTING = range(3)
 
 
@@ -52,7 +52,7 @@ def run_trial(
     False where the model could not be integrated.
     """
     fill_rest(model, work)
-    delay, frames, frame = model.chain[_DELAY], _count_frames(time), 0
+    delay, frames, frame = model.chain[_DELAY], _count_frames(time), np.int64(0)
     load, d_acting = np.zeros(3), np.zeros(model.d_chain.shape[0])
     now, last = load_time[0], load_time.size - 1
     if frames > 0:

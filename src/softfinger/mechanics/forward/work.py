@@ -1,8 +1,12 @@
-"""The arrays that the kernel works in: allocated once, filled anew for each trial and step."""
+"""The arrays that the kernel works in: allocated once, filled anew for each trial and step.
 
-from typing import NamedTuple
+They are numba's `structref`s, passed by reference: as tuples of arrays they took three times as
+long to compile.
+"""
 
 import numpy as np
+from numba import types
+from numba.experimental import structref
 from numpy.typing import NDArray
 
 from softfinger.mechanics.compiled import compiled
@@ -41,10 +45,10 @@ GROUPS = (
 ) = range(len(GROUPS))
 
 _JOINT, _CHAIN, _COUPLING = len(JOINT_SLOTS), len(CHAIN_SLOTS), len(COUPLING_SLOTS)
-START = 3  # row of the start of a step, behind those of its three nodes
+START = np.int64(3)  # row of the start of a step (a plain int would make numba compile twice)
 
 
-class Model(NamedTuple):
+class Model(structref.StructRefProxy):
     """One trial's slots and their tangents (column first), and what is fixed for the finger."""
 
     joint: NDArray  # (joint, slot)
@@ -60,7 +64,7 @@ class Model(NamedTuple):
     inertia: NDArray  # (joint, joint) [kg m²]
 
 
-class State(NamedTuple):
+class State(structref.StructRefProxy):
     """What the start of a step remembers, and its tangents (column last)."""
 
     mode: NDArray  # (joint, mode) [rad]
@@ -75,7 +79,7 @@ class State(NamedTuple):
     d_torque: NDArray
 
 
-class Linear(NamedTuple):
+class Linear(structref.StructRefProxy):
     """The modes, and what they make of drives during the present step."""
 
     rate: NDArray  # (joint, mode) [1/s]
@@ -89,7 +93,7 @@ class Linear(NamedTuple):
     d_drive: NDArray  # (joint, 3 drives, power, column)
 
 
-class Nodes(NamedTuple):
+class Nodes(structref.StructRefProxy):
     """Everything at the three nodes of a step, and at its start."""
 
     load: NDArray  # (4,) [N m]
@@ -115,7 +119,7 @@ class Nodes(NamedTuple):
     d_velocity: NDArray
 
 
-class Balance(NamedTuple):
+class Balance(structref.StructRefProxy):
     """The torque that the finger's statics ask of each joint, and its derivatives."""
 
     torque: NDArray  # (4, joint)
@@ -127,19 +131,20 @@ class Balance(NamedTuple):
     tangent: NDArray  # (4, joint, column), at fixed angles, load and direction
 
 
-class Newton(NamedTuple):
+class Newton(structref.StructRefProxy):
     """The linear systems of a step."""
 
     spring_by_torque: NDArray  # (joint, node, node)
     angle_by_torque: NDArray
     velocity_by_torque: NDArray
-    local: NDArray  # (3, 3)
+    local: NDArray  # (3, 3), a joint's own system, and
+    column: NDArray  # (3,) its right side
     matrix: NDArray  # (3 joint, 3 joint)
     pivot: NDArray
     right: NDArray
 
 
-class Work(NamedTuple):
+class Work(structref.StructRefProxy):
     """All of it."""
 
     state: State
@@ -150,6 +155,53 @@ class Work(NamedTuple):
     weight: NDArray  # (drive, power): scratch of an evaluation inside the step
     largest: NDArray  # (column,): the largest tangent so far
     curved: NDArray  # (1,) bool: whether drives bend between the knots of the load
+
+
+@structref.register
+class ModelType(types.StructRef):
+    """Numba's type of `Model`."""
+
+
+@structref.register
+class StateType(types.StructRef):
+    """Numba's type of `State`."""
+
+
+@structref.register
+class LinearType(types.StructRef):
+    """Numba's type of `Linear`."""
+
+
+@structref.register
+class NodesType(types.StructRef):
+    """Numba's type of `Nodes`."""
+
+
+@structref.register
+class BalanceType(types.StructRef):
+    """Numba's type of `Balance`."""
+
+
+@structref.register
+class NewtonType(types.StructRef):
+    """Numba's type of `Newton`."""
+
+
+@structref.register
+class WorkType(types.StructRef):
+    """Numba's type of `Work`."""
+
+
+for _face, _type in (
+    (Model, ModelType),
+    (State, StateType),
+    (Linear, LinearType),
+    (Nodes, NodesType),
+    (Balance, BalanceType),
+    (Newton, NewtonType),
+    (Work, WorkType),
+):
+    structref.define_proxy(_face, _type, list(_face.__annotations__))
 
 
 @compiled
@@ -217,7 +269,8 @@ def allocate_work(n: int, modes: int, columns: int) -> Work:
         np.zeros((4, n)), np.zeros((4, n)), np.zeros((4, n, columns)),
     )  # fmt: skip
     newton = Newton(
-        np.zeros((n, 3, 3)), np.zeros((n, 3, 3)), np.zeros((n, 3, 3)), np.zeros((3, 3)),
+        np.zeros((n, 3, 3)), np.zeros((n, 3, 3)), np.zeros((n, 3, 3)),
+        np.zeros((3, 3)), np.zeros(3),
         np.zeros((3 * n, 3 * n)), np.zeros(3 * n, np.int64), np.zeros(3 * n),
     )  # fmt: skip
     return Work(
