@@ -38,9 +38,11 @@ def draw_prior_predictive(prior: xr.Dataset) -> Figure:
             low, high = (here["joint_angle_quantile"].isel(quantile=i) for i in (place, -1 - place))
             share = float(high["quantile"] - low["quantile"])
             label = f"prior, {100 * share:.0f} %"
-            ax.fill_between(time, low, high, color=SKY, alpha=0.25, linewidth=0, label=label)
+            ax.fill_between(
+                time, low, high, color=SKY, alpha=0.25 + 0.3 * place, linewidth=0, label=label
+            )
         recorded = here["recorded_low"].values, here["recorded_high"].values
-        ax.fill_between(time, *recorded, color=BLACK, alpha=0.6, linewidth=0, label="recorded")
+        ax.fill_between(time, *recorded, color=BLACK, alpha=0.6, linewidth=0.8, label="recorded")
         ax.set(title=f"joint {joint}", xlabel="time [s]")
     figure.supylabel("joint angle [rad]", size=7)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper left", ncols=4)

@@ -24,13 +24,13 @@ CHAIN_COLOURS = (BLUE, ORANGE, GREEN, PINK)
 
 @styled
 def draw_sampling(sampling: xr.Dataset) -> Figure:
-    """Draw R-hat and effective sample size of every quantity, and the worst chain's trace.
+    """Draw R-hat and effective draws of every quantity, and the draws of the worst one.
 
     Parameters
     ----------
     sampling
-        `r_hat`, `ess_bulk`, `ess_tail` (quantity); `worst_draws` (chain, draw), the draws of the
-        quantity of the largest R-hat, standardised; attrs `r_hat_max`, `ess_min`, `source`.
+        Artifact `sampling`, with `worst_draws` (chain, draw), the standardised draws of the
+        quantity of the largest R-hat.
     """
     figure = new_figure(get_source(sampling), height=2.1)
     left, middle, right = figure.subplots(1, 3, width_ratios=[1, 1, 1.3])

@@ -12,12 +12,12 @@ Positive = Annotated[float, Field(gt=0)]
 
 
 class ReportConfig(Settings):
-    """Every limit of the report; what exceeds one turns its verdict red."""
+    """The report's own limits; what exceeds one turns its verdict red.
+
+    Those of the sampling come with the artifact `sampling`.
+    """
 
     ci_prob: Probability
-    r_hat_max: Annotated[float, Field(gt=1)]
-    ess_min: Positive
-    divergences_max: Annotated[int, Field(ge=0)]
     pareto_k_max: Positive
     shared_residual_max: Positive
     coverage_tolerance: Probability

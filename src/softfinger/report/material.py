@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -12,12 +12,14 @@ import xarray as xr
 
 from softfinger.faults import Fault
 from softfinger.figures.style import label_load_unit
+from softfinger.provenance import derive_seed
 from softfinger.report.config import ReportConfig
 from softfinger.report.paper import build_paper_table
+from softfinger.report.prior import compute_prior_predictive
 from softfinger.report.residuals import compute_residuals
 from softfinger.report.summaries import (
+    select_quantity,
     summarise_hyperparameters,
-    summarise_sampling,
     summarise_trial_parameters,
 )
 
@@ -30,7 +32,7 @@ class Material:
 
     artifacts: Mapping[str, Artifact]
     limits: ReportConfig
-    config: Mapping[str, Any] = field(default_factory=dict)
+    config: Mapping[str, Any]
     commit: str | None = None
 
     def __post_init__(self) -> None:
@@ -116,12 +118,24 @@ class Material:
         return self.load_unit == "N m" and self.angles["joint"].size == 3
 
     @cached_property
-    def sampling(self) -> xr.Dataset | None:
-        """Convergence of every quantity of the posterior."""
-        if self.posterior is None:
+    def prior_predictive(self) -> xr.Dataset | None:
+        """What the priors expect, where the fit kept draws of them."""
+        if "posterior" not in self or "prior" not in self.artifacts["posterior"].children:
             return None
-        limits = {"r_hat_max": self.limits.r_hat_max, "ess_min": self.limits.ess_min}
-        return summarise_sampling(self.posterior).assign_attrs(source=self.source, **limits)
+        prior = self.artifacts["posterior"]["prior"].dataset
+        rng = np.random.default_rng(derive_seed(int(self.config["seed"]), "report"))
+        return compute_prior_predictive(prior, self.angles, rng)
+
+    @cached_property
+    def sampling(self) -> xr.Dataset | None:
+        """Convergence of every hyperparameter, with the draws of the one that agrees least."""
+        if self.posterior is None or "sampling" not in self:
+            return None
+        sampling = self.get("sampling")
+        worst = str(sampling["quantity"].values[int(sampling["r_hat"].argmax("quantity"))])
+        draws = select_quantity(self.posterior, worst)
+        standard = (draws - draws.mean()) / draws.std()
+        return sampling.assign(worst_draws=standard).assign_coords(worst_quantity=worst)
 
     @property
     def n_frames(self) -> int:

@@ -94,29 +94,21 @@ def picture_tracking(material: Material) -> Picture | None:
 
 def picture_prior(material: Material) -> Picture | None:
     """What the priors expect."""
-    prior = find_prior_predictive(material)
+    prior = material.prior_predictive
     if prior is None:
         return None
+    load = f"{format_number(prior.attrs['load'])} {material.load_unit}"
     return Picture(
         "prior_predictive",
         "What the priors alone expect",
         draw_prior_predictive(prior),
         "Bands of the joint angle over time under the priors, much wider than the recordings, "
         "which are drawn in black.",
-        "Joint angle that the priors expect before any recording is seen (blue, equal-tailed "
-        "intervals), and the span of all recordings (black). Priors that cannot reach the "
-        f"recordings would decide the answer. {capital(material.cite('posterior', 'angles'))}.",
+        "Joint angle of a new trial that the priors expect before any recording is seen (blue, "
+        f"equal-tailed intervals), and the span of the recordings (black), at a load of {load}. "
+        "Priors that cannot reach the recordings would decide the answer. "
+        f"{capital(material.cite('posterior', 'angles'))}.",
     )
-
-
-def find_prior_predictive(material: Material) -> xr.Dataset | None:
-    """Return the prior predictive quantiles that the posterior's tree carries, if any."""
-    if "posterior" not in material:
-        return None
-    group = material.artifacts["posterior"].children.get("prior_predictive")
-    if group is None or "joint_angle_quantile" not in group.dataset:
-        return None
-    return group.dataset.assign_attrs(source=material.source)
 
 
 def picture_sampling(material: Material) -> Picture | None:
@@ -128,13 +120,12 @@ def picture_sampling(material: Material) -> Picture | None:
         "sampling",
         "Convergence of the sampler",
         draw_sampling(sampling),
-        "Sorted R-hat and effective numbers of draws of all quantities against their limits, and "
-        "the draws of the quantity whose chains agree least.",
-        f"R-hat and effective draws of all {sampling['quantity'].size} quantities, sorted, with "
-        f"the limits {format_number(material.limits.r_hat_max, 4)} and "
-        f"{format_number(material.limits.ess_min)}. Right: draws and running means of "
+        "Sorted R-hat and effective numbers of draws of all hyperparameters against their limits, "
+        "and the draws of the one whose chains agree least.",
+        f"R-hat and effective draws of all {sampling['quantity'].size} hyperparameters, sorted, "
+        f"with their limits. Right: draws and running means of "
         f"{sampling['worst_quantity'].item()}, whose chains agree least. "
-        f"{capital(material.cite('posterior'))}.",
+        f"{capital(material.cite('sampling', 'posterior'))}.",
     )
 
 

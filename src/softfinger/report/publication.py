@@ -73,7 +73,7 @@ def build_picture(
     """
     if name not in PICTURES:
         raise Fault(f"there is no figure '{name}'; there are: {', '.join(PICTURES)}")
-    picture = PICTURES[name](Material(artifacts, read_config(config)))
+    picture = PICTURES[name](Material(artifacts, read_config(config), config))
     if picture is None:
         raise Fault(f"figure '{name}' shows an artifact that was not made; run its rule first")
     return picture
@@ -107,7 +107,7 @@ def write_parameter_table(
     Fault
         If the posterior is missing.
     """
-    material = Material(artifacts, read_config(config))
+    material = Material(artifacts, read_config(config), config)
     Path(path).write_text(render_parameter_table(material), encoding="utf-8")
 
 
@@ -162,7 +162,7 @@ def write_document(
     Fault
         As `build_picture`.
     """
-    material = Material(artifacts, read_config(config))
+    material = Material(artifacts, read_config(config), config)
     parts = [build_picture(name, artifacts, config) for name in names]
     body = [render_float(part) for part in parts]
     title = escape_tex(f"{material.campaign}: figures ({material.source} data)")

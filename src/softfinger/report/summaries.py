@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import arviz as az
 import numpy as np
 import xarray as xr
 
@@ -68,46 +67,15 @@ def summarise_trial_parameters(posterior: xr.Dataset) -> xr.Dataset:
     return xr.Dataset(own).transpose("trial", "joint")
 
 
-def summarise_sampling(posterior: xr.Dataset) -> xr.Dataset:
-    """Sum up convergence: r_hat, ess_bulk, ess_tail (quantity), and the worst quantity's draws.
-
-    A quantity is one number of the posterior, such as `mu_log_k_v[1]`; one that never varies,
-    because it was held fixed, is left out.
-    """
-    with np.errstate(invalid="ignore", divide="ignore"):  # a fixed quantity has no variance
-        parts = {
-            "r_hat": az.rhat(posterior),
-            "ess_bulk": az.ess(posterior, method="bulk"),
-            "ess_tail": az.ess(posterior, method="tail"),
-        }
-    table = {name: flatten_variables(part) for name, part in parts.items()}
-    values = {name: np.array(list(row.values())) for name, row in table.items()}
-    known = np.isfinite(values["r_hat"])
-    names = np.array(list(table["r_hat"]))[known]
-    worst = str(names[np.argmax(values["r_hat"][known])])
-    draws = select_quantity(posterior, worst)
-    return xr.Dataset(
-        {name: ("quantity", row[known]) for name, row in values.items()}
-        | {"worst_draws": (draws - draws.mean()) / draws.std()},
-        coords={"quantity": names, "worst_quantity": worst},
-    )
-
-
-def flatten_variables(dataset: xr.Dataset) -> dict[str, float]:
-    """Flatten variables to one number per name: `mu[1]`, `log_k_v[trial_001, 1]`."""
-    flat = {}
-    for name, array in dataset.data_vars.items():
-        labels = [array[dim].values.astype(str) for dim in array.dims]
-        for place in np.ndindex(array.shape):
-            own = ", ".join(label[i] for label, i in zip(labels, place, strict=True))
-            flat[f"{name}[{own}]" if own else str(name)] = float(array.values[place])
-    return flat
-
-
 def select_quantity(posterior: xr.Dataset, quantity: str) -> xr.DataArray:
-    """Return the draws (chain, draw) of one quantity, named as `flatten_variables` does."""
-    name = quantity.partition("[")[0]
-    stacked = posterior[name].transpose("chain", "draw", ...)
-    places = flatten_variables(xr.Dataset({name: stacked.isel(chain=0, draw=0, drop=True)}))
-    flat = stacked.values.reshape(*stacked.shape[:2], -1)
-    return xr.DataArray(flat[..., list(places).index(quantity)], dims=("chain", "draw"))
+    """Return the draws (chain, draw) of one quantity, named as the artifact `sampling` does.
+
+    >>> draws = xr.DataArray(np.zeros((2, 5, 3)), {"joint": [1, 2, 3]}, ("chain", "draw", "joint"))
+    >>> select_quantity(draws.to_dataset(name="mu_q_ini"), "mu_q_ini[2]").sizes["draw"]
+    5
+    """
+    name, _, labels = quantity.rstrip("]").partition("[")
+    draws = posterior[name].transpose("chain", "draw", ...)
+    for dim, label in zip(draws.dims[2:], labels.split(", "), strict=True):
+        draws = draws.isel({dim: draws[dim].values.astype(str).tolist().index(label)}, drop=True)
+    return draws

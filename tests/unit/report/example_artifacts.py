@@ -11,11 +11,9 @@ LOAD = 0.04
 CONFIG = {
     "seed": 7,
     "campaign": "/somewhere/of/ours",
+    "estimation": {"r_hat_max": 1.01, "ess_min": 400.0, "divergences_max": 0},
     "report": {
         "ci_prob": 0.9,
-        "r_hat_max": 1.01,
-        "ess_min": 400.0,
-        "divergences_max": 0,
         "pareto_k_max": 0.7,
         "shared_residual_max": 2.0,
         "coverage_tolerance": 0.05,
@@ -151,6 +149,8 @@ def make_posterior(angles, least_squares, n_chain=4, n_draw=60):
         groups["posterior"] |= {key: (("chain", "draw", "joint"), v) for key, v in hyper.items()}
         wide = mean[:, place] + rng.standard_normal((1, 50, joint.size))
         groups["prior"][f"mu_{name}"] = (("chain", "draw", "joint"), wide)
+        spread = 0.3 * np.exp(rng.standard_normal(wide.shape))
+        groups["prior"][f"sigma_{name}"] = (("chain", "draw", "joint"), spread)
         own = least_squares["estimate"].values[..., place]
         own = own if name == "q_ini" else np.log(own)
         draws = own + 0.01 * sd[:, place] * rng.standard_normal((n_chain, n_draw, *own.shape))
@@ -162,10 +162,27 @@ def make_posterior(angles, least_squares, n_chain=4, n_draw=60):
     groups["posterior"] |= {key: (("chain", "draw", "joint"), v) for key, v in noise.items()}
     coords = {"joint": joint.values, "trial": trial.values}
     trees = {name: xr.Dataset(variables, coords=coords) for name, variables in groups.items()}
+    counted = {"chain": np.arange(n_chain), "draw": np.arange(n_draw)}
+    trees["posterior"] = trees["posterior"].assign_coords(counted)
     trees["sample_stats"] = xr.Dataset(
         {"diverging": (("chain", "draw"), np.zeros((n_chain, n_draw), bool))}
     )
     return xr.DataTree.from_dict(trees)
+
+
+def make_sampling(joints):
+    names = [f"{level}_log_k_v[{joint}]" for level in ("mu", "sigma") for joint in joints.values]
+    count = len(names)
+    return xr.Dataset(
+        {
+            "r_hat": ("quantity", np.linspace(1.0, 1.043, count)[::-1]),
+            "ess_bulk": ("quantity", np.linspace(900.0, 600.0, count)),
+            "ess_tail": ("quantity", np.linspace(800.0, 350.0, count)),
+            "divergences": ((), 0),
+        },
+        coords={"quantity": names},
+        attrs={"r_hat_max": 1.01, "ess_min": 400.0, "divergences_max": 0, "verdict": "red"},
+    )
 
 
 def make_bands(angles, n_time=31):
@@ -269,6 +286,7 @@ def make_artifacts(**options):
         "markers": make_markers(),
         "least_squares": least_squares,
         "posterior": make_posterior(angles, least_squares),
+        "sampling": make_sampling(angles["joint"]),
         "bands": make_bands(angles),
         "densities": make_densities(angles["joint"]),
         "sobol": make_sobol(angles["joint"]),

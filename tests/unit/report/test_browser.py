@@ -71,7 +71,7 @@ def test_figures_load_and_tools_work(page, tmp_path, width):
     console, document = browse(probed, tmp_path, width)
     seen = json.loads(re.search(r"<title>(.*?)</title>", document)[1].replace("&quot;", '"'))
     assert console == []
-    assert seen["loaded"] == seen["images"] == 13
+    assert seen["loaded"] == seen["images"] == 14
     assert seen["sorted"] == "descending"
     assert seen["flagged"] == sorted(seen["flagged"], reverse=True)
     assert seen["flagged"][0] > 0

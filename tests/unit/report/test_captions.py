@@ -18,7 +18,8 @@ def test_captions_render_with_the_configuration(path):
 
 
 def test_the_reports_caption_states_every_limit():
-    job = SimpleNamespace(config={"report": {**CONFIG["report"], "r_hat_max": 1.0345}})
+    estimation = {**CONFIG["estimation"], "r_hat_max": 1.0345}
+    job = SimpleNamespace(config={**CONFIG, "estimation": estimation})
     caption = jinja2.Template((FOLDER / "report.rst").read_text()).render(snakemake=job)
     for limit in ("1.0345", "400.0", "0.7", "90 %", "5 percentage", "2.0 times"):
         assert limit in " ".join(caption.split())

@@ -1,5 +1,3 @@
-import dataclasses
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -25,26 +23,47 @@ def find(checks, word):
     return next(check for check in checks if word in check.name)
 
 
-def with_limits(material, **limits):
-    return dataclasses.replace(material, limits=material.limits.model_copy(update=limits))
+def with_sampling(artifacts, **changes):
+    sampling = artifacts["sampling"]
+    limits = {name: value for name, value in changes.items() if name in sampling.attrs}
+    values = {name: value for name, value in changes.items() if name not in limits}
+    changed = sampling.assign(values).assign_attrs(limits)
+    return Material({**artifacts, "sampling": changed}, read_config(CONFIG), CONFIG)
 
 
-def test_each_limit_of_the_computation_decides_its_check(material):
-    assert not find(check_computation(material), "R-hat").passed
-    assert find(check_computation(with_limits(material, r_hat_max=2.0)), "R-hat").passed
-    assert not find(check_computation(material), "bulk").passed
-    assert find(check_computation(with_limits(material, ess_min=10.0)), "bulk").passed
-    assert find(check_computation(with_limits(material, ess_min=10.0)), "tail").passed
+def test_each_limit_of_the_fit_decides_its_check(artifacts, material):
+    found = {check.name: check.passed for check in check_computation(material)}
+    assert found["largest R-hat"] is False
+    assert found["fewest effective draws, bulk"] is True
+    assert found["fewest effective draws, tail"] is False
+    assert found["divergent transitions"] is True
+    mild = check_computation(with_sampling(artifacts, r_hat_max=1.05, ess_min=300.0))
+    assert all(check.passed for check in mild if "Pareto" not in check.name)
 
 
 def test_one_divergence_is_one_too_many(artifacts):
-    tree = artifacts["posterior"].copy(deep=True)
-    diverging = np.zeros((4, 60), bool)
-    diverging[1, 7] = True
-    tree["sample_stats"].dataset = xr.Dataset({"diverging": (("chain", "draw"), diverging)})
-    material = Material({**artifacts, "posterior": tree}, read_config(CONFIG))
-    check = find(check_computation(material), "divergent")
+    check = find(check_computation(with_sampling(artifacts, divergences=1)), "divergent")
     assert (check.found, check.passed) == ("1", False)
+
+
+def test_the_hyperparameter_whose_chains_agree_least_is_shown(material):
+    assert material.sampling["worst_quantity"].item() == "mu_log_k_v[1]"
+    draws = material.posterior["mu_log_k_v"].sel(joint=1).values
+    expected = (draws - draws.mean()) / draws.std()
+    np.testing.assert_allclose(material.sampling["worst_draws"], expected)
+
+
+def test_the_largest_pareto_k_of_leaving_one_trial_out_is_found(artifacts):
+    rng = np.random.default_rng(3)
+    score = xr.Dataset(
+        {"score": (("chain", "draw", "trial"), rng.standard_normal((4, 60, 5)))},
+        coords={"chain": np.arange(4), "draw": np.arange(60)},
+    )
+    for scale, passed in ((0.1, True), (30.0, False)):
+        tree = artifacts["posterior"].copy(deep=True)
+        tree["log_likelihood"] = xr.DataTree(scale * score)
+        material = Material({**artifacts, "posterior": tree}, read_config(CONFIG), CONFIG)
+        assert find(check_computation(material), "Pareto").passed is passed
 
 
 def test_what_the_fit_did_not_keep_is_said_to_be_not_made(material):
@@ -55,10 +74,10 @@ def test_what_the_fit_did_not_keep_is_said_to_be_not_made(material):
 
 def test_residuals_that_trials_share_fail(artifacts):
     angles = artifacts["angles"].copy(deep=True)
-    clean = Material(artifacts, read_config(CONFIG))
+    clean = Material(artifacts, read_config(CONFIG), CONFIG)
     assert all(check.passed for check in check_fit(clean))
     angles["joint_angle"] = angles["joint_angle"] + 0.02 * np.sin(angles["time"])
-    bent = Material({**artifacts, "angles": angles}, read_config(CONFIG))
+    bent = Material({**artifacts, "angles": angles}, read_config(CONFIG), CONFIG)
     assert not find(check_fit(bent), "shared").passed
     assert judge(bent)[2].passed is False
 
@@ -94,7 +113,7 @@ def test_chance_alone_rarely_exceeds_its_limit_even_if_every_moment_is_the_same(
 
 
 def test_a_single_trial_shares_nothing():
-    material = Material(make_artifacts(n_trial=1, n_joint=1), read_config(CONFIG))
+    material = Material(make_artifacts(n_trial=1, n_joint=1), read_config(CONFIG), CONFIG)
     assert [check.passed for check in check_fit(material)] == [None, None, True]
 
 
@@ -103,7 +122,7 @@ def test_coverage_far_from_its_claim_fails(artifacts, held, passed):
     bands = artifacts["bands"].copy(deep=True)
     bands["coverage"].values = np.full(bands["coverage"].shape, held)
     bands["coverage_bound"].values = np.full(bands["coverage_bound"].shape, held)
-    material = Material({**artifacts, "bands": bands}, read_config(CONFIG))
+    material = Material({**artifacts, "bands": bands}, read_config(CONFIG), CONFIG)
     assert find(check_calibration(material), "whole").passed is passed
 
 
@@ -112,7 +131,7 @@ def test_few_trials_excuse_a_coverage_that_they_cannot_tell_from_the_claim(artif
     bands["coverage"].values = np.full(bands["coverage"].shape, 0.8)
     bands["coverage_bound"].values[..., 0] = 0.6
     bands["coverage_bound"].values[..., 1] = 1.0
-    material = Material({**artifacts, "bands": bands}, read_config(CONFIG))
+    material = Material({**artifacts, "bands": bands}, read_config(CONFIG), CONFIG)
     assert find(check_calibration(material), "whole").passed
 
 
@@ -127,7 +146,7 @@ def test_coverage_is_pooled_by_trials():
 
 
 def test_a_missing_artifact_is_not_judged(artifacts):
-    bare = Material({"angles": artifacts["angles"]}, read_config(CONFIG))
+    bare = Material({"angles": artifacts["angles"]}, read_config(CONFIG), CONFIG)
     assert [tile.passed for tile in judge(bare)] == [None] * 4
 
 
@@ -140,7 +159,7 @@ def test_one_failure_outweighs_everything():
 
 def test_a_report_about_no_recordings_is_refused(artifacts):
     with pytest.raises(Fault, match="angles"):
-        Material({"bands": artifacts["bands"]}, read_config(CONFIG))
+        Material({"bands": artifacts["bands"]}, read_config(CONFIG), CONFIG)
 
 
 def test_unknown_limits_are_refused_with_their_names():

@@ -22,7 +22,7 @@ def test_a_figure_is_written_in_every_form_asked_for(artifacts, tmp_path):
     assert paths[1].read_bytes().startswith(b"\x89PNG")
 
 
-@pytest.mark.parametrize("name", [name for name in PICTURES if name != "prior_predictive"])
+@pytest.mark.parametrize("name", list(PICTURES))
 def test_every_figure_has_its_name_and_its_stamp(artifacts, name):
     picture = build_picture(name, artifacts, CONFIG)
     assert picture.name == name

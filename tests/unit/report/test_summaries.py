@@ -1,13 +1,10 @@
 import numpy as np
 import pytest
-import xarray as xr
 
 from softfinger.report.summaries import (
-    flatten_variables,
     select_quantity,
     stack_population,
     summarise_hyperparameters,
-    summarise_sampling,
     summarise_trial_parameters,
 )
 
@@ -51,27 +48,11 @@ def test_trial_parameters_are_at_the_mean_of_their_logs(posterior):
     np.testing.assert_allclose(own["c_v"], expected.transpose("trial", "joint"))
 
 
-def test_every_number_of_the_posterior_has_a_name_that_leads_back_to_it(posterior):
-    names = flatten_variables(posterior.isel(chain=0, draw=0))
-    assert "log_k_v[trial_002, 3]" in names
-    draws = select_quantity(posterior, "log_k_v[trial_002, 3]")
-    np.testing.assert_array_equal(
-        draws, posterior["log_k_v"].sel(trial="trial_002", joint=3).transpose("chain", "draw")
-    )
-
-
-def test_the_chain_that_stands_apart_is_the_worst_quantity(posterior):
-    apart = posterior.copy(deep=True)
-    shifted = apart["mu_log_c_p"].values.copy()
-    shifted[3, :, 1] += 5 * shifted[:, :, 1].std()
-    apart["mu_log_c_p"] = (posterior["mu_log_c_p"].dims, shifted)
-    sampling = summarise_sampling(apart)
-    assert sampling["worst_quantity"].item() == "mu_log_c_p[2]"
-    assert float(sampling["r_hat"].max()) > 1.5
-
-
-def test_a_quantity_that_is_held_fixed_is_left_out(posterior):
-    fixed = posterior.assign(held=xr.zeros_like(posterior["mu_q_ini"]))
-    assert not any(
-        str(name).startswith("held") for name in summarise_sampling(fixed)["quantity"].values
-    )
+def test_a_quantity_is_found_by_its_name(posterior):
+    both = ("chain", "draw", "joint", "other_joint")
+    square = np.arange(4 * 60 * 9.0).reshape(4, 60, 3, 3)
+    wide = posterior.assign(noise_correlation=(both, square)).assign_coords(other_joint=[1, 2, 3])
+    draws = select_quantity(wide, "noise_correlation[3, 1]")
+    np.testing.assert_array_equal(draws, square[:, :, 2, 0])
+    draws = select_quantity(wide, "sigma_log_c_p[2]")
+    np.testing.assert_array_equal(draws, posterior["sigma_log_c_p"].sel(joint=2))

@@ -17,6 +17,6 @@ def build_model(material: Material) -> Section:
             picture_finger(material),
             picture_joint_model(material),
             picture_prior(material)
-            or Paragraph("The prior predictive was not saved with this fit.", "note"),
+            or Paragraph("This fit kept no draws of its priors, so they cannot be shown.", "note"),
         ),
     )

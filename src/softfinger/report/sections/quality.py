@@ -24,7 +24,7 @@ def build_computation(material: Material) -> Section:
     """Build the verdict on the computation."""
     caption = (
         "Each against its limit. A failed one means that intervals and "
-        f"means of this report may be wrong. {capital(material.cite('posterior'))}."
+        f"means of this report may be wrong. {capital(material.cite('sampling', 'posterior'))}."
     )
     blocks = (
         Checks(
