@@ -20,8 +20,8 @@ from softfinger.propagation.protocols import (
 )
 from softfinger.propagation.quantiles import compute_quantiles_array
 
-EDGES = (0.001, 0.25, 0.5, 0.75, 0.99)
-FARTHEST = 8.0  # interquartile ranges above the median; a heavy tail is drawn no farther
+EDGES = (0.001, 0.25, 0.5, 0.75, 0.999)
+FARTHEST = 5.0  # interquartile ranges from the median; a heavy tail is drawn no farther
 REFINEMENT = 1.5
 
 
@@ -44,8 +44,8 @@ def compute_densities(
     -------
     Dataset
         density (estimate, joint, time, angle) [1/rad] at joint_angle (joint, time, angle) [rad],
-        each time with angles of its own, from its 0.1 % to its 99 % quantile but at most eight
-        interquartile ranges above the median; for the posterior the mean over its draws, that is
+        each time with angles of its own, from its 0.1 % to its 99.9 % quantile but at most five
+        interquartile ranges from the median; for the posterior the mean over its draws, that is
         of a new trial, with density_bound (joint, time, angle, bound) between which 90 % of the
         draws lie. probability_shown (estimate, joint, time) lies within the angles drawn.
         density_error (joint, time) [1]: of the two-stage density, over its peak, as the largest
@@ -110,6 +110,7 @@ def _compute_joint(
 def _space_angles(edges: list[NDArray], n: int) -> NDArray[np.float64]:
     """Angles (time, n) that show every known population at each time."""
     low, first, median, third, high = np.moveaxis(np.stack(edges), -1, 0)
+    low = np.maximum(low, median - FARTHEST * (third - first))
     high = np.minimum(high, median + FARTHEST * (third - first))
     known = np.isfinite(low).all(axis=1)
     if not known.any():

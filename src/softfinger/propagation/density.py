@@ -8,7 +8,8 @@ smoothed by one third of Q's variance on to a lattice; both are convolved by FFT
 reads the density off at any angle (`lattice`). All of it converges exponentially.
 
 ASSUME: k_v, c_v, c_p and q_ini are independent of each other within a population. A normal Q
-narrower than 1e-3 of the spread of E + C is widened to that, which costs 5e-7 of the peak.
+narrower than 1e-3 of the spread of E + C is widened to that, which costs 5e-7 of the peak; so is
+one narrower than 1e-5 of the angles asked for, where only a far tail can be meant.
 """
 
 from collections.abc import Iterator
@@ -30,18 +31,21 @@ from softfinger.propagation.masses import (
 from softfinger.propagation.moments import C_P, Q_INI
 
 NARROWEST = 1e-3
+MOST_SD = 1e5
 
 
 class Distribution(NamedTuple):
     """Density of the angle, up to its last third of smoothing, on lattice points (start + i) sd/2.
 
-    `centre` is the mean of q_ini [rad], to be taken off an angle before it is looked up.
+    `centre` is the mean of q_ini [rad], to be taken off an angle before it is looked up, and
+    `below` the probability of angles too low to be on the lattice.
     """
 
     density: NDArray[np.float64]
     start: int
     sd: float
     centre: float
+    below: float
 
     def read_density(self, angle: NDArray[np.float64]) -> NDArray[np.float64]:
         """Density [1/rad] at angles (a,) [rad]."""
@@ -52,7 +56,15 @@ class Distribution(NamedTuple):
     def read_probability(self, angle: NDArray[np.float64]) -> NDArray[np.float64]:
         """Probability of less than angles (a,) [rad]."""
         place = np.ascontiguousarray(angle - self.centre)
-        return lattice.read_probability(place, self.density, self.sd, self.start)
+        return self.below + lattice.read_probability(place, self.density, self.sd, self.start)
+
+    def find_quantiles(
+        self, probability: NDArray[np.float64], low: float, high: float
+    ) -> NDArray[np.float64]:
+        """Angles (p,) [rad], between two others, below which these probabilities lie."""
+        wanted, ends = probability - self.below, (low - self.centre, high - self.centre)
+        found = lattice.find_quantiles(wanted, self.density, self.sd, self.start, *ends)
+        return found + self.centre
 
 
 def compute_density_array(
@@ -135,8 +147,8 @@ def convolve_parts(
             abs(flow[row]) * min(sigma[C_P], 1.0),
             mixture.typical[row] * min(mixture.log_sd, 1.0),
         )
-        sd = max(sigma[Q_INI], NARROWEST * spread) / np.sqrt(3)
         low, high = (edge[row] - mu[Q_INI] for edge in window)
+        sd = max(sigma[Q_INI], NARROWEST * spread, (high - low) / MOST_SD) / np.sqrt(3)
         limits = _limit_parts(low - 3 * REACH * sd, high + 3 * REACH * sd, flow[row], mixture, row)
         elastic = lay_elastic_masses(mixture, row, sd, limits, fineness)
         creep = lay_flow_masses(flow[row], sigma[C_P], sd, limits, fineness, c_p_truncation_sd)
@@ -164,7 +176,8 @@ def _convolve(elastic: Masses, flow: Masses, sd: float, centre: float) -> Distri
     size = fft.next_fast_len(n, real=True)
     spectrum = fft.rfft(densities[0], size) * fft.rfft(densities[1], size)
     density = fft.irfft(spectrum, size)[:n] * sd / lattice.PER_SD
-    return Distribution(density, sum(starts), sd, centre)
+    below = 1 - (1 - elastic.below) * (1 - flow.below)
+    return Distribution(density, sum(starts), sd, centre, below)
 
 
 def _smooth(part: Masses, sd: float) -> tuple[int, NDArray[np.float64]]:

@@ -70,19 +70,43 @@ def read_density(
 
 @njit(cache=True)
 def read_probability(angle: NDArray, lattice: NDArray, sd: float, start: int) -> NDArray:
-    """Read the probability below angles (a,) from the same lattice."""
-    below_all = np.zeros(lattice.size + 1)
-    below_all[1:] = np.cumsum(lattice)
-    probability = np.zeros(angle.size)
+    """Read the probability that the lattice holds below angles (a,)."""
+    cumulated = np.cumsum(lattice)
+    probability = np.empty(angle.size)
     for j in range(angle.size):
-        position = angle[j] / sd * PER_SD - start
-        first = min(max(math.floor(position) - WIDTH, 0), lattice.size)
-        last = min(max(math.floor(position) + WIDTH + 2, 0), lattice.size)
-        total = below_all[first]
-        for i in range(first, last):
-            total += lattice[i] * 0.5 * math.erfc((i - position) / (PER_SD * math.sqrt(2.0)))
-        probability[j] = total * sd / PER_SD
-    return probability
+        probability[j] = _sum_below(angle[j] / sd * PER_SD - start, lattice, cumulated)
+    return probability * sd / PER_SD
+
+
+@njit(cache=True)
+def find_quantiles(
+    probability: NDArray, lattice: NDArray, sd: float, start: int, low: float, high: float
+) -> NDArray:
+    """Find by bisection the angles (p,) between two others below which these probabilities lie."""
+    cumulated = np.cumsum(lattice)
+    quantile = np.empty(probability.size)
+    for j in range(probability.size):
+        left, right = low / sd * PER_SD - start, high / sd * PER_SD - start
+        wanted = probability[j] / sd * PER_SD
+        while right - left > 1e-9 + 1e-15 * abs(left):
+            middle = 0.5 * (left + right)
+            if _sum_below(middle, lattice, cumulated) < wanted:
+                left = middle
+            else:
+                right = middle
+        quantile[j] = (0.5 * (left + right) + start) * sd / PER_SD
+    return quantile
+
+
+@njit(cache=True)
+def _sum_below(position: float, lattice: NDArray, cumulated: NDArray) -> float:
+    below = math.floor(position)
+    first = min(max(below - WIDTH, 0), lattice.size)
+    last = min(max(below + WIDTH + 2, 0), lattice.size)
+    total = cumulated[first - 1] if first > 0 else 0.0
+    for i in range(first, last):
+        total += lattice[i] * 0.5 * math.erfc((i - position) / (PER_SD * math.sqrt(2.0)))
+    return total
 
 
 @njit(cache=True)

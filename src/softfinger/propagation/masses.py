@@ -24,10 +24,11 @@ PANEL_POINTS = 16
 
 
 class Masses(NamedTuple):
-    """Point masses (m,) at places (m,) [rad]."""
+    """Point masses (m,) at places (m,) [rad], and the mass that lies below all limits."""
 
     place: NDArray[np.float64]
     mass: NDArray[np.float64]
+    below: float
 
 
 class ElasticMixture(NamedTuple):
@@ -87,6 +88,7 @@ def lay_elastic_masses(
     nothing = np.log(NOTHING * sd)
     vanishing = log_median + REACH * log_sd < nothing
     places, masses = [np.zeros(1)], [np.array([mixture.weight[vanishing].sum()])]
+    below = mixture.weight[(mixture.sign[:, row] < 0) & ~vanishing].sum()
     for sign, bound in ((1.0, limits[1]), (-1.0, -limits[0])):
         chosen = (mixture.sign[:, row] == sign) & ~vanishing
         if not chosen.any() or bound <= 0:
@@ -103,7 +105,8 @@ def lay_elastic_masses(
         )
         places.append(sign * place)
         masses.append(mass)
-    return Masses(np.concatenate(places), np.concatenate(masses))
+        below -= mass.sum() if sign < 0 else 0.0
+    return Masses(np.concatenate(places), np.concatenate(masses), max(below, 0.0))
 
 
 def lay_flow_masses(
@@ -118,11 +121,11 @@ def lay_flow_masses(
     bound = limits[1] if median > 0 else -limits[0]
     reach = REACH if truncation_sd is None else truncation_sd
     if abs(median) < NOTHING * sd * np.exp(-min(reach, REACH) * log_sd):
-        return Masses(np.zeros(1), np.ones(1))
+        return Masses(np.zeros(1), np.ones(1), 0.0)
     centre = np.log(abs(median))
     low, high = centre - reach * log_sd, centre + reach * log_sd
     if bound <= 0 or np.log(bound) <= low:
-        return Masses(np.zeros(0), np.zeros(0))
+        return Masses(np.zeros(0), np.zeros(0), float(median < 0))
     if truncation_sd is None:
         place, cell = _space_nodes(low, min(high, np.log(bound)), log_sd, sd, fineness)
         share = 1.0
@@ -131,7 +134,9 @@ def lay_flow_masses(
         share = ndtr(reach) - ndtr(-reach)
     z = (np.log(place) - centre) / log_sd
     density = np.exp(-0.5 * z * z) / (np.sqrt(2 * np.pi) * log_sd * share * place)
-    return Masses(np.sign(median) * place, density * cell)
+    mass = density * cell
+    below = max(1.0 - mass.sum(), 0.0) if median < 0 else 0.0
+    return Masses(np.sign(median) * place, mass, below)
 
 
 def _space_nodes(

@@ -1,10 +1,13 @@
-"""Quantiles of the joint angle from its exact distribution."""
+"""Quantiles of the joint angle from its exact distribution.
+
+The window of angles grows until it holds them; each is taken from the first window that does, so
+that far quantiles of a heavy tail, which need a wide and coarse lattice, do not blur the near ones.
+"""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from softfinger.propagation.density import Distribution, convolve_parts
-from softfinger.propagation.lattice import PER_SD
+from softfinger.propagation.density import convolve_parts
 from softfinger.propagation.moments import Q_INI
 
 FIRST_WINDOW = 8.0  # sd of q_ini to either side
@@ -27,11 +30,11 @@ def compute_quantiles_array(
     mu, sigma, time, load_time, load_torque, c_p_truncation_sd
         As for `compute_density_array`.
     probability
-        (p,), each within 0.0005 … 0.9995.
+        (p,)
 
     Returns
     -------
-    (n, p) [rad]
+    (n, p) [rad]; NaN for a population that is not known.
 
     Examples
     --------
@@ -42,35 +45,18 @@ def compute_quantiles_array(
     """
     mu, sigma = np.asarray(mu, float), np.asarray(sigma, float)
     time, probability = np.asarray(time, float), np.asarray(probability, float)
+    load = (load_time, load_torque)
     quantile = np.full((time.size, probability.size), np.nan)
     reach = np.full((time.size, 2), FIRST_WINDOW * sigma[Q_INI])
-    waiting = np.arange(time.size)
     for _ in range(MOST_DOUBLINGS):
+        waiting = np.flatnonzero(np.isnan(quantile).any(axis=1))
         window = (mu[Q_INI] - reach[waiting, 0], mu[Q_INI] + reach[waiting, 1])
-        load = (time[waiting], load_time, load_torque)
-        parts = list(convolve_parts(mu, sigma, *load, window, c_p_truncation_sd))
-        short = []
+        parts = convolve_parts(mu, sigma, time[waiting], *load, window, c_p_truncation_sd)
         for row, part, low, high in zip(waiting, parts, *window, strict=False):
             below = part.read_probability(np.array([low, high]))
-            too_short = [below[0] > probability.min(), below[1] < probability.max()]
-            if any(too_short):
-                reach[row, too_short] *= 2
-                short.append(row)
-            else:
-                quantile[row] = _invert(part, low, high, probability)
-        waiting = np.array(short, int)
-        if waiting.size == 0:
-            break
-    return quantile
-
-
-def _invert(
-    part: Distribution, low: float, high: float, probability: NDArray
-) -> NDArray[np.float64]:
-    angle = np.arange(low, high + part.sd, part.sd / PER_SD)
-    quantile = np.interp(probability, part.read_probability(angle), angle)
-    for _ in range(2):  # Newton, from a straight line between points half a sd apart
-        density = part.read_density(quantile)
-        missing = probability - part.read_probability(quantile)
-        quantile = quantile + np.where(density > 0, missing / np.where(density > 0, density, 1), 0)
+            missing = np.isnan(quantile[row])
+            found = missing & (probability >= below[0]) & (probability <= below[1])
+            quantile[row, found] = part.find_quantiles(probability[found], low, high)
+            reach[row, 0] *= 1 + (missing & (probability < below[0])).any()
+            reach[row, 1] *= 1 + (missing & (probability > below[1])).any()
     return quantile

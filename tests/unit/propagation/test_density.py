@@ -37,6 +37,25 @@ def test_a_load_to_the_other_side_mirrors_the_density():
     np.testing.assert_allclose(left[:, ::-1], right, atol=1e-8)
 
 
+def test_a_load_to_the_other_side_mirrors_the_quantiles():
+    """Also where the heavy tail of c_p lies below the angles asked for."""
+    sigma = SIGMA * [1, 1, 3.5, 1]
+    right = compute_quantiles_array(MU, sigma, [5.0], *STEP, [0.3, 0.6, 0.995])
+    mirrored = MU * [1, 1, 1, -1]
+    left = compute_quantiles_array(mirrored, sigma, [5.0], [0.0], [-0.04], [0.7, 0.4, 0.005])
+    np.testing.assert_allclose(-left, right, rtol=1e-6)
+
+
+def test_the_far_tail_is_that_of_c_p():
+    """Far out q ≈ I/c_p: a quantile 0.99999 at 1e5 rad, from a lattice that stays small."""
+    sigma = SIGMA * [1, 1, 4.0, 1]
+    found = compute_quantiles_array(MU, sigma, [10.0], *STEP, [0.5, 0.99999])[0]
+    far = 0.4 * np.exp(-MU[2] + 3.6 * norm.ppf(0.99999))
+    assert found[1] == pytest.approx(far, rel=1e-4)
+    alone = compute_quantiles_array(MU, sigma, [10.0], *STEP, [0.5])[0]
+    assert found[0] == pytest.approx(alone[0], abs=1e-9)
+
+
 def test_an_initial_angle_known_almost_exactly_leaves_the_others_spread():
     blurred = compute_density_array(MU, SIGMA * [1, 1, 1, 0.02], [5.0], *STEP, ANGLE)
     exact = compute_density_array(MU, SIGMA * [1, 1, 1, 1e-6], [5.0], *STEP, ANGLE)
