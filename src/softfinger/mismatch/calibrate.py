@@ -208,37 +208,23 @@ def collect_columns(problem: Problem, base: Candidate, pieces: list[Piece]) -> S
     )
 
 
-def find_invisible(
-    columns: ScoreColumns, problem: Problem, base: Candidate, needed: float
-) -> list[str]:
-    """Effects that could not show at any plausible strength: two prior sd of every amplitude.
-
-    The signal counts after each trial's own parameters and μ have adapted to it; its expected gain
-    is ½ (s² − log(1 + s²)), s its size in whitened units.
-    """
-    best: dict[str, float] = {}
-    d = len(base.fit.omega)
-    prior = problem.build_prior(base.model)
-    left = project_columns(columns.gram, d, prior.precision[:d], base.fit.omega)
-    for label, first, count in zip(columns.label, columns.first, columns.count, strict=True):
-        part = slice(first, first + count)
-        amplitude = 2.0 * columns.sd[part]
-        size = float(amplitude @ left[part, part] @ amplitude)
-        gain = 0.5 * (size - np.log1p(size))
-        best[label] = max(best.get(label, 0.0), gain)
-    return [label for label, gain in best.items() if gain < needed]
-
-
-def project_columns(
+def project_columns_array(
     gram: NDArray[np.float64],
     d: int,
     precision: NDArray[np.float64],
     omega: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    """Gram matrix (c, c) of columns after η ~ N(μ, Ω) and μ have taken up what they can."""
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """What is left of columns after η ~ N(μ, Ω) and μ have taken up what they can.
+
+    Returns
+    -------
+    left, shift
+        Gram matrix (c, c) of what is left; what each column adds to μ (d, c).
+    """
     inverse = np.linalg.inv(omega)
     kept = np.linalg.inv(inverse + gram[:, :d, :d])
     cross = gram[:, :, :d]
     marginal = (gram - cross @ kept @ cross.transpose(0, 2, 1)).sum(axis=0)
     mean = marginal[:d, :d] + np.diag(precision)
-    return marginal[d:, d:] - marginal[d:, :d] @ np.linalg.solve(mean, marginal[:d, d:])
+    shift = np.linalg.solve(mean, marginal[:d, d:])
+    return marginal[d:, d:] - marginal[d:, :d] @ shift, shift

@@ -7,7 +7,15 @@ import xarray as xr
 from scipy.stats import norm
 
 from softfinger.mismatch.decide import SURE, Posterior, join_ids
-from softfinger.mismatch.locate import WINDOWS_S, find_window, locate_within
+from softfinger.mismatch.free_form import FreeForm, fit_free_form
+from softfinger.mismatch.lines import Line, find_line
+from softfinger.mismatch.locate import (
+    WINDOWS_S,
+    find_window,
+    list_trial_covariates,
+    locate_within,
+)
+from softfinger.mismatch.model import Entry
 from softfinger.mismatch.problem import Problem
 from softfinger.mismatch.rank import Candidate
 from softfinger.mismatch.search import Search
@@ -28,31 +36,55 @@ from softfinger.mismatch.verdict import (
     estimate_lognormal,
     estimate_normal,
 )
+from softfinger.mismatch.verdict import FreeForm as FreeFormNote
 
 MISSING = 1e-3  # p-value of a misfit from which something is missing
-EXPLAINED = 0.5  # share of the base model's excess χ² that listed effects must explain
+FALSE_DISCOVERIES = 0.05  # rate among located cells
+EXPLAINED = 0.5  # share of what is missing that listed effects must explain
 
 
 class Findings(NamedTuple):
-    """What the tests say besides the evidence: excess χ² of base and best model."""
+    """What is left besides the evidence of listed effects.
+
+    Attributes
+    ----------
+    base_excess, base_p, best_excess, best_p
+        Excess χ² within trials of the base and the best model, and its p-value.
+    line
+        The strongest spectral line that the best model leaves.
+    free
+        The best free-form term on top of the best model; None where nothing calls for one.
+    gain
+        Gain of the listed effects over the base model [nats].
+    """
 
     base_excess: float
     base_p: float
     best_excess: float
     best_p: float
+    line: Line
+    free: FreeForm | None
+    gain: float
 
-    @property
-    def unexplained(self) -> bool:
-        """Whether something is missing that the best model does not explain by half."""
-        if self.best_p > MISSING:
-            return False
-        return self.best_excess > (1 - EXPLAINED) * max(self.base_excess, 0.0)
+    def is_unlisted(self, needed: float) -> bool:
+        """Whether something is missing that listed effects do not explain by half."""
+        scatter = self.best_p < MISSING
+        scatter &= self.best_excess > (1 - EXPLAINED) * max(self.base_excess, 0.0)
+        free = 0.0 if self.free is None else self.free.gain
+        shape = free > needed and free > (1 - EXPLAINED) / EXPLAINED * self.gain
+        return bool(scatter or shape or self.line.p_value < MISSING)
 
 
-def test_misfit(problem: Problem, search: Search) -> Findings:
-    """Test what base and best model leave within trials."""
+def examine(problem: Problem, search: Search, angles: xr.Dataset, *, needed: float) -> Findings:
+    """Examine what the best model leaves: scatter, a line, a shape."""
     rows = problem.trials.size[problem.trials.protocol]
-    return Findings(*compute_excess(search.base, rows), *compute_excess(search.best, rows))
+    base, best = (compute_excess(c, rows) for c in (search.base, search.best))
+    time = angles.sel(trial=problem.trials.name)["time"].transpose("trial", "frame").values
+    line = find_line(problem, compute_residual(problem, search.best, angles), time)
+    free = fit_free_form(problem, search.best)
+    free = free if free is not None and free.gain > needed else None
+    gain = search.best.log_evidence - search.base.log_evidence
+    return Findings(*base, *best, line, free, gain)
 
 
 def conclude(
@@ -62,14 +94,15 @@ def conclude(
     findings: Findings,
     angles: xr.Dataset,
     not_testable: list[str],
+    needed: float,
 ) -> Verdict:
     """Write the verdict."""
     final = search.best
-    decision = choose_decision(search, posterior, findings)
+    decision = choose_decision(search, posterior, findings.is_unlisted(needed))
     effects = [] if decision == "adequate" else list_effects(problem, search, posterior, decision)
     location = effects[0].location if effects else None
-    if decision == "unlisted" and location is None:
-        location = locate_misfit(problem, search.base)
+    if decision == "unlisted":
+        location = locate_misfit(problem, search.best, findings)
     rms = [
         float(np.sqrt(np.nanmean(compute_residual(problem, c, angles) ** 2)))
         for c in (search.base, final)
@@ -88,16 +121,16 @@ def conclude(
         if final is search.base
         else explain_spread(problem, search.base, final),
         not_testable=sorted(not_testable),
-        free_form=None,
+        free_form=describe_free_form(findings.free) if decision == "unlisted" else None,
         n_trials=len(problem.trials.name),
         set_aside=list_set_aside(angles),
         next_experiment=None,
     )
 
 
-def choose_decision(search: Search, posterior: Posterior, findings: Findings) -> str:
+def choose_decision(search: Search, posterior: Posterior, unlisted: bool) -> str:
     """Choose among adequate, named, ambiguous and unlisted."""
-    if findings.unexplained:
+    if unlisted:
         return "unlisted"
     if search.best is search.base:
         return "adequate"
@@ -144,14 +177,28 @@ def describe(
 
 
 def estimate_parameters(candidate: Candidate, number: int) -> dict[str, Estimate]:
-    """Posterior of each parameter of one piece."""
+    """Posterior of each parameter of one piece, under the names of the verdict."""
     sd = np.sqrt(np.diag(candidate.fit.shared_covariance))
     estimates = {}
     for k, entry in enumerate(candidate.model.entries):
         if entry.piece == number:
-            build = estimate_lognormal if entry.parameter.log else estimate_normal
-            estimates[entry.name] = build(float(candidate.fit.shared[k]), float(sd[k]))
+            name, estimate = estimate_entry(entry, float(candidate.fit.shared[k]), float(sd[k]))
+            estimates[name] = estimate
     return estimates
+
+
+def estimate_entry(entry: Entry, mean: float, sd: float) -> tuple[str, Estimate]:
+    """Name and posterior of one number of φ; what is reported otherwise goes by its quantiles."""
+    parameter = entry.parameter
+    if parameter.report is None:
+        return entry.name, (estimate_lognormal if parameter.log else estimate_normal)(mean, sd)
+    name, convert = parameter.report
+    joint = entry.place[0] if entry.place else -1
+    places = np.clip(mean + sd * norm.ppf([0.05, 0.16, 0.5, 0.84, 0.95]), parameter.low, None)
+    values = [convert(float(np.exp(x) if parameter.log else x), joint) for x in places]
+    low, lower, middle, upper, high = sorted(values)
+    estimate = Estimate(mean=middle, sd=(upper - lower) / 2, q05=low, q95=high)
+    return name + entry.suffix, estimate
 
 
 def locate_effect(problem: Problem, base: Candidate, candidate: Candidate, number: int) -> Location:
@@ -181,19 +228,38 @@ def name_covariate(piece: object) -> str:
     return piece.form.covariate or "trial_number"
 
 
-def locate_misfit(problem: Problem, candidate: Candidate) -> Location:
-    """Where an unlisted misfit lies: the joints' cells and their time since the change of load."""
+def describe_free_form(free: FreeForm | None) -> FreeFormNote | None:
+    """Point to the free-form term."""
+    if free is None:
+        return None
+    return FreeFormNote(argument=free.argument, joints=free.joints, artifact="free_form.nc")
+
+
+def locate_misfit(problem: Problem, candidate: Candidate, findings: Findings) -> Location:
+    """Where an unlisted misfit lies: between trials if its shape does, else in cells of time."""
     cells = locate_within(problem, candidate)
     p_value = cells["p_value"].fillna(1.0)
-    joint = {
-        str(int(j)): float(min(1.0, p_value.sel(joint=j).min() * p_value.sel(joint=j).count()))
+    joints = {
+        str(int(j)): float(
+            min(1.0, p_value.sel(joint=j).min() * cells["p_value"].sel(joint=j).count())
+        )
         for j in cells["joint"].values
     }
+    free = findings.free
+    between = free is not None and free.argument in list_trial_covariates(problem)
+    if between:
+        joints = {name: 1e-3 if int(name) in free.joints else p for name, p in joints.items()}
     worst = cells["q_value"].fillna(1.0).min(("joint", "phase")).values
-    hit = np.flatnonzero(worst < 0.05)
+    hit = np.flatnonzero(worst < FALSE_DISCOVERIES)
     last = float(problem.setting.duration)
     times = (WINDOWS_S[hit[0]], min(WINDOWS_S[hit[-1] + 1], last)) if hit.size else None
-    return Location(level="within_trial", joints=joint, times_s=times, trials=None, covariate=None)
+    return Location(
+        level="between_trials" if between else "within_trial",
+        joints=joints,
+        times_s=None if between else times,
+        trials=None,
+        covariate=free.argument if between else None,
+    )
 
 
 def list_set_aside(angles: xr.Dataset) -> list[SetAside]:

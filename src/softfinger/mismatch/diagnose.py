@@ -1,7 +1,7 @@
 """The diagnosis: one call from angles to a verdict and the artifacts behind it."""
 
-from collections.abc import Callable, Iterable
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -10,15 +10,17 @@ from softfinger.mismatch.calibrate import (
     FalseAlarms,
     calibrate_false_alarms,
     collect_columns,
-    find_invisible,
 )
-from softfinger.mismatch.conclude import conclude, test_misfit
+from softfinger.mismatch.conclude import Findings, conclude, examine
+from softfinger.mismatch.config import MismatchSettings
 from softfinger.mismatch.decide import Posterior, weigh_models
+from softfinger.mismatch.masking import list_invisible, tabulate_masking
 from softfinger.mismatch.problem import Problem, pose_problem
 from softfinger.mismatch.rank import Candidate, list_pieces
 from softfinger.mismatch.search import Search, search_effects
 from softfinger.mismatch.verdict import Verdict
 from softfinger.progress import track_progress
+from softfinger.settings import read_settings
 
 Progress = Callable[[Iterable, str], Iterable]
 
@@ -31,10 +33,12 @@ class Diagnosis(NamedTuple):
     search: Search
     posterior: Posterior
     false_alarms: FalseAlarms
+    masking: xr.Dataset
+    findings: Findings
 
 
 def diagnose(
-    angles: xr.Dataset, config: dict, seed: int, progress: Progress = track_progress
+    angles: xr.Dataset, config: Mapping[str, Any], seed: int, progress: Progress = track_progress
 ) -> Diagnosis:
     """Diagnose a campaign.
 
@@ -49,18 +53,19 @@ def diagnose(
     progress
         Wraps the long loops: (items, description) → items.
     """
+    settings = read_settings(MismatchSettings, config, "mismatch")
     problem, fit = pose_problem(angles)
     base = Candidate(problem.base, fit, fit.log_evidence)
     pieces, refused = list_pieces(problem.setting)
     columns = collect_columns(problem, base, pieces)
     alarms = calibrate_false_alarms(
-        columns, problem, base, np.random.default_rng(seed), config["bootstrap_replicates"]
+        columns, problem, base, np.random.default_rng(seed), settings.bootstrap_replicates
     )
-    needed = alarms.threshold(config["false_alarm_probability"])
+    needed = alarms.threshold(settings.false_alarm_probability)
     search = search_effects(problem, base, needed, progress)
     posterior = weigh_models(base, search.candidates)
-    findings = test_misfit(problem, search)
-    invisible = find_invisible(columns, problem, base, needed)
-    hidden = sorted({*refused, *invisible} - search.best.model.ids)
-    verdict = conclude(problem, search, posterior, findings, angles, hidden)
-    return Diagnosis(verdict, problem, search, posterior, alarms)
+    findings = examine(problem, search, angles, needed=needed)
+    masking = tabulate_masking(columns, problem, base)
+    hidden = sorted({*refused, *list_invisible(masking, needed)} - search.best.model.ids)
+    verdict = conclude(problem, search, posterior, findings, angles, hidden, needed)
+    return Diagnosis(verdict, problem, search, posterior, alarms, masking, findings)

@@ -45,11 +45,14 @@ class Entry:
     place: tuple[int, ...]
 
     @property
+    def suffix(self) -> str:
+        """Joint or pair, counted from 1; empty for the chain."""
+        return "_" + "".join(str(j + 1) for j in self.place) if self.place else ""
+
+    @property
     def name(self) -> str:
         """The parameter's name with its joint or pair."""
-        if not self.place:
-            return self.parameter.name
-        return f"{self.parameter.name}_" + "".join(str(j + 1) for j in self.place)
+        return self.parameter.name + self.suffix
 
 
 @dataclass(frozen=True, eq=False)

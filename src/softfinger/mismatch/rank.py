@@ -11,11 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.mechanics.effects import list_effects
-from softfinger.mechanics.effects.effect import Effect, Setting
+from softfinger.mechanics.effects.effect import Setting
 from softfinger.mismatch.model import EffectModel, Piece
 from softfinger.mismatch.problem import Problem
 from softfinger.population.mixed_effects_laplace import Fit, solve_linearised
 
+FIRST_STEPS = 4  # linearisations before candidates are compared
+REACH, REACH_SHARE = 20.0, 0.5  # nats, or share of the best gain, within which a fit goes on
 HOPELESS = -2.0  # nats: forms whose linearised gain is lower are not fitted; their score counts
 
 
@@ -131,13 +133,6 @@ def evaluate_without(
     return evidence
 
 
-def fit_score(problem: Problem, origin: Candidate, score: Score) -> Candidate | None:
-    """Fit a scored model from its best start; None if it does not come to rest."""
-    start = origin.fit.own, score.shared, origin.fit.omega
-    fit = problem.fit(score.model, start)
-    return Candidate(score.model, fit, fit.log_evidence) if fit.converged else None
-
-
 def prune(problem: Problem, candidate: Candidate) -> Candidate:
     """Drop places that the fitted model does not need, and fit what is left."""
     fit = candidate.fit
@@ -154,25 +149,28 @@ def prune(problem: Problem, candidate: Candidate) -> Candidate:
 def rank_pieces(
     problem: Problem, origin: Candidate, pieces: Iterable[Piece]
 ) -> tuple[list[Candidate], list[Score]]:
-    """Fit every promising piece on top of a fitted model, best first; and all scores."""
+    """Fit every promising piece on top of a fitted model, best first; and all scores.
+
+    Each gets a few linearisations; those that then stand within reach of the best go on until they
+    come to rest. One that does not come to rest is missing, not evidence against it.
+    """
     scores = [score_piece(problem, origin, piece) for piece in pieces]
     scores = sorted((s for s in scores if s is not None), key=lambda s: -s.gain)
-    candidates = []
-    for score in scores:
-        if score.gain < HOPELESS:
-            candidates.append(Candidate(score.model, None, origin.log_evidence + score.gain))
+    candidates = [
+        Candidate(s.model, None, origin.log_evidence + s.gain) for s in scores if s.gain < HOPELESS
+    ]
+    begun = []
+    for score in scores[: len(scores) - len(candidates)]:
+        start = origin.fit.own, score.shared, origin.fit.omega
+        begun.append((score.model, problem.fit(score.model, start, steps=FIRST_STEPS)))
+    best = max((fit.log_evidence for _, fit in begun), default=origin.log_evidence)
+    reach = max(REACH, REACH_SHARE * (best - origin.log_evidence))
+    for model, fit in begun:
+        if fit.log_evidence < best - reach:
+            candidates.append(Candidate(model, None, fit.log_evidence))
             continue
-        candidate = fit_score(problem, origin, score)
-        if candidate is not None:
-            candidates.append(prune(problem, candidate))
+        if not fit.converged:
+            fit = problem.fit(model, (fit.own, fit.shared, fit.omega))
+        if fit.converged:
+            candidates.append(prune(problem, Candidate(model, fit, fit.log_evidence)))
     return sorted(candidates, key=lambda c: -c.log_evidence), scores
-
-
-def list_effect_ids(candidates: Iterable[Candidate]) -> list[str]:
-    """Ids of the effects of some candidates, each once, in order."""
-    return list(dict.fromkeys(id_ for c in candidates for id_ in sorted(c.model.ids)))
-
-
-def find_effect(effect_id: str) -> Effect:
-    """Find an effect by its id."""
-    return list_effects()[effect_id]

@@ -22,7 +22,9 @@ class Search(NamedTuple):
     base
         The base model.
     candidates
-        All other models, best first.
+        The models that compete, best first: those of no more effects than were accepted.
+    rejected
+        Models with one effect more, which gained no more than chance does.
     best
         The set that addition and elimination end with.
     first_gain
@@ -35,6 +37,7 @@ class Search(NamedTuple):
 
     base: Candidate
     candidates: list[Candidate]
+    rejected: list[Candidate]
     best: Candidate
     first_gain: float
     refused: dict[str, str]
@@ -51,25 +54,26 @@ def search_effects(problem: Problem, base: Candidate, needed: float, progress: P
     """
     pieces, refused = list_pieces(problem.setting)
     singles, scores = rank_pieces(problem, base, progress(pieces, "trying effects"))
-    found = list(singles)
+    found, larger = list(singles), []
     best = singles[0] if singles else base
     first_gain = best.log_evidence - base.log_evidence
     if first_gain <= needed or best.fit is None:
-        return Search(base, found, base, max(first_gain, 0.0), refused, scores)
+        return Search(base, found, [], base, max(first_gain, 0.0), refused, scores)
     for _ in range(MOST_EFFECTS - 1):
         larger = []
         for rival in _list_rivals(found, len(best.model.ids)):
-            more = [p for p in pieces if p.effect.id not in rival.model.ids and p.form]
+            more = [p for p in pieces if p.effect.id not in rival.model.ids]
             added, _ = rank_pieces(problem, rival, progress(_compatible(rival, more), "adding"))
             larger += added
-        found += larger
-        larger = [c for c in larger if c.fit is not None]
-        top = max(larger, key=lambda c: c.log_evidence, default=best)
+        fitted = [c for c in larger if c.fit is not None]
+        top = max(fitted, key=lambda c: c.log_evidence, default=best)
         if top.log_evidence - best.log_evidence <= needed:
             break
-        best = _eliminate(problem, base, top, needed, found)
+        found += larger
+        larger = []
+        best = _eliminate(problem, top, needed, found)
     found.sort(key=lambda c: -c.log_evidence)
-    return Search(base, found, best, first_gain, refused, scores)
+    return Search(base, found, larger, best, first_gain, refused, scores)
 
 
 def _list_rivals(found: list[Candidate], size: int) -> list[Candidate]:
@@ -96,11 +100,7 @@ def _compatible(candidate: Candidate, pieces: Iterable[Piece]) -> list[Piece]:
 
 
 def _eliminate(
-    problem: Problem,
-    base: Candidate,
-    candidate: Candidate,
-    needed: float,
-    found: list[Candidate],
+    problem: Problem, candidate: Candidate, needed: float, found: list[Candidate]
 ) -> Candidate:
     """Drop effects whose absence costs less than `needed` nats; each smaller model is kept."""
     while len(candidate.model.pieces) > 1:

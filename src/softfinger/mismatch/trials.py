@@ -81,13 +81,17 @@ class Trials(NamedTuple):
         return self.present.shape[1]
 
 
-def prepare_trials(angles: xr.Dataset) -> tuple[Trials, xr.Dataset]:
+def prepare_trials(
+    angles: xr.Dataset, noise: xr.Dataset | None = None
+) -> tuple[Trials, xr.Dataset]:
     """Bin every usable trial of a campaign and whiten its noise.
 
     Parameters
     ----------
     angles
         The `angles` artifact.
+    noise
+        Known noise; estimated when absent.
 
     Returns
     -------
@@ -96,7 +100,8 @@ def prepare_trials(angles: xr.Dataset) -> tuple[Trials, xr.Dataset]:
         second differences and counts as white.
     """
     frames = select_frames(angles)
-    noise = complete_noise(estimate_noise(angles, frames), angles, frames)
+    if noise is None:
+        noise = complete_noise(estimate_noise(angles, frames), angles, frames)
     time = angles["time"].transpose("trial", "frame").values
     angle = angles["joint_angle"].transpose("trial", "joint", "frame").values
     interval = float(frames["frame_interval"])

@@ -16,7 +16,14 @@ def _build_form(kind: str, setting: Setting) -> Form:
         floor=0.05 * stiffness,
     )
     place = Parameter(
-        "stop_share_of_reach", 0.8, 0.15, per="joint", low=0.05, high=1.0, starts=(0.6, 0.8, 0.92)
+        "stop_share_of_reach",
+        0.8,
+        0.15,
+        per="joint",
+        low=0.05,
+        high=1.0,
+        starts=(0.6, 0.8, 0.92),
+        report=("stop_angle_rad", lambda share, joint: share * setting.reach[joint]),
     )
 
     def slots(values: Values) -> dict:

@@ -40,6 +40,9 @@ class Parameter:
         a good rig reach that far.
     starts
         Internal values from which a fit begins; every combination of starts is tried.
+    report
+        Name under which a verdict gives it, and its value there from the physical one and the
+        joint (0-based; −1 for the chain); None: as it is.
     """
 
     name: str
@@ -52,6 +55,7 @@ class Parameter:
     amplitude: bool = False
     floor: float = 0.0
     starts: tuple[float, ...] = ()
+    report: tuple[str, Callable[[float, int], float]] | None = None
 
 
 def positive(name: str, sd: float, **more: object) -> Parameter:

@@ -1,11 +1,14 @@
 """A plane that is not horizontal: torque that depends on the configuration."""
 
+from dataclasses import replace
+
 from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, signed
 
 
 def _build_forms(setting: Setting) -> list[Form] | str:
     if not setting.masses:
         return "link masses and lengths are not declared"
+    plain = ("tilt_rad", lambda tilt, _: tilt)
     along = signed("tilt_along_rad", 0.2, low=-1.6, high=1.6, floor=5e-3)
     across = signed("tilt_across_rad", 0.2, low=-1.6, high=1.6, floor=5e-3)
 
@@ -13,8 +16,8 @@ def _build_forms(setting: Setting) -> list[Form] | str:
         return {name.removesuffix("_rad"): value for name, value in values.items()}
 
     return [
-        Form("across", (across,), slots),
-        Form("along", (along,), slots),
+        Form("across", (replace(across, report=plain),), slots),
+        Form("along", (replace(along, report=plain),), slots),
         Form("both", (across, along), slots),
     ]
 

@@ -4,6 +4,8 @@ Constant (a share of the elastic angle of a usual load), or what the trial befor
 rest between them.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from softfinger.mechanics.effects.effect import (
@@ -15,9 +17,12 @@ from softfinger.mechanics.effects.effect import (
     time_constant,
 )
 
+REMAINS = 0.01  # of the usual elastic angle: what a trial before must leave to be remembered
+
 
 def _build_forms(setting: Setting) -> list[Form]:
     share = signed("residual_strain_share", 0.1, per="joint", floor=2e-3)
+    common = replace(share, per="chain")
     usual = setting.torque / setting.stiffness
     before = setting.memory
 
@@ -31,8 +36,8 @@ def _build_forms(setting: Setting) -> list[Form]:
         decay = np.exp(-setting.rest_time / float(values["memory_time_s"]))
         return {"initial_angle": values["residual_strain_share"] * before * decay[:, None]}
 
-    forms = [Form("constant", (share,), constant)]
-    if setting.trials > 1 and np.any(before):
+    forms = [Form("same_in_all_joints", (common,), constant), Form("constant", (share,), constant)]
+    if setting.trials > 1 and np.any(np.abs(before) > REMAINS * usual):
         forms.append(Form("kept_from_trial_before", (share,), kept))
         if np.isfinite(setting.rest_time).all() and np.ptp(setting.rest_time) > 0:
             longest = 5 * max(setting.rest_time.max(), setting.duration)

@@ -16,7 +16,12 @@ def _build_forms(setting: Setting) -> list[Form] | str:
     if setting.levels < 2 and not setting.reversals:
         return "a single constant load: any law of flow vanishes in c_p"
     square = positive("inverse_scale_torque_squared_per_nm2", (2 / setting.torque) ** 2)
-    bend = replace(square, low=1e-6 * square.sd, floor=(0.1 / setting.torque) ** 2)
+    bend = replace(
+        square,
+        low=1e-6 * square.sd,
+        floor=(0.1 / setting.torque) ** 2,
+        report=("scale_torque_nm", lambda x, _: max(x, 1e-6 * square.sd) ** -0.5),
+    )
     power = positive("extra_power", 1.0, floor=0.02)
 
     def sinh(values: Values) -> dict:

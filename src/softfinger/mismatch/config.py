@@ -1,0 +1,14 @@
+"""The `mismatch` block of the configuration."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from softfinger.settings import Settings
+
+
+class MismatchSettings(Settings):
+    """How a diagnosis guards itself against chance."""
+
+    bootstrap_replicates: Annotated[int, Field(ge=99, le=9999)]
+    false_alarm_probability: Annotated[float, Field(gt=0.0, le=0.1)]

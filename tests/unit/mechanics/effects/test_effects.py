@@ -1,0 +1,133 @@
+import numpy as np
+import pytest
+
+from softfinger.faults import Fault
+from softfinger.mechanics import effects
+from softfinger.mechanics.effects import list_effects
+from softfinger.mechanics.effects.effect import Setting
+from softfinger.mechanics.forward.simulate import describe_finger, simulate_joint_angle_array
+from softfinger.mechanics.forward.slots import SLOTS, build_slots
+from softfinger.mechanics.geometry import FingerGeometry
+
+TRIALS, JOINTS = 4, 3
+CATALOGUE = {
+    "second_retardation", "fractional_creep", "strain_stiffening", "wire_friction", "moment_arm",
+    "actuator_lag", "fatigue_softening", "temperature", "preload_memory", "contact_stop",
+    "yield_threshold", "stress_nonlinear_flow", "joint_coupling", "gravity", "inertia",
+    "camera_delay", "lens_distortion",
+}  # fmt: skip
+
+
+def build_setting(**changes):
+    content = {
+        "trials": TRIALS, "joints": JOINTS, "interval": 0.05, "duration": 8.0, "torque": 0.04,
+        "levels": 3, "reversals": True, "rests": True, "load_known": True, "tension": True,
+        "stiffness": np.array([0.1, 0.12, 0.15]), "reach": np.array([0.8, 0.7, 0.5]),
+        "number": np.arange(TRIALS, dtype=float), "memory": np.full((TRIALS, JOINTS), 0.1),
+        "rest_time": np.array([np.inf, 20.0, 30.0, 25.0]),
+        "covariates": {"temperature_c": np.array([20.0, 22.0, 21.0, 25.0])},
+        "geometry": True, "masses": True,
+    }  # fmt: skip
+    return Setting(**{**content, **changes})
+
+
+def list_forms(setting):
+    for effect in list_effects().values():
+        forms = effect.build_forms(setting)
+        if not isinstance(forms, str):
+            yield from ((effect, form) for form in forms)
+
+
+def fill(form, amplitude):
+    """Physical values of a form: amplitudes at a number of prior sd, the rest at their means."""
+    shapes = {"chain": (), "joint": (JOINTS,), "pair": (JOINTS, JOINTS)}
+    values = {}
+    for p in form.parameters:
+        value = amplitude * p.sd if p.amplitude else np.exp(p.mean) if p.log else p.mean
+        values[p.name] = np.full(shapes[p.per], value)
+    return form.slots(values)
+
+
+@pytest.fixture(scope="module")
+def trials():
+    geometry = FingerGeometry.uniform([0.025] * JOINTS, [0.005] * JOINTS, 0.008, 0.005)
+    own = np.array([[-2.4, -3.7, 2.9, 0.02], [-2.3, -3.6, 3.1, 0.01], [-1.9, -3.9, 3.3, 0.03]])
+    time = np.tile(np.linspace(0.1, 8.0, 9), (TRIALS, 1))
+    load_time = np.tile([0.0, 5.0, 5.0, 8.0], (TRIALS, 1))
+    load = np.outer([0.01, 0.02, 0.03, 0.04], [1.0, 1.0, 0.2, 0.2])
+    finger = describe_finger(geometry)
+
+    def simulate(slots):
+        parameters = np.tile(own, (TRIALS, 1, 1))
+        filled = build_slots(TRIALS, JOINTS, slots)
+        series = time, load_time, load
+        return simulate_joint_angle_array(parameters, filled, [], finger, *series, gradient=False)[
+            0
+        ]
+
+    return simulate
+
+
+def test_the_catalogue_is_complete():
+    assert set(list_effects()) >= CATALOGUE
+    assert {module.EFFECT.id for module in effects.MODULES} == CATALOGUE
+
+
+@pytest.mark.parametrize(
+    "case", list_forms(build_setting()), ids=lambda c: f"{c[0].id}-{c[1].name}"
+)
+def test_a_form_is_absent_at_null_and_acts_beyond(case, trials):
+    effect, form = case
+    base = trials({})
+    np.testing.assert_allclose(trials(fill(form, 0.0)), base, atol=2e-5)
+    if effect.id != "inertia":  # its motion is over before the first of these times
+        assert np.abs(trials(fill(form, 0.3)) - base).max() > 1e-4
+
+
+@pytest.mark.parametrize(
+    "case", list_forms(build_setting()), ids=lambda c: f"{c[0].id}-{c[1].name}"
+)
+def test_a_form_has_amplitudes_with_null_at_zero(case):
+    _, form = case
+    amplitudes = [p for p in form.parameters if p.amplitude]
+    assert amplitudes
+    for p in amplitudes:
+        assert p.mean == 0.0
+        assert p.low <= p.starts[0] <= p.high
+        assert not p.log
+    assert set(fill(form, 0.1)) <= set(SLOTS)
+
+
+@pytest.mark.parametrize(
+    ("changes", "refused"),
+    [
+        ({"load_known": False}, {"actuator_lag", "camera_delay"}),
+        ({"levels": 1, "reversals": False}, {"yield_threshold", "stress_nonlinear_flow"}),
+        ({"tension": False}, {"moment_arm"}),
+        ({"masses": False}, {"gravity", "inertia"}),
+        ({"covariates": {}}, {"temperature"}),
+        ({"trials": 1}, {"fatigue_softening", "temperature"}),
+        ({"joints": 1}, {"joint_coupling"}),
+    ],
+)
+def test_what_a_campaign_cannot_show_is_refused_with_a_reason(changes, refused):
+    setting = build_setting(**changes)
+    answers = {name: e.build_forms(setting) for name, e in list_effects().items()}
+    assert {name for name, answer in answers.items() if isinstance(answer, str)} == refused
+
+
+def test_a_plug_in_must_be_an_effect(monkeypatch):
+    class Point:
+        value = "mine:thing"
+
+        @staticmethod
+        def load():
+            return object()
+
+    monkeypatch.setattr(effects, "entry_points", lambda group: [Point])
+    effects.list_effects.cache_clear()
+    try:
+        with pytest.raises(Fault, match="mine:thing"):
+            effects.list_effects()
+    finally:
+        effects.list_effects.cache_clear()
