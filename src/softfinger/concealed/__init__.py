@@ -1,0 +1,19 @@
+"""The proof: campaigns in which physics is concealed, made by a generator of their own, and scored.
+
+Nothing here imports the forward model, the statistics or the diagnosis that it puts to the test.
+"""
+
+from softfinger.concealed.generate import generate_campaign
+from softfinger.concealed.seal import open_seal, seal, seal_file
+from softfinger.concealed.strength import calibrate_strength
+from softfinger.concealed.suite import CaseSpec, draw_suite
+
+__all__ = [
+    "CaseSpec",
+    "calibrate_strength",
+    "draw_suite",
+    "generate_campaign",
+    "open_seal",
+    "seal",
+    "seal_file",
+]

@@ -1,0 +1,33 @@
+"""A recording that starts late, a little differently in every trial."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from softfinger.concealed.effects.effect import Array, Circumstances, Dose, Effect
+
+
+def _delay(dose: Dose, trial: Circumstances) -> float:
+    """Delay [s]; it differs by up to 10 % between trials."""
+    return dose.strength * (0.9 + 0.2 * trial.luck[0])
+
+
+def _clock(time: Array, dose: Dose, trial: Circumstances) -> Array:
+    """The frame at t shows what was at t − delay."""
+    return time - _delay(dose, trial)
+
+
+def _tell(dose: Dose, trials: list[Circumstances]) -> dict[str, float]:
+    return {"delay_s": float(np.mean([_delay(dose, trial) for trial in trials]))}
+
+
+EFFECT = Effect(
+    id="camera_delay",
+    sentence="the recording is shifted in time against the load log",
+    level="measurement",
+    joints="chain",
+    typical=0.03,
+    largest=0.2,
+    clock=_clock,
+    tell=_tell,
+)

@@ -1,0 +1,104 @@
+"""What an effect of the proof is: a switch with a strength, in a physical form of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softfinger.concealed.physics import Physics
+from softfinger.concealed.protocols import Load
+from softfinger.concealed.rig import Rig
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Dose:
+    """How much of an effect a campaign has, and where."""
+
+    strength: float  # 0: absent
+    shape: dict[str, float] = field(default_factory=dict)
+    joints: tuple[int, ...] = ()  # from 0; empty where the effect is not tied to joints
+
+    def spread(self, joints: int) -> Array:
+        """Strength (joint,), zero where the effect does not act."""
+        on = np.zeros(joints)
+        on[list(self.joints)] = 1.0
+        return self.strength * on
+
+
+@dataclass(frozen=True)
+class Circumstances:
+    """What is special about one trial."""
+
+    number: int  # from 0, in the order of recording
+    count: int  # trials in the campaign
+    load: Load
+    duration: float  # [s]
+    warmth: float  # [K] above the campaign's reference temperature
+    rest: float  # [s] since the trial before
+    luck: tuple[float, float, float]  # uniform on (0, 1): phases, times of slips
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A parameter that the strength does not scale: log-uniform from `low` to `high`.
+
+    Where it is a `choice`, it is either of the two and known to the oracle.
+    """
+
+    low: float
+    high: float
+    choice: bool = False
+
+    def draw(self, rng: np.random.Generator) -> float:
+        """Draw a value."""
+        if self.choice:
+            return float(rng.choice([self.low, self.high]))
+        return float(np.exp(rng.uniform(np.log(self.low), np.log(self.high))))
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One piece of left-out physics.
+
+    Attributes
+    ----------
+    id, sentence
+        Name (one of the catalogue's where `listed`) and what it is.
+    level
+        Where it shows: within a trial, between trials, or in the measurement.
+    joints
+        ``any``: on every joint or on one; ``one``: on one; ``pair``: on two neighbours; ``first``:
+        on the first; ``chain``: not tied to joints.
+    typical, largest
+        Strength that is plain to see, and the largest that is believable.
+    shape
+        Its other parameters.
+    move, clock, record
+        Change of the physics of a trial, of the time at which the finger is seen, of the recorded
+        angles (frame, joint); each of them where the effect has one.
+    tell
+        Keys and values of the verdict's effect parameters.
+    trials
+        Fewest trials in which it can show.
+    """
+
+    id: str
+    sentence: str
+    level: Literal["within_trial", "between_trials", "measurement"]
+    joints: Literal["any", "one", "pair", "first", "chain"]
+    typical: float
+    largest: float
+    shape: dict[str, Shape] = field(default_factory=dict)
+    move: Callable[[Physics, Dose, Circumstances], Physics] | None = None
+    clock: Callable[[Array, Dose, Circumstances], Array] | None = None
+    record: Callable[[Array, Array, Dose, Circumstances, Rig], Array] | None = None
+    tell: Callable[[Dose, list[Circumstances]], dict[str, float]] = lambda dose, trials: {}
+    covariate: str | None = None
+    trials: int = 1
+    listed: bool = True

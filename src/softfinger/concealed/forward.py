@@ -1,0 +1,88 @@
+"""A trial as it would be recorded without noise."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softfinger.concealed.effects import EFFECTS, Circumstances, Dose
+from softfinger.concealed.kernel import simulate_angles
+from softfinger.concealed.physics import build_plain_physics
+from softfinger.concealed.population import to_parameters
+from softfinger.concealed.rig import Rig
+
+Array = NDArray[np.float64]
+
+
+def simulate_trial(
+    individual: Array,
+    doses: dict[str, Dose],
+    trial: Circumstances,
+    rig: Rig,
+    time: Array,
+    tolerance: float = 5e-9,
+) -> Array:
+    """Recorded joint angles (frame, joint) [rad] of a trial, free of noise.
+
+    Parameters
+    ----------
+    individual : array (parameter, joint)
+        log k_v, log c_v, log c_p, q_ini.
+    doses
+        The effects that are switched on, by id; any number of them at once.
+    trial, rig
+        What is special about the trial; the finger and its camera.
+    time : array (frame,) [s]
+        When the frames were taken, by the recording's clock.
+    tolerance : float [rad]
+        Error of one step of the integrator.
+    """
+    physics = build_plain_physics(
+        to_parameters(individual),
+        trial.load.time,
+        trial.load.tension,
+        rig.link_length,
+        rig.link_mass,
+        rig.wire_offset,
+        rig.joint_length,
+    )
+    seen_at = time
+    for name, dose in doses.items():
+        effect = EFFECTS[name]
+        if effect.move:
+            physics = effect.move(physics, dose, trial)
+        if effect.clock:
+            seen_at = effect.clock(seen_at, dose, trial)
+    angle = simulate_angles(physics, seen_at, tolerance)
+    for name, dose in doses.items():
+        record = EFFECTS[name].record
+        if record:
+            angle = record(angle, seen_at, dose, trial, rig)
+    return angle
+
+
+def compute_plain_angles(
+    individual: Array, trial: Circumstances, wire_offset: float, time: Array
+) -> Array:
+    """Joint angles (frame, joint) [rad] of the three elements alone, in closed form.
+
+    Between two knots the torque is u + s t. The Voigt strain goes to (u + s t − s c_v/k_v)/k_v as
+    e^(−t k_v/c_v), and the dashpot moves by (u t + s t²/2)/c_p.
+    """
+    k_v, c_v, c_p, q_ini = to_parameters(individual)
+    torque = wire_offset * trial.load.tension
+    knot = np.append(trial.load.time, max(time[-1], trial.load.time[-1]))
+    angle = np.tile(q_ini, (time.size, 1))
+    voigt, dashpot = np.zeros_like(k_v), np.zeros_like(k_v)
+    for k, start in enumerate(trial.load.time):
+        span = knot[k + 1] - start
+        last = k + 1 == torque.size
+        slope = 0.0 if last or span <= 0 else (torque[k + 1] - torque[k]) / span
+        inside = (time > start) & ((time <= knot[k + 1]) | last)
+        t = np.append(time[inside] - start, span)[:, None]
+        drift = (torque[k] + slope * (t - c_v / k_v)) / k_v
+        strain = drift + (voigt - (torque[k] - slope * c_v / k_v) / k_v) * np.exp(-k_v / c_v * t)
+        flown = dashpot + (torque[k] * t + 0.5 * slope * t**2) / c_p
+        angle[inside] += strain[:-1] + flown[:-1]
+        voigt, dashpot = strain[-1], flown[-1]
+    return angle

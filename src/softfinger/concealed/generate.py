@@ -1,0 +1,177 @@
+"""Makes one concealed campaign, and beside it the truth."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softfinger.concealed.effects import EFFECTS, Dose
+from softfinger.concealed.oracle import Fit, Recording, fit_model
+from softfinger.concealed.population import PARAMETERS
+from softfinger.concealed.setting import (
+    Setting,
+    disturb,
+    draw_setting,
+    record_cleanly,
+    set_strengths,
+)
+from softfinger.concealed.strength import place_strength
+from softfinger.concealed.suite import CaseSpec
+from softfinger.concealed.writer import Film, write_campaign
+
+Array = NDArray[np.float64]
+
+
+def generate_campaign(
+    spec: CaseSpec, folder: Path, truth_path: Path, film: Film | None = None
+) -> dict:
+    """Write a campaign folder and, beside it, its truth; return the truth.
+
+    Parameters
+    ----------
+    spec : CaseSpec
+    folder : Path
+        Must not exist yet; its name should tell nothing.
+    truth_path : Path
+        A JSON file outside the folder.
+    film : callable, optional
+        Makes the videos of a filmed case: (angle (frame, joint) [rad], rig, path, seed).
+
+    Raises
+    ------
+    ValueError
+        The truth would lie inside the folder, or a filmed case comes without a film maker.
+    """
+    folder, truth_path = Path(folder), Path(truth_path)
+    if folder.resolve() in truth_path.resolve().parents:
+        raise ValueError(f"{truth_path}: the truth would lie inside the campaign; put it beside")
+    if spec.filmed and film is None:
+        raise ValueError(f"{folder}: this case is filmed; pass the function that films a trial")
+    setting = draw_setting(spec)
+    placed = {
+        name: place_strength(name, setting, quantile)
+        for name, quantile in zip(spec.effects, spec.quantiles, strict=True)
+    }
+    doses = set_strengths(setting.doses, {name: strength for name, (strength, _) in placed.items()})
+    clean = record_cleanly(setting, doses, np.arange(spec.trials))
+    recordings = clean if spec.filmed else disturb(setting, clean, spec.seed)
+    rng = np.random.default_rng([spec.seed, 2])
+    write_campaign(
+        folder,
+        setting,
+        recordings,
+        declares_noise=bool(rng.uniform() < 0.5),
+        film=film if spec.filmed else None,
+        seed=int(rng.integers(2**31)),
+    )
+    if spec.filmed:  # what the oracle is given in place of the tracked angles
+        recordings = disturb(setting, clean, spec.seed)
+    truth = compute_truth(spec, setting, doses, clean, recordings)
+    truth["aimed_at_nats"] = {name: target for name, (_, target) in placed.items()}
+    truth_path.parent.mkdir(parents=True, exist_ok=True)
+    truth_path.write_text(json.dumps(truth, indent=1, sort_keys=True) + "\n", encoding="utf-8")
+    return truth
+
+
+def compute_truth(
+    spec: CaseSpec,
+    setting: Setting,
+    doses: dict[str, Dose],
+    clean: list[Recording],
+    recordings: list[Recording],
+) -> dict:
+    """All that was concealed, with what the oracle makes of it.
+
+    For every effect the gain with it over without it, the other effects being known; for the
+    whole set the gain over the base model. The window is where, in seconds since the last change
+    of load, the middle four fifths of what the base model cannot fit lie.
+    """
+    seen = [_drop_missing(recording) for recording in recordings]
+    fits: dict[tuple[str, ...], Fit] = {}
+
+    def fit(names: tuple[str, ...]) -> Fit:
+        if names not in fits:
+            kept = {name: doses[name] for name in names}
+            fits[names] = fit_model(seen, setting.rig, setting.noise, kept, setting.individuals)
+        return fits[names]
+
+    names = tuple(doses)
+    base, true = fit(()), fit(names)
+    gains = {
+        name: true.log_evidence - fit(tuple(o for o in names if o != name)).log_evidence
+        for name in names
+    }
+    elpd = true.solution.contributions - base.solution.contributions
+    return {
+        "version": 1,
+        "case": spec.to_json(),
+        "effects": [_describe(name, doses[name], setting, gains[name]) for name in names],
+        "gain_nats": true.log_evidence - base.log_evidence,
+        "elpd_difference": float(elpd.sum()) if spec.trials > 1 else None,
+        "values": int(sum(recording.angle.size for recording in seen)),
+        "misfit": {"base": _misfit(base), "true": _misfit(true)},
+        "oracle_settled": all(f.settled for f in fits.values()),
+        "window_s": _find_window(setting, clean) if doses else None,
+        "noise": {
+            "kind": setting.noise.kind,
+            "sd_rad": setting.noise.sd,
+            "autocorrelation": setting.noise.autocorrelation,
+        },
+        "population": {
+            "parameter": list(PARAMETERS),
+            "mean": setting.population.mean.tolist(),
+            "sd": setting.population.sd.tolist(),
+        },
+        "individuals": setting.individuals.tolist(),
+    }
+
+
+def _describe(name: str, dose: Dose, setting: Setting, gain: float) -> dict:
+    effect = EFFECTS[name]
+    return {
+        "id": name,
+        "listed": effect.listed,
+        "level": effect.level,
+        "covariate": effect.covariate,
+        "joints": [j + 1 for j in dose.joints],
+        "strength": dose.strength,
+        "shape": dose.shape,
+        "parameters": effect.tell(dose, setting.trials),
+        "gain_nats": gain,
+    }
+
+
+def _drop_missing(recording: Recording) -> Recording:
+    there = np.isfinite(recording.angle).all(axis=1)
+    return replace(recording, time=recording.time[there], angle=recording.angle[there])
+
+
+def _misfit(fit: Fit) -> float:
+    """Mean square of the whitened residual: 1 where nothing is left but noise."""
+    return float(np.mean(np.concatenate([r.ravel() for r in fit.residuals]) ** 2))
+
+
+def _find_window(setting: Setting, clean: list[Recording]) -> list[float]:
+    chosen = np.unique(np.linspace(0, len(clean) - 1, 6).round().astype(int))
+    fit = fit_model(
+        [clean[k] for k in chosen],
+        setting.rig,
+        setting.noise,
+        {},
+        setting.individuals[chosen],
+    )
+    since, energy = [], []
+    for k, residual in zip(chosen, fit.residuals, strict=True):
+        change = np.unique(clean[k].trial.load.time)
+        last = np.searchsorted(change, clean[k].time, side="right") - 1
+        loaded = last >= 0
+        since.append((clean[k].time - change[np.clip(last, 0, None)])[loaded])
+        energy.append((residual**2).sum(axis=1)[loaded])
+    order = np.argsort(np.concatenate(since))
+    share = np.cumsum(np.concatenate(energy)[order])
+    ends = np.searchsorted(share, [0.1 * share[-1], 0.9 * share[-1]])
+    return [round(float(t), 3) for t in np.concatenate(since)[order][ends]]

@@ -1,0 +1,62 @@
+"""The free parameters of a set of effects as one vector, for the oracle to fit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softfinger.concealed.effects import EFFECTS, Dose, Shape
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Knobs:
+    """An effect set's free parameters as one vector φ with a normal prior.
+
+    A strength stands as itself, its sign without meaning; any other positive parameter as its
+    logarithm.
+    """
+
+    doses: dict[str, Dose]
+    centre: Array
+    sd: Array
+
+    @classmethod
+    def of(cls, doses: dict[str, Dose]) -> Knobs:
+        """Prior of the effects' free parameters: what the generator may have drawn."""
+        centre, sd = [], []
+        for name in doses:
+            effect = EFFECTS[name]
+            centre.append(0.0)
+            sd.append(0.5 * effect.largest)
+            for shape in _free_shapes(name).values():
+                low, high = np.log(shape.low), np.log(shape.high)
+                centre.append(0.5 * (low + high))
+                sd.append((high - low) / np.sqrt(12.0))
+        return cls(doses, np.array(centre), np.array(sd))
+
+    def read(self) -> Array:
+        """Vector φ of the doses as they stand."""
+        values = []
+        for name, dose in self.doses.items():
+            values += [dose.strength, *(np.log(dose.shape[key]) for key in _free_shapes(name))]
+        return np.array(values)
+
+    def turn(self, vector: Array) -> dict[str, Dose]:
+        """Doses of a vector φ."""
+        turned, at = {}, 0
+        for name, dose in self.doses.items():
+            keys = list(_free_shapes(name))
+            free = dict(zip(keys, np.exp(vector[at + 1 : at + 1 + len(keys)]), strict=True))
+            turned[name] = replace(
+                dose, strength=abs(float(vector[at])), shape={**dose.shape, **free}
+            )
+            at += 1 + len(keys)
+        return turned
+
+
+def _free_shapes(name: str) -> dict[str, Shape]:
+    return {key: s for key, s in EFFECTS[name].shape.items() if not s.choice}

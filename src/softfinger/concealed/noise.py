@@ -1,0 +1,97 @@
+"""Noise of the recorded angles: its colour, its tails, its gaps, its clock."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+Array = NDArray[np.float64]
+NoiseKind = Literal["white", "ar_0.3", "ar_0.9", "ar_0.98", "heavy_tailed", "gappy", "uneven"]
+NOISE_KINDS: tuple[NoiseKind, ...] = get_args(NoiseKind)
+CORRELATION = {"ar_0.3": 0.3, "ar_0.9": 0.9, "ar_0.98": 0.98, "uneven": 0.5}
+DEGREES_OF_FREEDOM = 4
+
+
+@dataclass(frozen=True)
+class Noise:
+    """What disturbs a relative angle: marginal sd [rad], correlation ρ per frame interval."""
+
+    kind: NoiseKind
+    sd: float
+    frame_interval: float
+
+    @property
+    def autocorrelation(self) -> float:
+        """Correlation of a joint's noise over one median frame interval."""
+        return CORRELATION.get(self.kind, 0.0)
+
+    @property
+    def joint_correlation(self) -> float:
+        """Correlation between neighbours: they share a link, seen once."""
+        return -0.5
+
+
+def draw_frame_times(noise: Noise, duration: float, rng: np.random.Generator) -> Array:
+    """Draw the times of a trial's frames: a steady clock, or one that hurries and lags."""
+    frames = int(duration / noise.frame_interval) + 1
+    time = noise.frame_interval * np.arange(frames)
+    if noise.kind == "uneven":
+        time[1:] += noise.frame_interval * rng.uniform(-0.45, 0.45, frames - 1)
+        time = time[rng.uniform(size=frames) > 0.1]
+    return time
+
+
+def draw_noise(noise: Noise, time: Array, joints: int, rng: np.random.Generator) -> Array:
+    """Draw the noise (frame, joint) of relative angles: differences between links' directions.
+
+    Each link's direction, the base's included, errs on its own: an Ornstein–Uhlenbeck process seen
+    at the frames, so a gap lets it forget.
+    """
+    shape = (time.size, joints + 1)
+    if noise.kind == "heavy_tailed":
+        scale = np.sqrt((DEGREES_OF_FREEDOM - 2) / DEGREES_OF_FREEDOM)
+        shock = scale * rng.standard_t(DEGREES_OF_FREEDOM, shape)
+    else:
+        shock = rng.normal(size=shape)
+    rho = noise.autocorrelation
+    if rho == 0.0:
+        direction = shock
+    elif noise.kind == "uneven":
+        direction = shock.copy()
+        memory = rho ** (np.diff(time) / noise.frame_interval)
+        for k, kept in enumerate(memory, start=1):
+            direction[k] = kept * direction[k - 1] + np.sqrt(1.0 - kept**2) * shock[k]
+    else:
+        shock[1:] *= np.sqrt(1.0 - rho**2)
+        direction = lfilter([1.0], [1.0, -rho], shock, axis=0)
+    return noise.sd / np.sqrt(2.0) * np.diff(direction, axis=1)
+
+
+def draw_missing(noise: Noise, frames: int, rng: np.random.Generator) -> NDArray[np.bool_]:
+    """Draw which frames show nothing: scattered ones and two longer gaps, or none."""
+    missing = np.zeros(frames, bool)
+    if noise.kind == "gappy":
+        missing = rng.uniform(size=frames) < 0.1
+        for start in rng.integers(frames // 10, 9 * frames // 10, 2):
+            missing[start : start + frames // 25] = True
+    return missing
+
+
+def whiten(noise: Noise, time: Array, signal: Array) -> Array:
+    """Turn (frame, joint, …) into (frame, joint, …) in which this noise would be white, sd 1.
+
+    Exact for the Gaussian kinds: first the joints (neighbours share a link), then the time.
+    """
+    joints = signal.shape[1]
+    link = np.eye(joints) + noise.joint_correlation * (np.eye(joints, k=1) + np.eye(joints, k=-1))
+    factor = np.linalg.inv(noise.sd * np.linalg.cholesky(link))
+    white = np.einsum("jk,fk...->fj...", factor, signal)
+    if noise.autocorrelation > 0.0:
+        kept = noise.autocorrelation ** (np.diff(time) / noise.frame_interval)
+        kept = kept.reshape(-1, *[1] * (white.ndim - 1))
+        white[1:] = (white[1:] - kept * white[:-1]) / np.sqrt(1.0 - kept**2)
+    return white

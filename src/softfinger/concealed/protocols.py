@@ -1,0 +1,79 @@
+"""The four ways in which a concealed campaign loads the finger."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Protocol = Literal["single_step", "levels", "staircase", "triangle"]
+PROTOCOLS: tuple[Protocol, ...] = get_args(Protocol)
+
+
+@dataclass(frozen=True)
+class Load:
+    """Wire tension over time: straight lines between knots, a jump is a repeated time."""
+
+    time: Array  # (knot,) [s], the first at 0 or at the first jump
+    tension: Array  # (knot,) [N]
+
+    def value(self, time: Array) -> Array:
+        """Tension at some times, after the jump where there is one."""
+        at = np.clip(np.searchsorted(self.time, time, side="right") - 1, 0, None)
+        following = np.minimum(at + 1, self.time.size - 1)
+        span = self.time[following] - self.time[at]
+        share = np.where(span > 0, (time - self.time[at]) / np.where(span > 0, span, 1.0), 0.0)
+        value = self.tension[at] + share * (self.tension[following] - self.tension[at])
+        return np.where(time < self.time[0], 0.0, value)
+
+
+def _hold(jump_time: Array, level: Array) -> Load:
+    """Levels held from one jump to the next."""
+    before = np.concatenate([[0.0], level[:-1]])
+    return Load(np.repeat(jump_time, 2), np.column_stack([before, level]).ravel())
+
+
+def draw_loads(
+    protocol: Protocol, trials: int, rng: np.random.Generator
+) -> tuple[list[Load], float]:
+    """Draw every trial's load, and the duration of a trial [s].
+
+    ``single_step``: the same step in every trial and held, as in the paper. ``levels``: one of
+    four levels held for 25 s, then released. ``staircase``: six levels, some lower than the one
+    before, in one of three orders. ``triangle``: two slow rises and falls, the first turned
+    before it is back at zero, at one of three speeds.
+    """
+    peak = rng.uniform(7.0, 9.0)
+    rest = float(rng.choice([0.0, 1.0]))
+    loads = []
+    variants = rng.permutation(np.arange(trials) % (4 if protocol == "levels" else 3))
+    for variant in variants:
+        if protocol == "single_step":
+            loads.append(_hold(np.array([rest]), np.array([peak])))
+        elif protocol == "levels":
+            level = peak * (0.4, 0.6, 0.8, 1.0)[variant]
+            loads.append(_hold(np.array([rest, rest + 25.0]), np.array([level, 0.0])))
+        elif protocol == "staircase":
+            share = np.array([0.35, 0.75, 0.5, 1.0, 0.6, 0.25])
+            share = (share, share[[1, 0, 3, 2, 5, 4]], 0.8 * share[[0, 2, 1, 4, 3, 5]])[variant]
+            loads.append(_hold(rest + 6.5 * np.arange(6), peak * share))
+        else:
+            speed = (1.0, 1.15, 0.87)[variant]
+            turn = rest + np.array([0.0, 10.0, 18.0, 26.0, 34.0]) / speed
+            loads.append(Load(turn, peak * np.array([0.0, 1.0, 0.2, 0.9, 0.0])))
+    return loads, 40.0
+
+
+def write_rows(load: Load, frame_interval: float) -> Array:
+    """Rows (time, tension) of the log: a jump becomes two rows, close enough to be read as one."""
+    rows = [[0.0, 0.0]] if load.time[0] > 0 else []
+    for k, (time, tension) in enumerate(zip(load.time, load.tension, strict=True)):
+        if k + 1 < load.time.size and load.time[k + 1] == time:
+            if time > 0:
+                rows.append([time - 0.2 * frame_interval, tension])
+        else:
+            rows.append([time, tension])
+    return np.array(rows)

@@ -1,0 +1,196 @@
+"""The score of a proof: every verdict against its truth, shares with binomial intervals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from scipy.stats import beta
+
+from softfinger.concealed.effects import LISTED
+from softfinger.concealed.judge import SAME_IN_EVERY_FORM, Judgement, judge
+
+TRUTHS = ("clean", *LISTED, "two effects", "outside")
+ANSWERS = ("adequate", *LISTED, "two effects", "ambiguous", "unlisted")
+GAIN_EDGES = np.array([-np.inf, 1.0, 3.0, 7.0, 15.0, 30.0, 100.0, 1000.0, np.inf])
+PROBABILITY_EDGES = np.array([0.0, 0.05, 0.2, 0.5, 0.8, 0.95, 0.99, 1.0])
+BENCHMARKS = {
+    "concealed_named_share": "named",
+    "concealed_false_alarm_share": "false_alarm",
+    "concealed_unlisted_share": "unlisted",
+    "concealed_set_contains_truth_share": "set_contains_truth",
+    "concealed_interval_coverage_90": "interval_coverage_90",
+}
+
+
+def score(
+    verdicts: Sequence[dict], truths: Sequence[dict], seconds: Sequence[float] | None = None
+) -> xr.Dataset:
+    """Score verdicts against truths, case by case in the same order.
+
+    Parameters
+    ----------
+    verdicts, truths
+        Contents of the ``verdict.json`` and truth files.
+    seconds : sequence of float, optional
+        How long each diagnosis took [s].
+
+    Returns
+    -------
+    Dataset
+        confusion (truth, answer): counts. share, share_lower, share_upper, share_count
+        (statistic): proportions with 95 % Clopper–Pearson intervals, NaN where nothing counts.
+        right_by_gain and its bounds and count (gain_bin), with could_by_gain, the probability that
+        the oracle itself gives the truth against the base model and the rest of the catalogue.
+        stated_probability, true_share, stated_count (probability_bin). Per case: gain [nats],
+        right, gap_closed, seconds. Attribute gap_closed_median.
+    """
+    cases = [judge(v, t) for v, t in zip(verdicts, truths, strict=True)]
+    seconds = np.full(len(cases), np.nan) if seconds is None else np.asarray(seconds, float)
+    gap = np.array([np.nan if c.gap_closed is None else c.gap_closed for c in cases])
+    scored = xr.Dataset(
+        {
+            "confusion": (("truth", "answer"), _count_answers(cases)),
+            "gain": ("case", [c.gain for c in cases]),
+            "right": ("case", [c.right for c in cases]),
+            "gap_closed": ("case", gap),
+            "seconds": ("case", seconds),
+        },
+        coords={"truth": list(TRUTHS), "answer": list(ANSWERS), "case": np.arange(len(cases))},
+    )
+    scored.attrs["gap_closed_median"] = (
+        float(np.nanmedian(gap)) if np.isfinite(gap).any() else np.nan
+    )
+    return xr.merge(
+        [scored, _count_shares(cases), _trace_curve(cases), _check_probabilities(cases)],
+        combine_attrs="override",
+    )
+
+
+def compute_share(hits: int, count: int) -> tuple[float, float, float]:
+    """Share with its 95 % Clopper–Pearson interval; NaN of nothing.
+
+    Examples
+    --------
+    >>> [round(x, 3) for x in compute_share(0, 10)]
+    [0.0, 0.0, 0.308]
+    """
+    if count == 0:
+        return np.nan, np.nan, np.nan
+    lower = beta.ppf(0.025, hits, count - hits + 1) if hits else 0.0
+    upper = beta.ppf(0.975, hits + 1, count - hits) if hits < count else 1.0
+    return hits / count, float(lower), float(upper)
+
+
+def collect_benchmarks(scored: xr.Dataset) -> dict[str, float]:
+    """Keys of ``results/benchmarks.json``; what was not measured is absent."""
+    found = {
+        key: float(scored.share.sel(statistic=statistic)) for key, statistic in BENCHMARKS.items()
+    }
+    found["concealed_gap_closed_median"] = scored.attrs["gap_closed_median"]
+    return {key: value for key, value in found.items() if np.isfinite(value)}
+
+
+def shuffle_truths(
+    verdicts: Sequence[dict], truths: Sequence[dict], rng: np.random.Generator, repeats: int = 200
+) -> float:
+    """Mean share of right names when verdicts are dealt out at random: chance.
+
+    Only visible effects of the catalogue take part, as in the share of right names.
+    """
+    taking_part = [
+        (v, t) for v, t in zip(verdicts, truths, strict=True) if _counts_as_named(judge(v, t))
+    ]
+    if not taking_part:
+        return np.nan
+    dealt, kept = zip(*taking_part, strict=True)
+    shares = []
+    for _ in range(repeats):
+        order = rng.permutation(len(kept))
+        rights = [judge(dealt[i], t).right for i, t in zip(order, kept, strict=True)]
+        shares.append(np.mean(rights))
+    return float(np.mean(shares))
+
+
+def _counts_as_named(case: Judgement) -> bool:
+    return case.visible and case.truth != "outside"
+
+
+def _count_answers(cases: list[Judgement]) -> np.ndarray:
+    counts = np.zeros((len(TRUTHS), len(ANSWERS)), int)
+    for case in cases:
+        answer = case.answer if case.answer in ANSWERS else "unlisted"  # a user's own effect
+        counts[TRUTHS.index(case.truth), ANSWERS.index(answer)] += 1
+    return counts
+
+
+def _count_shares(cases: list[Judgement]) -> xr.Dataset:
+    clean = [c for c in cases if c.truth == "clean"]
+    listed = [c for c in cases if c.truth not in ("clean", "outside")]
+    covered = [hit for c in cases for key, hit in c.covered.items() if key in SAME_IN_EVERY_FORM]
+    any_form = [hit for c in cases for hit in c.covered.values()]
+    hits = {
+        "named": [c.right for c in cases if _counts_as_named(c)],
+        "named_single": [c.right for c in listed if c.visible and c.truth != "two effects"],
+        "named_two": [c.right for c in listed if c.visible and c.truth == "two effects"],
+        "false_alarm": [not c.right for c in clean],
+        "buried_wrongly_named": [
+            c.answer != "adequate" and not c.contains for c in listed if not c.visible
+        ],
+        "unlisted": [c.right for c in cases if c.truth == "outside" and c.visible],
+        "set_contains_truth": [c.contains for c in cases if c.masked],
+        "set_contains_truth_visible": [c.contains for c in listed if c.visible],
+        "interval_coverage_90": covered,
+        "interval_coverage_90_any_form": any_form,
+    }
+    for part in ("joints", "level", "window", "covariate"):
+        hits[f"location_{part}"] = [value for c in cases if (value := getattr(c, part)) is not None]
+    rows = np.array([compute_share(sum(v), len(v)) for v in hits.values()])
+    return xr.Dataset(
+        {
+            "share": ("statistic", rows[:, 0]),
+            "share_lower": ("statistic", rows[:, 1]),
+            "share_upper": ("statistic", rows[:, 2]),
+            "share_count": ("statistic", [len(v) for v in hits.values()]),
+        },
+        coords={"statistic": list(hits)},
+    )
+
+
+def _trace_curve(cases: list[Judgement]) -> xr.Dataset:
+    listed = [c for c in cases if c.truth not in ("clean", "outside")]
+    gain = np.array([c.gain for c in listed])
+    right = np.array([c.right for c in listed], bool)
+    could = 1.0 / (1.0 + len(LISTED) * np.exp(-np.clip(gain, -50.0, 50.0)))
+    at = np.digitize(gain, GAIN_EDGES) - 1
+    bins = range(GAIN_EDGES.size - 1)
+    rows = np.array([compute_share(int(right[at == b].sum()), int((at == b).sum())) for b in bins])
+    return xr.Dataset(
+        {
+            "right_by_gain": ("gain_bin", rows[:, 0]),
+            "right_by_gain_lower": ("gain_bin", rows[:, 1]),
+            "right_by_gain_upper": ("gain_bin", rows[:, 2]),
+            "count_by_gain": ("gain_bin", [int((at == b).sum()) for b in bins]),
+            "could_by_gain": (
+                "gain_bin",
+                [could[at == b].mean() if (at == b).any() else np.nan for b in bins],
+            ),
+        },
+        coords={"gain_bin": GAIN_EDGES[:-1], "gain_bin_end": ("gain_bin", GAIN_EDGES[1:])},
+    )
+
+
+def _check_probabilities(cases: list[Judgement]) -> xr.Dataset:
+    pairs = np.array([pair for c in cases for pair in c.stated], float).reshape(-1, 2)
+    at = np.clip(np.digitize(pairs[:, 0], PROBABILITY_EDGES) - 1, 0, PROBABILITY_EDGES.size - 2)
+    groups = [pairs[at == b] for b in range(PROBABILITY_EDGES.size - 1)]
+    mean = [g.mean(axis=0) if len(g) else np.full(2, np.nan) for g in groups]
+    return xr.Dataset(
+        {
+            "stated_probability": ("probability_bin", [m[0] for m in mean]),
+            "true_share": ("probability_bin", [m[1] for m in mean]),
+            "stated_count": ("probability_bin", [len(g) for g in groups]),
+        },
+        coords={"probability_bin": PROBABILITY_EDGES[:-1]},
+    )

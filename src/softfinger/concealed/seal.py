@@ -1,0 +1,49 @@
+"""Seals an answer before the question is put: the digest shows that it was not changed later."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import secrets
+from pathlib import Path
+
+
+def make_salt() -> str:
+    """Sixty-four random hexadecimal digits, so that no truth can be guessed from its digest."""
+    return secrets.token_hex(32)
+
+
+def seal(truth: bytes, salt: str) -> str:
+    """SHA-256 of the truth followed by the salt.
+
+    Examples
+    --------
+    >>> seal(b"", "")[:16]
+    'e3b0c44298fc1c14'
+    """
+    return hashlib.sha256(truth + salt.encode()).hexdigest()
+
+
+def seal_file(truth_path: Path, salt_path: Path) -> str:
+    """Draw a salt, keep it beside the truth, and return the digest that may be shown."""
+    salt = make_salt()
+    salt_path.write_text(salt + "\n", encoding="utf-8")
+    return seal(truth_path.read_bytes(), salt)
+
+
+def open_seal(truth_path: Path, salt_path: Path, digest: str) -> dict:
+    """The truth, if it is the one that was sealed.
+
+    Raises
+    ------
+    ValueError
+        Truth or salt were changed after the digest was shown.
+    """
+    truth = truth_path.read_bytes()
+    found = seal(truth, salt_path.read_text(encoding="utf-8").strip())
+    if found != digest:
+        raise ValueError(
+            f"{truth_path}: its seal is broken: the digest is {found[:16]}…, but {digest[:16]}… "
+            "was shown before the diagnosis; the truth or its salt was changed"
+        )
+    return json.loads(truth)

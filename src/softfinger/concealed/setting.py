@@ -1,0 +1,110 @@
+"""Everything that is drawn for one concealed campaign before its finger moves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softfinger.concealed.effects import EFFECTS, Circumstances, Dose
+from softfinger.concealed.forward import simulate_trial
+from softfinger.concealed.noise import Noise, draw_frame_times, draw_missing, draw_noise
+from softfinger.concealed.oracle import Recording
+from softfinger.concealed.population import Population, draw_individuals, draw_population
+from softfinger.concealed.protocols import draw_loads
+from softfinger.concealed.rig import Rig, draw_rig
+from softfinger.concealed.suite import CaseSpec
+
+Array = NDArray[np.float64]
+
+# What a filmed campaign's oracle takes for the tracker's error; the film itself has camera noise.
+TRACKED_SD_RAD = 0.001
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A campaign's finger, population, trials and noise; its effects' shapes but not strengths."""
+
+    rig: Rig
+    population: Population
+    individuals: Array  # (trial, parameter, joint)
+    trials: list[Circumstances]
+    times: list[Array]  # (frame,) of every trial
+    noise: Noise
+    doses: dict[str, Dose]  # of strength zero
+    humidity: Array  # (trial,) [%], which nothing follows
+
+
+def draw_setting(spec: CaseSpec) -> Setting:
+    """Draw a campaign's setting from its seed."""
+    rng = np.random.default_rng([spec.seed, 0])
+    rig = draw_rig(rng, filmed=spec.filmed)
+    population = draw_population(rng)
+    loads, duration = draw_loads(spec.protocol, spec.trials, rng)
+    sd = TRACKED_SD_RAD if spec.filmed else float(np.exp(rng.uniform(*np.log([0.001, 0.005]))))
+    noise = Noise(spec.noise, sd, 1.0 / rig.fps)
+    warmth = 2.0 * np.sin(np.linspace(0.0, rng.uniform(2.0, 6.0), spec.trials) + rng.uniform(0, 6))
+    warmth += rng.normal(0.0, 1.0, spec.trials)
+    rest = rng.uniform(5.0, 60.0, spec.trials)
+    rest[0] = 3600.0
+    trials = [
+        Circumstances(
+            number=k,
+            count=spec.trials,
+            load=loads[k],
+            duration=duration,
+            warmth=round(float(warmth[k]), 2),
+            rest=round(float(rest[k])),
+            luck=tuple(rng.uniform(size=3)),
+        )
+        for k in range(spec.trials)
+    ]
+    doses = {}
+    for name, joints in zip(spec.effects, spec.joints, strict=True):
+        shape = {key: s.draw(rng) for key, s in EFFECTS[name].shape.items()}
+        doses[name] = Dose(0.0, shape, joints)
+    return Setting(
+        rig=rig,
+        population=population,
+        individuals=draw_individuals(population, spec.trials, rng),
+        trials=trials,
+        times=[draw_frame_times(noise, duration, rng) for _ in trials],
+        noise=noise,
+        doses=doses,
+        humidity=np.round(45.0 + 5.0 * rng.normal(size=spec.trials), 1),
+    )
+
+
+def set_strengths(doses: dict[str, Dose], strengths: dict[str, float]) -> dict[str, Dose]:
+    """Doses with these strengths, without those that are zero."""
+    return {
+        name: replace(dose, strength=strengths[name])
+        for name, dose in doses.items()
+        if strengths[name] != 0.0
+    }
+
+
+def record_cleanly(setting: Setting, doses: dict[str, Dose], chosen: Array) -> list[Recording]:
+    """Recordings of some trials, free of noise and complete."""
+    return [
+        Recording(
+            setting.times[k],
+            simulate_trial(
+                setting.individuals[k], doses, setting.trials[k], setting.rig, setting.times[k]
+            ),
+            setting.trials[k],
+        )
+        for k in chosen
+    ]
+
+
+def disturb(setting: Setting, recordings: list[Recording], seed: int) -> list[Recording]:
+    """The recordings with their noise; frames that show nothing are NaN."""
+    rng = np.random.default_rng([seed, 1])
+    disturbed = []
+    for recording in recordings:
+        angle = recording.angle + draw_noise(setting.noise, recording.time, setting.rig.joints, rng)
+        angle[draw_missing(setting.noise, recording.time.size, rng)] = np.nan
+        disturbed.append(replace(recording, angle=angle))
+    return disturbed

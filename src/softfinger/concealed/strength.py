@@ -1,0 +1,87 @@
+"""How strong an effect must be for the oracle to gain a given evidence."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from softfinger.concealed.effects import EFFECTS
+from softfinger.concealed.oracle import expect_gain
+from softfinger.concealed.setting import Setting, record_cleanly, set_strengths
+
+LEAST_NATS, MOST_NATS = 1.0, 10_000.0
+OFFSET_NATS = 10.0  # below it, evidence may be negative: what an idle parameter costs
+CLOSE = 0.1  # relative
+EVALUATIONS = 8
+WITHIN_TRIALS, BETWEEN_TRIALS = 6, 40  # trials that stand for the whole campaign
+
+
+def expect_effect_gain(effect: str, strength: float, setting: Setting) -> float:
+    """Evidence [nats] that the oracle is to expect from one effect of some strength alone."""
+    count = len(setting.trials)
+    few = BETWEEN_TRIALS if EFFECTS[effect].level == "between_trials" else WITHIN_TRIALS
+    chosen = np.unique(np.linspace(0, count - 1, min(count, few)).round().astype(int))
+    doses = set_strengths({effect: setting.doses[effect]}, {effect: strength})
+    return expect_gain(
+        record_cleanly(setting, doses, chosen),
+        setting.rig,
+        setting.noise,
+        doses,
+        setting.individuals[chosen],
+        times=count / chosen.size,
+    )
+
+
+def find_reach(effect: str, setting: Setting) -> float:
+    """Largest evidence [nats] that the oracle can expect from an effect in this campaign."""
+    return expect_effect_gain(effect, EFFECTS[effect].largest, setting)
+
+
+def calibrate_strength(effect: str, setting: Setting, target: float, reach: float) -> float:
+    """Strength at which the oracle expects to gain `target` nats, at most the largest believable.
+
+    The gain grows about as the square of the strength, so a secant on doubly logarithmic scales
+    closes in within a few steps.
+
+    Parameters
+    ----------
+    reach : float [nats]
+        From `find_reach`.
+    """
+    largest = EFFECTS[effect].largest
+    if target >= reach:
+        return largest
+    aim = np.log(target + OFFSET_NATS)
+
+    def scale(gain: float) -> float:
+        return np.log(max(gain + OFFSET_NATS, 0.1))
+
+    high, high_value = np.log(largest), scale(reach)
+    low, low_value = -np.inf, -np.inf
+    at = high - 0.5 * (high_value - np.log(target + OFFSET_NATS)) - 0.2
+    for _ in range(EVALUATIONS):
+        value = scale(expect_effect_gain(effect, float(np.exp(at)), setting))
+        if abs(np.expm1(value - aim)) < CLOSE:
+            break
+        if value > aim:
+            high, high_value = at, value
+        else:
+            low, low_value = at, value
+        if np.isinf(low):
+            at = high - max(0.3, 0.6 * (high_value - aim))
+        else:
+            share = np.clip((aim - low_value) / (high_value - low_value), 0.1, 0.9)
+            at = low + share * (high - low)
+    return float(np.exp(at))
+
+
+def place_strength(effect: str, setting: Setting, quantile: float) -> tuple[float, float]:
+    """Strength at a place between one nat and the reach, and the gain [nats] aimed at.
+
+    Where even the largest strength does not reach a nat, it is the largest.
+    """
+    if quantile < 0.0:
+        return 0.0, 0.0
+    reach = find_reach(effect, setting)
+    top = np.clip(reach, LEAST_NATS, MOST_NATS)
+    target = float(LEAST_NATS * (top / LEAST_NATS) ** quantile)
+    return calibrate_strength(effect, setting, target, reach), target

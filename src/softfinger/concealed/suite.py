@@ -1,0 +1,160 @@
+"""Which campaigns a proof consists of: a seeded, balanced draw."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from itertools import combinations
+
+import numpy as np
+
+from softfinger.concealed.effects import EFFECTS, LISTED, OUTSIDE
+from softfinger.concealed.noise import NOISE_KINDS, NoiseKind
+from softfinger.concealed.protocols import PROTOCOLS, Protocol
+
+TRIALS = (1,) * 3 + (10,) * 6 + (40,) * 8 + (100,) * 3
+FILMED_TRIALS = (4, 6, 8, 10)
+JOINTS = 3
+
+
+@dataclass(frozen=True)
+class CaseSpec:
+    """One concealed campaign before anything in it is drawn.
+
+    Attributes
+    ----------
+    seed
+        Root of every draw of the campaign.
+    effects
+        Ids of what is switched on; none: a clean control.
+    joints
+        For every effect the joints that it acts on, from 0; empty where it is not tied to joints.
+    quantiles
+        For every effect its strength's place, from 0 to 1 on a logarithmic scale, between a gain of
+        one nat and the largest gain that the oracle can reach with it in this campaign; −1: the
+        strength is zero, so that the control is clean although an effect was asked for.
+    filmed
+        Recorded as raw video, not as angles.
+    with_posterior
+        To be diagnosed with MCMC.
+    """
+
+    seed: int
+    effects: tuple[str, ...]
+    joints: tuple[tuple[int, ...], ...]
+    quantiles: tuple[float, ...]
+    protocol: Protocol
+    trials: int
+    noise: NoiseKind
+    filmed: bool = False
+    with_posterior: bool = False
+
+    def to_json(self) -> dict:
+        """Plain numbers, lists and words."""
+        return asdict(self)
+
+
+def draw_suite(
+    seed: int, n: int, *, posterior: int = 0, filmed: int | None = None
+) -> list[CaseSpec]:
+    """Draw a balanced suite, in random order.
+
+    At least a quarter are clean controls, over every kind of noise, two of them with an effect of
+    strength zero; about an eighth have two effects, a sixth one from outside the catalogue, and
+    the rest one of the catalogue, in turn. Protocols, lengths and noise take turns too, and the
+    strengths of an effect's cases are spread evenly.
+
+    Parameters
+    ----------
+    seed : int
+        The same seed gives the same suite.
+    n : int
+        Number of campaigns.
+    posterior : int
+        How many, at random, are diagnosed with MCMC.
+    filmed : int, optional
+        How many are filmed: one in twenty, and at least one, if not said.
+
+    Examples
+    --------
+    >>> suite = draw_suite(1, 24)
+    >>> len(suite), sum(not spec.effects for spec in suite) >= 4
+    (24, True)
+    """
+    rng = np.random.default_rng([seed, n])
+    clean = math.ceil(0.26 * n)
+    pairs, outside = round(0.12 * n), round(0.16 * n)
+    single = n - clean - pairs - outside
+    sets: list[tuple[str, ...]] = [()] * clean
+    sets += [(name,) for name in _take_turns(LISTED, single, rng)]
+    sets += [(name,) for name in _take_turns(OUTSIDE, outside, rng)]
+    sets += _take_turns(tuple(combinations(LISTED, 2)), pairs, rng)
+    protocols = _take_turns(PROTOCOLS, n, rng)
+    noises = _take_turns(NOISE_KINDS, clean, rng) + _take_turns(NOISE_KINDS, n - clean, rng)
+    lengths = _take_turns(TRIALS, n, rng)
+    places = _spread(sets, rng)
+    for zero in rng.choice(clean, min(2, clean // 3), replace=False):
+        sets[zero], places[zero] = (LISTED[rng.integers(len(LISTED))],), (-1.0,)
+
+    on_film = _choose_filmed(sets, max(1, n // 20) if filmed is None else filmed, rng)
+    sampled = set(rng.choice(n, min(posterior, n), replace=False).tolist())
+    suite = []
+    for k, effects in enumerate(sets):
+        fewest = max([EFFECTS[name].trials for name in effects], default=1)
+        trials = lengths[k] if lengths[k] >= fewest else int(rng.choice([10, 40]))
+        if k in on_film:
+            trials = int(rng.choice(FILMED_TRIALS)) if fewest <= 4 else 10
+        suite.append(
+            CaseSpec(
+                seed=int(rng.integers(2**63)),
+                effects=effects,
+                joints=tuple(_draw_joints(name, rng) for name in effects),
+                quantiles=places[k],
+                protocol=protocols[k],
+                trials=trials,
+                noise="white" if k in on_film else noises[k],
+                filmed=k in on_film,
+                with_posterior=k in sampled,
+            )
+        )
+    return [suite[k] for k in rng.permutation(n)]
+
+
+def _take_turns[Item](items: tuple[Item, ...], n: int, rng: np.random.Generator) -> list[Item]:
+    """Every item equally often, give or take one, in random order."""
+    rounds = [rng.permutation(len(items)) for _ in range(math.ceil(n / len(items)))]
+    return [items[k] for k in np.concatenate([*rounds, []]).astype(int)[:n]]
+
+
+def _spread(sets: list[tuple[str, ...]], rng: np.random.Generator) -> list[tuple[float, ...]]:
+    """Places on (0, 1), even over the cases that share their effects."""
+    places: list[tuple[float, ...]] = [()] * len(sets)
+    for effects in dict.fromkeys(sets):
+        cases = [k for k, other in enumerate(sets) if other == effects]
+        columns = [
+            (rng.permutation(len(cases)) + rng.uniform(size=len(cases))) / len(cases)
+            for _ in effects
+        ]
+        for row, k in enumerate(cases):
+            places[k] = tuple(float(column[row]) for column in columns)
+    return places
+
+
+def _choose_filmed(sets: list[tuple[str, ...]], n: int, rng: np.random.Generator) -> set[int]:
+    """Cases that a camera can show: what alters the recorded angles afterwards it cannot."""
+    fit = [k for k, names in enumerate(sets) if not any(EFFECTS[e].record for e in names)]
+    return set(rng.choice(fit, min(n, len(fit)), replace=False).tolist())
+
+
+def _draw_joints(name: str, rng: np.random.Generator) -> tuple[int, ...]:
+    where = EFFECTS[name].joints
+    if where == "chain":
+        return ()
+    if where == "first":
+        return (0,)
+    if where == "pair":
+        first = int(rng.integers(JOINTS - 1))
+        return (first, first + 1)
+    if where == "one" or rng.uniform() < 0.4:
+        return (int(rng.integers(JOINTS)),)
+    return tuple(range(JOINTS))
