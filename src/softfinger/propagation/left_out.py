@@ -4,11 +4,7 @@ Bands that a trial helped to make flatter it. For the two-stage estimate, new tr
 population N(μ, σ) weigh N(x; μ_−i, σ_−i)/N(x; μ, σ), with μ_−i, σ_−i from the other trials' kept
 estimates. For the posterior, a draw weighs 1/p(η_i | μ, σ), η_i being the trial's own parameters in
 that draw: that takes the trial's recording out of the hyperparameters' posterior, whatever the
-likelihood. Weights are cut at √S times their mean.
-
-References
-----------
-Ionides (2008), J. Comput. Graph. Stat. 17, 295, doi:10.1198/106186008X320456.
+likelihood. The weights are neither cut nor smoothed, which would favour the trial again.
 """
 
 from collections.abc import Callable
@@ -86,11 +82,10 @@ def build_posterior_weights(
 
 
 def normalise_weights_array(log_weight: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Weights (n,) that sum to 1, cut at √n times their mean.
+    """Turn log weights (n,) into weights that sum to 1.
 
-    >>> normalise_weights_array(np.log([1.0, 1.0, 1.0, 13.0]))  # cut at 2 · 4
-    array([0.09090909, 0.09090909, 0.09090909, 0.72727273])
+    >>> normalise_weights_array(np.log([1.0, 1.0, 2.0]) + 900.0)
+    array([0.25, 0.25, 0.5 ])
     """
     weight = np.exp(log_weight - log_weight.max())
-    weight = np.minimum(weight, weight.mean() * np.sqrt(weight.size))
     return weight / weight.sum()
