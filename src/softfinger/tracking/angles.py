@@ -41,9 +41,9 @@ def compute_joint_angles(markers: xr.Dataset, campaign: Campaign) -> xr.Dataset:
         NaN where no standard deviation is claimed; ``angle_flag (…, joint, frame)``.
     """
     if "trial" in markers.dims:
-        parts = [compute_joint_angles(one, campaign) for _, one in markers.groupby("trial")]
-        return xr.concat([p.squeeze("trial") if "trial" in p.dims else p for p in parts], "trial")
-    markers = markers.squeeze(drop=False)
+        trials = range(markers.sizes["trial"])
+        parts = [compute_joint_angles(markers.isel(trial=k), campaign) for k in trials]
+        return xr.concat(parts, dim=markers["trial"])
     position = markers["marker_position"].transpose("frame", "marker", "axis").to_numpy()
     position = undistort_array(position, campaign.camera)
     sd = markers["marker_position_sd"].transpose("frame", "marker").to_numpy()

@@ -221,13 +221,13 @@ def _gather(
 
 
 def _pad(one: xr.Dataset, frames: int, knots: int) -> xr.Dataset:
-    """Lengthen a trial: no more frames, and the last knot of the load again."""
-    more = frames - one.sizes["frame"]
-    longer = one.drop_vars(["load_time", "load_torque"]).pad(
-        frame=(0, more), constant_values={"angle_flag": MISSING}
-    )
+    """Lengthen a trial: frames that are not there (NaN), and the last knot of the load again."""
+    more = {"frame": (0, frames - one.sizes["frame"])}
+    # In one call xarray would pad the variables that are not named with 0.
+    longer = one.drop_vars(["load_time", "load_torque", "angle_flag"]).pad(more)
+    flag = one["angle_flag"].pad(more, constant_values=MISSING)
     load = one[["load_time", "load_torque"]].pad(knot=(0, knots - one.sizes["knot"]), mode="edge")
-    return longer.merge(load)
+    return longer.assign(angle_flag=flag).merge(load)
 
 
 def _compute_starts(trials: Sequence[Trial]) -> np.ndarray:

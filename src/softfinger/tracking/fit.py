@@ -32,7 +32,7 @@ UNIT_XX, UNIT_YY, UNIT_XY, NOISE_VARIANCE, MISFIT = range(5)
 
 #: A step smaller than this, in edge spreads, is the last one. By symmetry a step of length δ
 #: leaves an error of order δ³: far below the noise.
-LAST_STEP = 0.15
+LAST_STEP = 0.05
 LARGEST_WINDOW = 20_000  # pixels: a radius of about 75
 
 _SIZE = len(PARAMETERS)

@@ -68,7 +68,8 @@ def find_jumps_array(time: np.ndarray, value: np.ndarray, load_jumps: np.ndarray
     """Find excursions of a tracker: samples that leave the motion at once, and return at once.
 
     Candidates are runs of at most 15 frames that differ from a running median (over 31, 15 or 7
-    distinct frames) by more than eight noise standard deviations. A candidate is an excursion where
+    distinct frames) by more than eight noise standard deviations and more than the motion makes
+    that median uncertain. A candidate is an excursion where
     the steps into and out of it (i) lead back to where it left, (ii) exceed eight times those of
     the remaining motion, of which the three before and the three after it are taken and a single
     large one is allowed, and (iii) it does not begin at a jump of the load. A ring after a step,
@@ -123,14 +124,17 @@ def _list_excursions(value: np.ndarray, seen: np.ndarray, window: int) -> Iterat
 
 
 def _find_away(path: np.ndarray, window: int, noise: float) -> np.ndarray:
-    """Whether each sample of a path (sample, axis) is away from the running median, 0 or 1."""
+    """Whether each sample of a path (sample, axis) is away from the running median, 0 or 1.
+
+    False samples shift the median along a motion, by at most a quarter of the window.
+    """
     size = min(window, 2 * ((len(path) - 1) // 2) + 1)
     baseline = median_filter(path, (size, 1), mode="nearest")
-    return (_measure_length(path - baseline) > _ABOVE_NOISE * noise).astype(int)
-
-
-def _get(array: np.ndarray, index: int, beyond: int) -> int:
-    return int(array[index]) if index < array.size else beyond
+    steps = _measure_length(np.diff(path, axis=0, append=path[-1:]))
+    shifted = 0.25 * size * median_filter(steps, size, mode="nearest")
+    return (_measure_length(path - baseline) > np.maximum(_ABOVE_NOISE * noise, shifted)).astype(
+        int
+    )
 
 
 def _measure_length(vector: np.ndarray) -> np.ndarray:

@@ -60,8 +60,9 @@ def find_start(
         No frame shows the declared markers.
     """
     before: list[float] = []
-    most = 0
+    most, shape = 0, (0, 0)
     for frame in frames:
+        shape = frame.picture.shape
         if frame.index < _EVERY_FRAME or frame.index % _THEN_EVERY == 0:
             sightings, count = list_sightings(frame.picture, camera, link_length)
             most = max(most, count)

@@ -43,14 +43,13 @@ def read_frames(path: Path, fps: float) -> Iterator[Frame]:
     ------
     TrialFault
         The file is missing, empty, in a format that cannot be decoded, at a frame rate more than
-        1 % off the declared one, or cut off; or its frames change their size.
+        1 % off the declared one, or cut off.
     """
     capture = _open(path)
     try:
         claimed = capture.get(cv2.CAP_PROP_FRAME_COUNT)
         rate = capture.get(cv2.CAP_PROP_FPS)
         _check_rate(path, rate, fps)
-        size = None
         index = 0
         last = -np.inf
         while True:
@@ -58,12 +57,6 @@ def read_frames(path: Path, fps: float) -> Iterator[Frame]:
             if not read:
                 break
             picture = picture[:, :, None] if picture.ndim == 2 else picture
-            size = size or picture.shape
-            if picture.shape != size:
-                raise TrialFault(
-                    f"{path.name}, frame {index + 1}: is {picture.shape[1]} × {picture.shape[0]} "
-                    f"px, the frames before {size[1]} × {size[0]} px; record with one size"
-                )
             stamp = capture.get(cv2.CAP_PROP_POS_MSEC) / 1e3
             time = stamp if stamp > last else index / rate
             last = time
