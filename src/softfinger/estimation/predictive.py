@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from softfinger.population.likelihood import PARAMETERS
 from softfinger.population.priors import Prior
-from softfinger.population.simulate import compute_motion, draw_noise_array
+from softfinger.population.simulate import compute_motion, draw_noise_array, group_clocks
 
 PRIOR_DRAWS = 1000
 PREDICTED_FRAMES = 60  # of each trial, evenly spaced
@@ -111,15 +111,12 @@ def _record(
     bounded = {name[4:]: parameters[name].clip(-LARGEST_LOG, LARGEST_LOG) for name in LOGS}
     natural = parameters.assign({name: np.exp(log) for name, log in bounded.items()})
     motion = compute_motion(thinned, natural).transpose("chain", "draw", "trial", "joint", "frame")
-    values = motion.values
-    clock = thinned["time"].values / float(thinned["frame_interval"])
+    values = motion.values.copy()
+    clocks = group_clocks(thinned["time"].values / float(thinned["frame_interval"]))
     for chain, draw in np.ndindex(*values.shape[:2]):
         own = noise.isel(chain=chain, draw=draw)
-        for trial, time in enumerate(clock):
-            known = np.isfinite(time)
-            if known.any():
-                drawn = draw_noise_array(time[known], own, rng)
-                values[chain, draw, trial][:, known] += drawn
+        for rows, clock in clocks:
+            values[chain, draw, rows] += draw_noise_array(clock, own, len(rows), rng)
     coords = {name: noise[name] for name in ("chain", "draw", "joint")}
     coords["trial"] = thinned["trial"]
     return xr.Dataset(

@@ -16,6 +16,7 @@ from numba import njit
 from numpy.typing import NDArray
 from pymc.pytensorf import compile as compile_function
 from pymc.pytensorf import join_nonshared_inputs
+from pytensor.graph import rewrite_graph
 from scipy.special import expit, logit
 
 from softfinger.population.covariance import find_partials_array
@@ -48,7 +49,8 @@ def compile_density(model: pm.Model) -> Density:
         Any PyMC model without discrete variables.
     """
     values = [model.rvs_to_values[rv] for rv in model.free_RVs]
-    log_density = model.logp()
+    # merged first, so that the whitening, which three terms share, is differentiated once
+    log_density = rewrite_graph(model.logp(), include=("canonicalize", "stabilize"))
     slope = pt.concatenate([pt.grad(log_density, value).ravel() for value in values])
     start = model.initial_point()
     (log_density, slope), point = join_nonshared_inputs(start, [log_density, slope], values)

@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
+from numba import njit
 from numpy.typing import NDArray
 
 from softfinger.mechanics.load import integrate_load_array
@@ -138,16 +139,23 @@ def _fingerprint(protocol: Protocol) -> bytes:
 def _build_rows(trial: _Series, modes: NDArray) -> NDArray:
     integral = integrate_load_array(*trial.protocol)
     rows = [modes[:, trial.kept], integral[trial.kept][None], np.ones((1, len(trial.angle)))]
-    return (np.concatenate([*rows, trial.angle.T]) / trial.scale).T
+    return np.ascontiguousarray((np.concatenate([*rows, trial.angle.T]) / trial.scale).T)
 
 
+@njit(cache=True)
 def _sum_products(rows: NDArray, weights: NDArray) -> NDArray:
-    before, now = rows[:-1], rows[1:]
-    products = np.empty((weights.shape[1], 3, rows.shape[1], rows.shape[1]))
-    for node, weight in enumerate(weights.T):
-        some = weight != 0
-        heavy, lag, weighted = now[some], before[some], weight[some, None]
-        products[node, 0] = heavy.T @ (weighted * heavy)
-        products[node, 1] = lag.T @ (weighted * lag)
-        products[node, 2] = lag.T @ (weighted * heavy)
+    """Σ weight ψψᵀ of the later rows, of the earlier, and of earlier × later: (gap, 3, D, D)."""
+    size = rows.shape[1]
+    products = np.zeros((weights.shape[1], 3, size, size))
+    for i in range(1, rows.shape[0]):
+        for node in range(weights.shape[1]):
+            weight = weights[i - 1, node]
+            if weight == 0.0:
+                continue
+            for a in range(size):
+                now, before = weight * rows[i, a], weight * rows[i - 1, a]
+                for b in range(size):
+                    products[node, 0, a, b] += now * rows[i, b]
+                    products[node, 1, a, b] += before * rows[i - 1, b]
+                    products[node, 2, a, b] += before * rows[i, b]
     return products

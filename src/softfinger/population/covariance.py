@@ -60,7 +60,7 @@ def correlate_partials_array(partial: NDArray[np.float64]) -> NDArray[np.float64
            [-0.5,  1. ]])
     """
     partial = np.asarray(partial, float)
-    flat = partial.reshape(-1, partial.shape[-1])
+    flat = partial.reshape(int(np.prod(partial.shape[:-1])), partial.shape[-1])
     correlation = np.stack([_multiply_factor(factorise_partials(row)) for row in flat])
     return correlation.reshape(*partial.shape[:-1], *correlation.shape[1:])
 

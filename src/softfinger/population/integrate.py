@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from softfinger.population.collapse import Collapse
 from softfinger.population.laplace import Modes
-from softfinger.population.likelihood import PARAMETERS, fill_quadratics
+from softfinger.population.likelihood import PARAMETERS, fill_squares
 from softfinger.population.weights import weigh_noise
 from softfinger.population.whitening import colour_trials
 
@@ -105,13 +105,12 @@ def _weigh_points(
     count, trials, size = points.shape
     precision = np.diag(1.0 / sd**2)
     log_weight = np.empty((count, trials))
-    quadratic, slope = np.empty(trials), np.empty((trials, joints, 4))
-    sums, first_sums = np.zeros(pair.shape), np.zeros(initial.shape)
+    quadratic = np.empty(trials)
     for m in range(count):
         eta, volume, _ = colour_trials(points[m], curvature, pull, mean, precision)
-        fill_quadratics(
+        fill_squares(
             eta.reshape((trials, joints, 4)), place, table_value, table_slope, products, first,
-            pair, initial, pattern, quadratic, slope, sums, first_sums,
+            pair, initial, pattern, quadratic,
         )  # fmt: skip
         for i in range(trials):
             total = volume[i] - 0.5 * quadratic[i]

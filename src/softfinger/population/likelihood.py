@@ -43,16 +43,60 @@ def compute_log_likelihood_array(
     """
     noise = (np.asarray(sd, float), np.asarray(autocorrelation, float), correlation)
     weights = weigh_noise(collapse.gap, collapse.patterns, *noise)
-    n = len(eta)
-    quadratic, slope = np.empty(n), np.empty((n, len(noise[0]), 4))
-    fill_quadratics(
-        np.ascontiguousarray(eta, float), collapse.table.place, collapse.table.value,
-        collapse.table.slope, collapse.products, collapse.first, weights.pair,
-        weights.precision[:, -1].copy(), collapse.pattern, quadratic, slope,
-        np.zeros_like(weights.pair), np.zeros_like(weights.precision[:, 0]),
+    quadratic = np.empty(len(eta))
+    fill_squares(
+        np.ascontiguousarray(eta, float), *collapse.table, collapse.products, collapse.first,
+        weights.pair, weights.precision[:, -1].copy(), collapse.pattern, quadratic,
     )  # fmt: skip
     logdet = (collapse.count * weights.logdet[collapse.pattern]).sum(axis=1)
     return collapse.offset - 0.5 * (quadratic + logdet)
+
+
+@njit(cache=True)
+def fill_squares(
+    eta: NDArray,
+    place: NDArray,
+    table_value: NDArray,
+    table_slope: NDArray,
+    products: NDArray,
+    first: NDArray,
+    pair: NDArray,
+    initial: NDArray,
+    pattern: NDArray,
+    quadratic: NDArray,
+) -> None:
+    """Write each trial's weighted square (trial,): `fill_quadratics` without any slope."""
+    trials, joints = eta.shape[0], eta.shape[1]
+    size = first.shape[1]
+    weight, bent = np.zeros((joints, size)), np.empty((joints, size - 2 - joints))
+    pull, unused = np.empty((joints, size)), np.zeros((joints, joints))
+    for i in range(trials):
+        here = pattern[i]
+        for j in range(joints):
+            _fill_weight(eta[i, j], j, place, table_value, table_slope, weight[j], bent[j])
+        quadratic[i] = _start_pull(weight, first[i], initial[here], pull, unused)
+        for g in range(pair.shape[1]):
+            quadratic[i] += _square_pairs(weight, products[i, g], pair[here, g])
+
+
+@njit(cache=True, fastmath={"reassoc", "contract"})
+def _square_pairs(weight: NDArray, products: NDArray, pair: NDArray) -> float:
+    """Square of the residuals' gains over a gap."""
+    joints, size = weight.shape
+    total = 0.0
+    for r in range(size):
+        for k in range(joints):
+            now, before, cross = 0.0, 0.0, 0.0
+            for c in range(size):
+                w = weight[k, c]
+                now += products[0, r, c] * w
+                before += products[1, r, c] * w
+                cross += products[2, r, c] * w
+            for j in range(joints):
+                total += weight[j, r] * (
+                    pair[0, j, k] * now + pair[1, j, k] * before + pair[2, j, k] * cross
+                )
+    return total
 
 
 @njit(cache=True)

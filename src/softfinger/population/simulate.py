@@ -93,34 +93,65 @@ def draw_angles(
     time = angles["time"].transpose("trial", "frame").values
     interval = float(np.nanmedian(np.diff(time, axis=1)))
     motion = compute_motion(angles, parameters).transpose("trial", "joint", "frame")
-    noisy = motion.values + np.stack([draw_noise_array(row / interval, noise, rng) for row in time])
+    noisy = motion.values.copy()
+    for rows, clock in group_clocks(time / interval):
+        noisy[rows] += draw_noise_array(clock, noise, len(rows), rng)
     return angles.assign(joint_angle=(motion.dims, noisy))
 
 
+def group_clocks(
+    time: NDArray[np.float64],
+) -> list[tuple[NDArray[np.int64], NDArray[np.float64]]]:
+    """Group the trials whose times (trial, frame) are the same: their rows, and the times."""
+    _, first, index = np.unique(
+        np.nan_to_num(time, nan=-1.0), axis=0, return_index=True, return_inverse=True
+    )
+    return [(np.flatnonzero(index.ravel() == k), time[row]) for k, row in enumerate(first)]
+
+
 def draw_noise_array(
-    time: NDArray[np.float64], noise: xr.Dataset, rng: np.random.Generator
+    time: NDArray[np.float64], noise: xr.Dataset, trials: int, rng: np.random.Generator
 ) -> NDArray[np.float64]:
-    """Draw the noise (joint, frame) [rad] of one trial at times (frame,) in median intervals."""
+    """Draw the noise (trial, joint, frame) [rad] of trials with the same times.
+
+    Parameters
+    ----------
+    time
+        (frame,) in median frame intervals, may end in NaN; NaN there.
+    noise
+        As for `draw_angles`.
+    trials
+        How many.
+    rng
+        Source of the noise.
+    """
     sd = noise["noise_sd"].values
     rho = noise["noise_autocorrelation"].values
     correlation = noise["noise_correlation"].values
-    gap = np.diff(time, prepend=-np.inf)
-    kinds, index = np.unique(np.round(gap, 9), return_inverse=True)
-    factor = np.full((len(kinds), len(sd), len(sd)), np.nan)
-    carried = np.full((len(kinds), len(sd)), np.nan)
-    for k in np.flatnonzero(kinds > 0):
-        covariance = compute_innovation_covariance_array(kinds[k], sd, rho, correlation)
-        factor[k] = np.linalg.cholesky(covariance)
-        carried[k] = rho ** kinds[k]
-    normal = rng.standard_normal((time.size, len(sd)))
-    return _accumulate(normal, factor, carried, index).T
+    known = np.isfinite(time)
+    kinds, index = np.unique(
+        np.round(np.diff(time[known], prepend=-np.inf), 9), return_inverse=True
+    )
+    covariance = [compute_innovation_covariance_array(g, sd, rho, correlation) for g in kinds]
+    factor = np.linalg.cholesky(np.stack(covariance))
+    normal = rng.standard_normal((trials, index.size, len(sd)))
+    drawn = np.full((trials, len(sd), time.size), np.nan)
+    drawn[:, :, known] = _accumulate(normal, factor, rho ** kinds[:, None], index)
+    return drawn
 
 
 @njit(cache=True)
 def _accumulate(normal: NDArray, factor: NDArray, carried: NDArray, index: NDArray) -> NDArray:
-    noise = np.empty_like(normal)
-    state = np.zeros(normal.shape[1])
-    for i in range(normal.shape[0]):
-        state = carried[index[i]] * state + factor[index[i]] @ normal[i]
-        noise[i] = state
+    trials, frames, joints = normal.shape
+    noise = np.empty((trials, joints, frames))
+    state = np.zeros(joints)
+    for t in range(trials):
+        state[:] = 0.0
+        for i in range(frames):
+            kind = index[i]
+            for j in range(joints):
+                state[j] *= carried[kind, j]
+                for k in range(j + 1):
+                    state[j] += factor[kind, j, k] * normal[t, i, k]
+                noise[t, j, i] = state[j]
     return noise
