@@ -89,7 +89,7 @@ def draw_histogram(ax: Axes, population: xr.Dataset, *, logarithmic: bool) -> No
     if "mu" in population:
         normals.append((float(population["mu"].median()), float(population["sigma"].median())))
     grid = choose_grid(used, normals)
-    edges = np.linspace(grid[0], grid[-1], int(np.clip(1.5 * np.sqrt(used.size), 6, 24)) + 1)
+    edges = choose_edges(used, grid)
     place = np.exp if logarithmic else np.asarray
     for values, style in ((used, {"color": PALE}), (dropped, {"color": "none", "ec": GREY})):
         height = np.histogram(values, edges)[0] / max(used.size, 1) / np.diff(edges)
@@ -104,10 +104,9 @@ def draw_histogram(ax: Axes, population: xr.Dataset, *, logarithmic: bool) -> No
         ax.plot(place(grid), middle, color=POSTERIOR, label="posterior")
     if logarithmic:
         ax.set_xscale("log")
-        within_a_decade = grid[-1] - grid[0] < np.log(10)
-        ax.xaxis.set_major_locator(
-            MaxNLocator(3) if within_a_decade else LogLocator(subs=(1, 2, 5), numticks=5)
-        )
+        decades = (grid[-1] - grid[0]) / np.log(10)
+        subs = (1,) if decades > 2 else (1, 3)
+        ax.xaxis.set_major_locator(MaxNLocator(3) if decades < 1 else LogLocator(subs=subs))
         ax.xaxis.set_major_formatter("{x:g}")
         ax.xaxis.set_minor_locator(NullLocator())
 
@@ -123,6 +122,15 @@ def choose_grid(values: np.ndarray, normals: list[tuple[float, float]]) -> np.nd
     low, high = min(ends, default=-1.0), max(ends, default=1.0)
     margin = 0.0 if high > low else 0.5
     return np.linspace(low - margin, high + margin, 161)
+
+
+def choose_edges(values: np.ndarray, grid: np.ndarray) -> np.ndarray:
+    """Choose edges of bars over the whole stretch, as wide as suits the kept trials."""
+    bars = np.clip(1.5 * np.sqrt(values.size), 6, 24)
+    span = grid[-1] - grid[0]
+    width = np.ptp(values) / bars if values.size > 1 else span / bars
+    count = int(np.clip(np.ceil(span / width), 6, 60)) if width > 0 else 6
+    return np.linspace(grid[0], grid[-1], count + 1)
 
 
 def density(value: np.ndarray, mean: np.ndarray | float, sd: np.ndarray | float) -> np.ndarray:

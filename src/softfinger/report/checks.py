@@ -14,6 +14,7 @@ from softfinger.report.formatting import format_number, format_percent, join_wor
 from softfinger.report.material import Material
 
 NOT_RUN = "the fit was not run"
+PARETO = "largest Pareto k, leaving one trial out"
 EARLY = 1.0
 """End of the early look at the residuals [s]; what inertia or a lag does is over soon."""
 
@@ -60,17 +61,16 @@ def check_computation(material: Material) -> tuple[Check, ...]:
 
 def check_pareto(material: Material) -> Check:
     """Check that leaving one trial out could be estimated, where the fit kept what that needs."""
-    name = "largest Pareto k, leaving one trial out"
-    limit = f"below {format_number(material.limits.pareto_k_max)}"
-    meaning = "No single trial decides the population; leave-one-out scores can be trusted."
-    tree = material.artifacts["posterior"]
-    if "log_likelihood" not in tree.children:
-        return Check(name, "no log-likelihood per trial was kept", limit, None, meaning)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # the check itself is the warning
-        worst = float(np.max(az.loo(tree, pointwise=True).pareto_k))
-    passed = worst < material.limits.pareto_k_max
-    return Check(name, format_number(worst, 2), limit, passed, meaning)
+    limit = material.limits.pareto_k_max
+    meaning = "No single trial decides the population, so leave-one-trial-out scores hold."
+    found, passed = "no log-likelihood per trial was kept", None
+    if "log_likelihood" in material.artifacts["posterior"].children:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # the check itself is the warning
+            k = np.asarray(az.loo(material.artifacts["posterior"], pointwise=True).pareto_k)
+        found = f"{k.max():.2f}; {int((k >= limit).sum())} of {k.size} trials too large"
+        passed = bool(k.max() < limit)
+    return Check(PARETO, found, f"below {format_number(limit)}", passed, meaning)
 
 
 def check_fit(material: Material) -> tuple[Check, ...]:

@@ -75,7 +75,7 @@ class Material:
 
     @cached_property
     def bands(self) -> xr.Dataset:
-        """The artifact `bands`, its protocols named by their largest load where that tells them."""
+        """The artifact `bands`, protocols named and sorted by load if that tells them apart."""
         bands = self.get("bands")
         load = self.angles["load_torque"].values
         peak = np.take_along_axis(load, np.abs(load).argmax(axis=1)[:, None], axis=1)[:, 0]
@@ -84,7 +84,7 @@ class Material:
         labels = [f"load {value:.3g} {self.load_unit}" for value in peaks]
         if len(set(labels)) < len(labels):
             return bands
-        return bands.assign_coords(protocol=labels)
+        return bands.assign_coords(protocol=labels).isel(protocol=np.argsort(peaks))
 
     @cached_property
     def residuals(self) -> xr.Dataset | None:

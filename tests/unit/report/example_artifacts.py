@@ -266,6 +266,7 @@ def make_sobol(joints, n_time=31):
             "first_order": (("estimate", *dims), first),
             "total": (("estimate", *dims), first / 0.97),
             "first_order_quantile": ((*dims, "quantile"), bounds),
+            "angle_sd": (("estimate", *dims[:2]), np.broadcast_to(0.1 + time, first.shape[:-1])),
         },
         coords={
             "estimate": ["two_stage", "posterior"],
@@ -274,7 +275,7 @@ def make_sobol(joints, n_time=31):
             "parameter": PARAMETERS,
             "quantile": [0.05, 0.5, 0.95],
         },
-        attrs={"definition": "variance-based indices with independent parameters"},
+        attrs={"definition": "variance-based indices", "truncation": "none"},
     )
 
 

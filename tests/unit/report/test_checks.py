@@ -63,7 +63,9 @@ def test_the_largest_pareto_k_of_leaving_one_trial_out_is_found(artifacts):
         tree = artifacts["posterior"].copy(deep=True)
         tree["log_likelihood"] = xr.DataTree(scale * score)
         material = Material({**artifacts, "posterior": tree}, read_config(CONFIG), CONFIG)
-        assert find(check_computation(material), "Pareto").passed is passed
+        check = find(check_computation(material), "Pareto")
+        assert check.passed is passed
+        assert ("0 of 5 trials" in check.found) is passed
 
 
 def test_what_the_fit_did_not_keep_is_said_to_be_not_made(material):

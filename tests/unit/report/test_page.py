@@ -218,6 +218,40 @@ def test_any_number_of_joints_and_trials_has_its_report(n_joint, n_trial):
     assert "nan" not in words
 
 
+def test_the_main_cause_is_told_where_the_spread_is_widest(artifacts):
+    sobol = artifacts["sobol"].copy(deep=True)
+    early = np.where(sobol["time"] == 1.0, 9.0, 0.1)
+    sobol["angle_sd"] = sobol["angle_sd"] * 0 + xr.DataArray(early, dims="time")
+    shares = sobol["first_order"].sel(estimate="posterior", joint=2, time=1.0)
+    name = str(shares["parameter"].values[int(shares.argmax("parameter"))])
+    _, words = build_tables({"angles": artifacts["angles"], "sobol": sobol})
+    assert f"after 1 s at joint 2, mostly by {name} ({100 * float(shares.max()):.0f} %)" in words
+
+
+def test_a_frame_of_the_film_keeps_its_colours_in_the_dark(artifacts):
+    picture = xr.DataArray(
+        np.full((30, 40), 128, np.uint8),
+        dims=("row", "column"),
+        coords={"trial": "trial_002", "frame": 7},
+    )
+    few = {name: artifacts[name] for name in ("angles", "markers")}
+    page = Page(render({**few, "picture": picture}))
+    photographs = [image["data-title"] for image in page.find("img", **{"class": "photograph"})]
+    assert photographs == ["What the tracking saw"]
+    assert "Frame 7 of trial trial_002, on the picture itself" in page.text
+
+
+def test_protocols_stand_in_the_order_of_their_loads():
+    made = make_artifacts(load_kind="command", load_scale=2500.0)
+    angles = made["angles"].copy(deep=True)
+    angles["load_torque"] = 300 - angles["load_torque"]
+    assert gather({**made, "angles": angles}).bands["protocol"].values.tolist() == [
+        "load 100 command",
+        "load 200 command",
+    ]
+    assert gather({**made, "angles": angles}).bands["coverage"].sizes["protocol"] == 2
+
+
 def test_missing_artifacts_are_said_to_be_missing(artifacts):
     page = Page(render({"angles": artifacts["angles"]}))
     assert [section["id"] for section in page.find("section")] == ORDER

@@ -6,11 +6,16 @@ import numpy as np
 import xarray as xr
 
 from softfinger.report.blocks import Block, Listing, Paragraph, Section
-from softfinger.report.checks import check_calibration, check_computation, check_fit
+from softfinger.report.checks import PARETO, check_calibration, check_computation, check_fit
 from softfinger.report.formatting import count_things, format_number, format_percent
 from softfinger.report.material import Material
 from softfinger.report.residuals import find_jumps
 
+QUOTE_NOTHING = "until it passes, no interval of this report should be quoted"
+PARETO_FAILS = (
+    "single trials decide much, so scores that leave one out by weighting are unreliable; the "
+    "posterior itself is not touched by this"
+)
 UNSURE = 0.5
 """Relative standard deviation of a population's spread above which it counts as hardly known."""
 
@@ -31,12 +36,13 @@ def build_outlook(material: Material) -> Section:
 def list_failed(material: Material) -> list[str]:
     """List failed checks as reasons for doubt."""
     consequence = {
-        check_computation: "until it passes, no interval of this report should be quoted",
+        check_computation: QUOTE_NOTHING,
         check_calibration: "the bands are too narrow or too wide for a new trial",
         check_fit: "physics is missing, and the parameters may have absorbed a part of it",
     }
     return [
-        f"Failed: {check.name} is {check.found} (limit: {check.limit}): {meaning}."
+        f"Failed: {check.name} is {check.found} (limit: {check.limit}): "
+        f"{PARETO_FAILS if check.name == PARETO else meaning}."
         for checks, meaning in consequence.items()
         for check in checks(material)
         if check.passed is False

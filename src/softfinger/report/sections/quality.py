@@ -24,7 +24,8 @@ def build_computation(material: Material) -> Section:
     """Build the verdict on the computation."""
     caption = (
         "Each against its limit. A failed one means that intervals and "
-        f"means of this report may be wrong. {capital(material.cite('sampling', 'posterior'))}."
+        "means of this report may be wrong; a large Pareto k, only scores that leave a trial out. "
+        f"{capital(material.cite('sampling', 'posterior'))}."
     )
     blocks = (
         Checks(

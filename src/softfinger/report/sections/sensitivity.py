@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
 import xarray as xr
 
 from softfinger.report.blocks import Paragraph, Section, Table, number, text
 from softfinger.report.formatting import format_number, format_percent
 from softfinger.report.material import Material
-from softfinger.report.pictures import capital, picture_densities, picture_sobol, select_sobol
+from softfinger.report.pictures import capital, picture_densities, picture_sobol
 
 
 def build_sensitivity(material: Material) -> Section:
@@ -16,7 +15,10 @@ def build_sensitivity(material: Material) -> Section:
     if "sobol" not in material:
         blocks: tuple = (Paragraph("The sensitivity was not computed.", "note"),)
     else:
+        sobol = material.get("sobol").attrs
+        words = f"{capital(sobol['definition'])}. Truncation of c_p: {sobol['truncation']}."
         blocks = (
+            Paragraph(words),
             picture_sobol(material),
             build_sobol_table(material),
             build_design_table(material),
@@ -105,8 +107,9 @@ def build_design_table(material: Material) -> Table | None:
 
 
 def find_main_cause(sobol: xr.Dataset, joint: int) -> tuple[str, float, float]:
-    """Find the parameter of the largest first-order index at the end: its name, share, time."""
-    end = select_sobol(sobol).isel(time=-1).sel(joint=joint)["first_order"]
-    end = end.sel(quantile=0.5) if "quantile" in end.dims else end
-    place = int(np.argmax(end.values))
-    return str(end["parameter"].values[place]), float(end[place]), float(end["time"])
+    """Find what causes most of the spread where it is widest: parameter, its share, time [s]."""
+    here = sobol.sel(estimate="posterior", joint=joint)
+    widest = here.isel(time=int(here["angle_sd"].argmax("time")))
+    shares = widest["first_order"]
+    place = int(shares.argmax("parameter"))
+    return str(shares["parameter"].values[place]), float(shares[place]), float(widest["time"])

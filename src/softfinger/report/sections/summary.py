@@ -6,6 +6,7 @@ import numpy as np
 
 from softfinger.report.blocks import Check, Listing, Section, Tile
 from softfinger.report.checks import (
+    PARETO,
     check_calibration,
     check_computation,
     check_fit,
@@ -24,10 +25,11 @@ from softfinger.report.sections.sensitivity import find_main_cause
 
 def judge(material: Material) -> tuple[Tile, ...]:
     """Judge computation, fit and calibration; a single failed check makes a tile red."""
+    computation = check_computation(material)
+    only_pareto = {check.name for check in computation if check.passed is False} == {PARETO}
+    bad = "leave-one-out fails" if only_pareto else "not sound"
     return (
-        judge_checks(
-            "Computation", ("sound", "not sound"), check_computation(material), "computation"
-        ),
+        judge_checks("Computation", ("sound", bad), computation, "computation"),
         judge_checks(
             "Calibration", ("as claimed", "off"), check_calibration(material), "calibration"
         ),
@@ -105,12 +107,12 @@ def describe_fit(material: Material) -> list[str]:
 
 
 def describe_causes(material: Material) -> list[str]:
-    """Say which parameter causes most of the spread at the end."""
+    """Say which parameter causes most of the spread where it is widest."""
     if "sobol" not in material:
         return []
     parts = []
     for joint in material.angles["joint"].values:
-        name, share, end = find_main_cause(material.get("sobol"), int(joint))
-        parts.append(f"{name} at joint {joint} ({format_percent(share)})")
-    when = format_number(end)
-    return [f"After {when} s most of the spread between trials is caused by {join_words(parts)}."]
+        name, share, when = find_main_cause(material.get("sobol"), int(joint))
+        cause = f"{name} ({format_percent(share)})"
+        parts.append(f"after {format_number(when)} s at joint {joint}, mostly by {cause}")
+    return [f"The spread between trials is widest, and caused: {'; '.join(parts)}."]
