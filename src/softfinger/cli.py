@@ -14,6 +14,7 @@ from softfinger.campaign import check_campaign, list_tables, read_campaign
 from softfinger.config import read_config
 from softfinger.faults import Fault
 from softfinger.provenance import PROJECT
+from softfinger.rig.cli import app as rig_app
 
 app = typer.Typer(
     help="From rig videos of a wire-driven soft finger to its posterior, its spread and a report.",
@@ -21,6 +22,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
 )
+
+app.add_typer(rig_app, name="rig")
 
 FITTED = ["angles", "least_squares", "posterior"]
 

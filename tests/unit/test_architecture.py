@@ -26,6 +26,8 @@ ALLOWED = {
     "concealed": EVERYWHERE | {"campaign"},
     **dict.fromkeys(STAGES, GROUND),
 }
+ALLOWED["rig"] = EVERYWHERE | {"campaign", "mechanics", "virtual_rig"}
+ALLOWED["schema"] = EVERYWHERE | set(STAGES)
 ALLOWED["report"] = GROUND | {"figures"}
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import sys
+import traceback
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Protocol
@@ -39,6 +40,9 @@ def run_stage(stage: Callable[..., None], job: Job) -> None:
         except Fault as fault:
             print(fault, file=stream)
             sys.exit(1)
+        except Exception:
+            traceback.print_exc(file=stream)
+            raise
 
 
 def _named(items: Any) -> dict[str, Any]:  # noqa: ANN401 (Snakemake's own list with names)
