@@ -51,9 +51,9 @@ def run_once(config: dict, seed: int) -> np.ndarray:
         videos = [folder / f"video/{trial}.avi" for trial in trials]
         film(truth=truth, videos=videos, config=rig, seed=seed)
         tables = list_tables(read_campaign(folder))
-        shared = {"folder": folder, "tables": tables, "config": tracking, "seed": seed}
+        shared = {"folder": folder, "tables": tables, "seed": seed}
         track(trials=trials, videos=videos, markers=out / "markers.nc", **shared)
-        angles(markers=[out / "markers.nc"], angles=out / "angles.nc", **shared)
+        angles(markers=[out / "markers.nc"], angles=out / "angles.nc", config=tracking, **shared)
         fit(
             angles=out / "angles.nc",
             posterior=out / "posterior.nc",

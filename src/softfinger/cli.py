@@ -120,7 +120,6 @@ def track(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None
             tables=list_tables(described),
             videos=[trial.recording for trial in trials],
             markers=out / f"markers/{batch:04d}.nc",
-            config=settings["tracking"],
             seed=settings["seed"],
         )
 

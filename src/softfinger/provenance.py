@@ -1,7 +1,7 @@
 """Where a result comes from: hashes of inputs, parameters, environment and of the code it used.
 
 Snakemake does not see which modules a script imports, so :func:`code_hash` is passed to every rule
-as a parameter: editing a module reruns the rules that use it, and no other. Standard library only,
+as a parameter: editing a module reruns the rules that use it, and no other. Nothing heavy is imported,
 because every parse of the workflow imports this module.
 """
 
@@ -15,6 +15,8 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
+
+from softfinger.faults import ArtifactFault
 
 PACKAGE = Path(__file__).resolve().parent
 PROJECT = PACKAGE.parents[1]
@@ -174,6 +176,9 @@ def _hash_text(text: str) -> str:
 def _hash_files(files: Path | str | Sequence[Path | str]) -> str:
     """SHA-256 of a file, or of the hashes of several in their order."""
     if isinstance(files, Path | str):
+        if not Path(files).is_file():
+            reason = "the file does not exist; run the rule that makes it"
+            raise ArtifactFault(str(files), [reason])
         with Path(files).open("rb") as stream:
             return hashlib.file_digest(stream, "sha256").hexdigest()
     return _hash_text("".join(_hash_files(file) for file in files))

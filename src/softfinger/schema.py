@@ -39,7 +39,8 @@ class Configuration(Settings):
 def format_schema() -> str:
     """JSON schema of the configuration, as YAML."""
     stream = io.StringIO()
-    YAML().dump(_drop_titles(Configuration.model_json_schema()), stream)
+    dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
+    YAML().dump(dialect | _drop_titles(Configuration.model_json_schema()), stream)
     return "# Generated from the declared blocks; renew with: python -m softfinger.schema\n" + (
         stream.getvalue()
     )

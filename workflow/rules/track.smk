@@ -9,7 +9,6 @@ rule track:
     params:
         folder=CAMPAIGN,
         trials=batch_trials,
-        config=config["tracking"],
         seed=config["seed"],
         code=code_hash("track"),
     message:

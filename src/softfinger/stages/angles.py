@@ -26,5 +26,5 @@ def angles(
     """Write the joint angles of a campaign."""
     provenance = describe_run("angles", {"tables": tables, "markers": markers}, config, seed)
     tracked = [open_artifact(path, markers_spec.SPEC) for path in markers]
-    found = assemble_angles(read_campaign(folder), tracked)
+    found = assemble_angles(read_campaign(folder), tracked, config)
     save_artifact(found, angles_spec.SPEC, angles, provenance)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from softfinger.artifacts import save_artifact
 from softfinger.artifacts.specs.markers import SPEC
@@ -20,10 +19,9 @@ def track(
     tables: Sequence[Path],
     videos: Sequence[Path],
     markers: Path,
-    config: Mapping[str, Any],
     seed: int,
 ) -> None:
     """Write the marker positions of the named trials of a campaign."""
-    provenance = describe_run("track", {"tables": tables, "videos": videos}, config, seed)
+    provenance = describe_run("track", {"tables": tables, "videos": videos}, {}, seed)
     found = track_trials(read_campaign(folder), trials)
     save_artifact(found, SPEC, markers, provenance)

@@ -1,0 +1,25 @@
+"""The knobs of the fits, and the limits that their sampling is held against."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from softfinger.settings import Settings
+
+Positive = Annotated[float, Field(gt=0)]
+Count = Annotated[int, Field(ge=1)]
+
+
+class EstimationConfig(Settings):
+    """The paper's outlier rule, the sampler's size, and when its verdict is red."""
+
+    outlier_rule: Literal["scaled_mad", "raw_mad"]
+    outlier_cutoff: Positive
+    chains: Annotated[int, Field(ge=2)]
+    tune: Count
+    draws: Count
+    cores: Count
+    predictive_draws: Count
+    r_hat_max: Annotated[float, Field(gt=1)]
+    ess_min: Positive
+    divergences_max: Annotated[int, Field(ge=0)]

@@ -1,0 +1,17 @@
+"""The knobs of tracking, each with its unit in its name."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from softfinger.settings import Settings
+
+Positive = Annotated[float, Field(gt=0)]
+
+
+class TrackingConfig(Settings):
+    """What tracking must reach for a trial to be used; a worse one is set aside with its reason."""
+
+    smallest_share_seen: Annotated[float, Field(ge=0, le=1)]
+    largest_rigid_residual_px: Positive
+    largest_sd_px: Positive
