@@ -17,6 +17,7 @@ from softfinger.mechanics.forward.work import (
 
 _DELAY = CHAIN_SLOTS.index("delay")
 _TANGENT_TOLERANCE = 1e-4  # of the largest tangent so far
+_SHORT = 1e-4  # [s] steps that need not be shorter for a tangent's sake: early ones are rounding
 _BEND = 0.1  # how far the worst quadratic inside a step moves a mode, of a constant drive
 
 
@@ -119,7 +120,7 @@ def commit_step(model: Model, work: Work, step: float) -> None:
 
 
 @compiled
-def measure_error(model: Model, work: Work, tolerance: float) -> float:
+def measure_error(model: Model, work: Work, step: float, tolerance: float) -> float:
     """The error inside the step over the tolerance, of angles and of their tangents.
 
     The quadratics leave the drives by what they miss at the start of the step, times a cubic that
@@ -147,6 +148,6 @@ def measure_error(model: Model, work: Work, tolerance: float) -> float:
                     start = nodes.d_flow[START, j, c]
                 gap = abs(linear.d_drive[j, drive, 0, c] - start)
                 reach = _BEND * linear.weight[drive, j, 1].sum()
-                if reach * gap > 0.0:
+                if step > _SHORT and reach * gap > 0.0:
                     worst = max(worst, reach * gap / (_TANGENT_TOLERANCE * largest[c]))
     return worst

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from softfinger.mechanics.compiled import compiled
 from softfinger.mechanics.forward.modes import Q_INI
 from softfinger.mechanics.forward.slots import CHAIN_SLOTS, COUPLING_SLOTS, JOINT_SLOTS
-from softfinger.mechanics.forward.work import Model
+from softfinger.mechanics.forward.work import HAS_LENS, Model
 
 _SCALE, _CUBIC = JOINT_SLOTS.index("angle_scale"), JOINT_SLOTS.index("angle_cubic")
 _KINEMATIC = COUPLING_SLOTS.index("coupling_kinematic")
@@ -95,14 +95,18 @@ def _fill_turns(
         cosine, sine = math.cos(direction[i]), math.sin(direction[i])
         along = place[i, 0] * cosine + place[i, 1] * sine + middle[i]
         across = place[i, 1] * cosine - place[i, 0] * sine
+        if not model.groups[HAS_LENS]:  # of which the places of the markers may be unknown
+            along, across = 0.0, 0.0
         unit[i, 0] = 2.0 * along * across
         unit[i, 1], unit[i, 2] = 2.0 * sine * cosine, 1.0 - 2.0 * sine * sine
         turn[i] = radial * unit[i, 0] + aspect * unit[i, 1] + skew * unit[i, 2]
-        twist = 2.0 * radial * (across * across - along * (along - middle[i]))
+        twist = 0.0
+        if model.groups[HAS_LENS]:
+            twist = 2.0 * radial * (across * across - along * (along - middle[i]))
         twist += 2.0 * aspect * unit[i, 2] - 2.0 * skew * unit[i, 1]
         for k in range(i):
             by_turn[i, k] += twist
-            for m in range(k + 1, i):  # the links between carry this one sideways
+            for m in range(k + 1, i if model.groups[HAS_LENS] else 0):  # links carry it sideways
                 lean = direction[i] - direction[m]
                 rise = math.cos(lean) * along + math.sin(lean) * across
                 by_turn[i, k] += 2.0 * radial * link_length[m - 1] * rise

@@ -27,6 +27,10 @@ from softfinger.mechanics.forward.slots import (
 from softfinger.mechanics.forward.trial import run_trial
 from softfinger.mechanics.forward.work import (
     GROUPS,
+    HAS_ARM,
+    HAS_GRAVITY,
+    HAS_INERTIA,
+    HAS_LENS,
     HAS_OBSERVATION,
     HAS_SECOND,
     HAS_SPRINGPOT,
@@ -89,7 +93,7 @@ def describe_finger(
 def describe_unknown_finger(joints: int) -> Finger:
     """Stand in for a finger of which only the number of joints was declared.
 
-    Slots that need more (moment arm, gravity, inertia, lens) turn its angles to NaN.
+    Slots that need more (moment arm, gravity, inertia, radial lens) are refused.
     """
     unknown = np.full(joints, np.nan)
     pairs = np.full((joints, joints), np.nan)
@@ -209,6 +213,8 @@ def simulate_joint_angle_array(
             "they must have the same number"
         )
     check_slots(slots)
+    groups = find_groups(GROUPS, slots, tangents)
+    _check_finger(finger, groups)
     rows = [np.asarray(a, float) for a in (time, load_time, load_torque)]
     rows = [np.ascontiguousarray(np.broadcast_to(a, (trials, a.shape[-1]))) for a in rows]
     joint = slots.joint.copy()
@@ -220,13 +226,28 @@ def simulate_joint_angle_array(
         slots.chain,
         slots.coupling,
         *(changes if tangents else empty),
-        find_groups(GROUPS, slots, tangents),
+        groups,
         *finger,
         *rows,
         gradient,
         float(tolerance),
         float(longest_step),
     )
+
+
+def _check_finger(finger: Finger, groups: NDArray[np.bool_]) -> None:
+    needs = {
+        HAS_ARM: ("the moment arm", finger.arm_ratio),
+        HAS_GRAVITY: ("gravity", finger.moment),
+        HAS_INERTIA: ("inertia", finger.inertia),
+        HAS_LENS: ("the lens", (*finger.link_length, *finger.marker_middle)),
+    }
+    for group, (physics, values) in needs.items():
+        if groups[group] and np.isnan(values).any():
+            raise Fault(
+                f"{physics} needs the finger's lengths and masses, which are not declared: "
+                "give them, or leave its slots at their null values"
+            )
 
 
 @compiled

@@ -223,6 +223,7 @@ _BELONGS = {
         *("angle_scale", "angle_cubic", "coupling_kinematic"),
         *("lens_radial", "lens_aspect", "lens_skew"),
     ),
+    "lens": ("lens_radial",),
 }
 
 
@@ -258,5 +259,5 @@ def check_slots(slots: SlotArrays) -> None:
     for name in ("lag", "yield_torque", "stop_stiffness", "flow_power"):
         require_nonnegative(f"slot {name}", _select(slots, name), SLOTS[name].unit)
     exponent = _select(slots, "springpot_exponent")
-    require_positive("slot springpot_exponent", exponent, "1")
-    require_positive("1 - slot springpot_exponent", 1.0 - exponent, "1")
+    require_nonnegative("slot springpot_exponent", exponent, "1")
+    require_nonnegative("1 - slot springpot_exponent", 1.0 - exponent, "1")

@@ -14,6 +14,7 @@ from softfinger.mechanics.forward.laws import softplus
 from softfinger.mechanics.forward.modes import LOG_K_V, Q_INI
 from softfinger.mechanics.forward.slots import CHAIN_SLOTS, COUPLING_SLOTS, JOINT_SLOTS
 from softfinger.mechanics.forward.work import (
+    HAS_ARM,
     HAS_COUPLING,
     HAS_GRAVITY,
     HAS_INERTIA,
@@ -77,8 +78,10 @@ def _add_pull(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bo
         drag = force * count
         held = size / (size + drag) if drag > 0.0 else 1.0
         pull = load * kept - way * drag * held
-        growth = math.cos(angle / 2) + model.arm_ratio * math.sin(angle / 2) - 1.0
-        steep = (model.arm_ratio * math.cos(angle / 2) - math.sin(angle / 2)) / 2
+        growth, steep = 0.0, 0.0
+        if model.groups[HAS_ARM]:
+            growth = math.cos(angle / 2) + model.arm_ratio * math.sin(angle / 2) - 1.0
+            steep = (model.arm_ratio * math.cos(angle / 2) - math.sin(angle / 2)) / 2
         arm = 1.0 + model.joint[j, _ARM] * growth
         lost = arm * size * kept  # −d(pull)/d(s B)
         balance.torque[i, j] = pull * arm

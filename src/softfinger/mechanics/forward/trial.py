@@ -150,7 +150,7 @@ def _run_segment(
                 open_step(model, work, tangents)
                 opened = True
             solved = solve_step(model, work, length, tangents)
-            error = measure_error(model, work, tolerance) if solved else np.inf
+            error = measure_error(model, work, length, tolerance) if solved else np.inf
             if not error <= 1.0:
                 step = length * (max(0.1, 0.8 * error**-0.25) if error < 1e30 else 0.1)
                 continue

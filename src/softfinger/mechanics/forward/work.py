@@ -26,6 +26,7 @@ GROUPS = (
     "lag",
     "delay",
     "observation",
+    "lens",
 )
 """The physics that a run needs to look at; the others cost nothing."""
 (
@@ -42,6 +43,7 @@ GROUPS = (
     HAS_LAG,
     HAS_DELAY,
     HAS_OBSERVATION,
+    HAS_LENS,
 ) = range(len(GROUPS))
 
 _JOINT, _CHAIN, _COUPLING = len(JOINT_SLOTS), len(CHAIN_SLOTS), len(COUPLING_SLOTS)
