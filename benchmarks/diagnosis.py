@@ -55,7 +55,7 @@ def build_campaign(trials: int) -> xr.Dataset:
             "noise_correlation": (("joint", "other_joint"), np.eye(JOINTS)),
         }
     )
-    noisy = moved.values + np.stack([draw_noise_array(moment * FPS, noise, rng) for _ in names])
+    noisy = moved.values + draw_noise_array(moment * FPS, noise, trials, rng)
     undeclared = {
         name: ("joint", np.full(JOINTS, np.nan))
         for name in ("link_length", "link_mass", "link_centre", "link_inertia")

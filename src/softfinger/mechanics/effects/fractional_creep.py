@@ -9,6 +9,8 @@ import numpy as np
 
 from softfinger.mechanics.effects.effect import Effect, Form, Parameter, Setting, Values, positive
 
+LEAST_LOSS = 1e-4  # an exponent of exactly 1 is the dashpot and no springpot
+
 
 def _build_forms(setting: Setting) -> list[Form]:
     middle = np.sqrt(setting.interval * setting.duration)  # where share and exponent are untied
@@ -43,7 +45,7 @@ def _build_forms(setting: Setting) -> list[Form]:
         }
 
     def instead(values: Values) -> dict:
-        a = 1.0 - float(values["exponent_loss"])
+        a = 1.0 - max(float(values["exponent_loss"]), LEAST_LOSS)
         rate = gamma(1 + a) * (setting.duration / 2) ** (1 - a)
         return {"flow_share": 0.0, "springpot_flow_share": rate, "springpot_exponent": a}
 

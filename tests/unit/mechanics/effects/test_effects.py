@@ -22,7 +22,7 @@ def build_setting(**changes):
     content = {
         "trials": TRIALS, "joints": JOINTS, "interval": 0.05, "duration": 8.0, "torque": 0.04,
         "levels": 3, "reversals": True, "rests": True, "load_known": True, "tension": True,
-        "stiffness": np.array([0.1, 0.12, 0.15]), "reach": np.array([0.8, 0.7, 0.5]),
+        "stiffness": np.array([0.1, 0.12, 0.15]), "reach": np.array([0.4, 0.35, 0.3]),
         "number": np.arange(TRIALS, dtype=float), "memory": np.full((TRIALS, JOINTS), 0.1),
         "rest_time": np.array([np.inf, 20.0, 30.0, 25.0]),
         "covariates": {"temperature_c": np.array([20.0, 22.0, 21.0, 25.0])},
@@ -32,6 +32,10 @@ def build_setting(**changes):
 
 
 def list_forms(setting):
+    return list(generate_forms(setting))
+
+
+def generate_forms(setting):
     for effect in list_effects().values():
         forms = effect.build_forms(setting)
         if not isinstance(forms, str):

@@ -1,0 +1,54 @@
+import numpy as np
+import pytest
+import xarray as xr
+
+from softfinger.mechanics.three_element import compute_joint_angle_array
+from softfinger.population.simulate import build_recording, draw_noise_array
+
+TRIALS, FRAMES = 7, 160
+
+
+@pytest.fixture(scope="session")
+def draw_campaign():
+    """Draw a campaign of one joint whose second Voigt element carries a share of its compliance."""
+
+    def draw(seed, share, retardation_time=1.5):
+        rng = np.random.default_rng(seed)
+        time = np.arange(FRAMES) * 0.08
+        load_time = np.tile([0.0, 8.0, 8.0, 13.0], (TRIALS, 1))
+        load = np.resize([0.02, 0.03, 0.04], TRIALS)[:, None] * np.array([1.0, 1.0, 0.0, 0.0])
+        angles = build_recording(time, load_time, load, 1, [f"t{i}" for i in range(TRIALS)])
+        log_k, log_c, log_p = (
+            m + s * rng.normal(size=(TRIALS, 1)) for m, s in ((-2.3, 0.2), (-3.6, 0.4), (2.9, 0.5))
+        )
+        series = time, load_time[:, None], load[:, None]
+        motion = compute_joint_angle_array(
+            np.exp(log_k),
+            np.exp(log_c),
+            np.exp(log_p),
+            rng.normal(0.02, 0.01, (TRIALS, 1)),
+            *series,
+        )
+        if share > 0:
+            k = np.exp(log_k) / share
+            motion += compute_joint_angle_array(k, k * retardation_time, np.inf, 0.0, *series)
+        noise = xr.Dataset(
+            {
+                "noise_sd": ("joint", [0.002]),
+                "noise_autocorrelation": ("joint", [0.3]),
+                "noise_correlation": (("joint", "other_joint"), np.eye(1)),
+            }
+        )
+        motion += draw_noise_array(time / 0.08, noise, TRIALS, rng)
+        unknown = {
+            f"link_{k}": ("joint", [np.nan]) for k in ("length", "mass", "centre", "inertia")
+        }
+        return angles.assign(
+            joint_angle=(("trial", "joint", "frame"), motion),
+            started_at=("trial", np.full(TRIALS, np.nan)),
+            joint_length=np.nan,
+            wire_offset=np.nan,
+            **unknown,
+        ).assign_attrs(campaign="drawn")
+
+    return draw

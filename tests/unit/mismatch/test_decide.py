@@ -1,0 +1,49 @@
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from softfinger.mismatch.calibrate import FalseAlarms
+from softfinger.mismatch.decide import join_ids, weigh_models
+from softfinger.mismatch.rank import Candidate
+
+
+def model(*ids):
+    return SimpleNamespace(ids=frozenset(ids))
+
+
+def test_base_and_effects_share_the_prior_by_halves():
+    base = Candidate(model(), None, 0.0)
+    others = [Candidate(model("a"), None, 0.0), Candidate(model("b"), None, 0.0)]
+    posterior = weigh_models(base, others)
+    assert posterior.sets[frozenset()] == pytest.approx(0.5)
+    assert posterior.inclusion == pytest.approx({"a": 0.25, "b": 0.25})
+
+
+def test_forms_of_one_effect_share_what_it_has():
+    base = Candidate(model(), None, 0.0)
+    many = [Candidate(model("a"), None, 3.0) for _ in range(7)]
+    one = [Candidate(model("b"), None, 3.0)]
+    posterior = weigh_models(base, many + one)
+    assert posterior.inclusion["a"] == pytest.approx(posterior.inclusion["b"])
+
+
+def test_strong_evidence_names_one_set_and_close_evidence_does_not():
+    base = Candidate(model(), None, 0.0)
+    clear = [Candidate(model("a"), None, 30.0), Candidate(model("b"), None, 20.0)]
+    posterior = weigh_models(base, clear)
+    assert posterior.equivalent == [frozenset("a")]
+    assert posterior.best[frozenset("a")].log_evidence == 30.0
+    close = [Candidate(model("a"), None, 30.0), Candidate(model("b", "c"), None, 29.0)]
+    posterior = weigh_models(base, close)
+    assert [join_ids(ids) for ids in posterior.equivalent] == ["a", "b+c"]
+    assert posterior.inclusion["b"] == posterior.inclusion["c"] < 0.5
+
+
+def test_threshold_and_p_value_of_chance_agree():
+    gain = np.random.default_rng(4).exponential(2.0, 400)
+    alarms = FalseAlarms(gain)
+    threshold = alarms.threshold(0.01)
+    assert threshold == pytest.approx(2.0 * np.log(100.0), rel=0.25)
+    assert alarms.p_value(threshold) == pytest.approx(0.01, rel=1e-6)
+    assert alarms.p_value(np.median(gain)) == pytest.approx(0.5, abs=0.01)

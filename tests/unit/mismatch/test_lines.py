@@ -1,0 +1,36 @@
+from types import SimpleNamespace
+
+import numpy as np
+import xarray as xr
+
+from softfinger.mismatch.lines import find_line
+
+TRIALS, JOINTS, FRAMES = 5, 2, 331
+
+
+def build(rng, amplitude):
+    interval = 0.04
+    time = np.cumsum(rng.uniform(0.5, 1.5, (TRIALS, FRAMES)), axis=1) * interval
+    residual = rng.normal(0.0, 0.003, (TRIALS, JOINTS, FRAMES))
+    phase = rng.uniform(0, 2 * np.pi, TRIALS)
+    residual[:, 1] += amplitude * np.sin(2 * np.pi * 3.3 * time + phase[:, None])
+    residual[:, :, 40:44] = np.nan
+    problem = SimpleNamespace(
+        trials=SimpleNamespace(interval=interval),
+        setting=SimpleNamespace(duration=float(np.ptp(time, axis=1).max())),
+        noise=xr.Dataset({"noise_autocorrelation": ("joint", np.zeros(JOINTS))}),
+    )
+    return problem, residual, time
+
+
+def test_a_line_is_found_whatever_its_phases():
+    line = find_line(*build(np.random.default_rng(1), 0.001))
+    assert abs(line.frequency_hz - 3.3) < 0.1
+    assert line.joint == 2
+    assert line.p_value < 1e-6
+
+
+def test_noise_holds_no_line():
+    p_values = [find_line(*build(np.random.default_rng(seed), 0.0)).p_value for seed in range(12)]
+    assert min(p_values) > 1e-3
+    assert max(p_values) > 0.3
