@@ -6,7 +6,7 @@ BIN := .venv/bin
 CORES ?= 2
 SNAKEMAKE := $(BIN)/snakemake --cores $(CORES)
 
-.PHONY: help setup run quick test lint format benchmark lock
+.PHONY: help setup run quick figures coverage test lint format benchmark lock
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)$$/\1\t\2/' | expand -t 18
@@ -18,6 +18,12 @@ run: setup ## set-up and the main job: 100 filmed trials to a report (about 10 m
 
 quick: setup ## the same with 12 trials (about 2 minutes)
 	$(SNAKEMAKE) --configfile config/default.yaml config/quick.yaml
+
+figures: setup ## every figure of the main job as PDF, PNG and SVG, into results/default/figures
+	$(SNAKEMAKE) figures --configfile config/default.yaml
+
+coverage: setup ## whether the quick run's 90 % intervals hold the virtual rig's truth, under ten seeds (about 10 minutes)
+	$(BIN)/python -m benchmarks._coverage 10
 
 test: setup ## set-up and all the tests
 	$(BIN)/python -m pytest

@@ -1,8 +1,8 @@
 """Where a result comes from: hashes of inputs, parameters, environment and of the code it used.
 
 Snakemake does not see which modules a script imports, so :func:`code_hash` is passed to every rule
-as a parameter: editing a module reruns the rules that use it, and no other. Nothing heavy is imported,
-because every parse of the workflow imports this module.
+as a parameter: editing a module reruns the rules that use it, and no other. Nothing heavy is
+imported, because every parse of the workflow imports this module.
 """
 
 from __future__ import annotations

@@ -26,6 +26,29 @@ rule report:
         "../scripts/report.py"
 
 
+rule figure:
+    input:
+        **{name: OUT / f"{name}.nc" for name in ARTIFACTS},
+        markers=expand(OUT / "markers/{batch}.nc", batch=BATCHES),
+    output:
+        figures=[OUT / f"figures/{{name}}.{form}" for form in ("pdf", "png", "svg")],
+    log:
+        OUT / "logs/figure_{name}.log",
+    params:
+        name="{name}",
+        config=config,
+        code=code_hash("figure"),
+    message:
+        "Draw figure {wildcards.name}"
+    script:
+        "../scripts/figure.py"
+
+
+rule figures:
+    input:
+        expand(OUT / "figures/{name}.pdf", name=FIGURES),
+
+
 rule check_artifacts:
     input:
         artifacts=[OUT / f"{name}.nc" for name in ARTIFACTS],

@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import xarray as xr
+
 from softfinger.artifacts import open_artifact, open_tree, write_atomically
 from softfinger.artifacts.specs import (
     angles,
@@ -45,14 +47,21 @@ def report(
     **artifacts
         Name → file, for every name in ``SPECS``.
     """
+    with write_atomically(report) as temporary:
+        write_report(open_artifacts(artifacts, markers), config, temporary, _find_commit())
+
+
+def open_artifacts(
+    artifacts: Mapping[str, Path], markers: Sequence[Path]
+) -> dict[str, xr.Dataset | xr.DataTree]:
+    """Open artifacts by name, and of the markers' files the first."""
     opened = {
         name: (open_tree if SPECS[name].groups else open_artifact)(path, SPECS[name])
         for name, path in artifacts.items()
     }
     if markers:
         opened["markers"] = open_artifact(markers[0], markers_spec.SPEC)
-    with write_atomically(report) as temporary:
-        write_report(opened, config, temporary, _find_commit())
+    return opened
 
 
 def _find_commit() -> str | None:
