@@ -24,6 +24,7 @@ from softfinger.report.formatting import count_things, format_number, format_per
 from softfinger.report.material import Material
 from softfinger.report.summaries import stack_population
 
+DARK = "black, or white on a dark page"
 EARLY = 1.0
 """End of the early look at the bands [s]."""
 
@@ -103,9 +104,9 @@ def picture_prior(material: Material) -> Picture | None:
         "What the priors alone expect",
         draw_prior_predictive(prior),
         "Bands of the joint angle over time under the priors, much wider than the recordings, "
-        "which are drawn in black.",
+        "which form a narrow band.",
         "Joint angle of a new trial that the priors expect before any recording is seen (blue, "
-        f"equal-tailed intervals), and the span of the recordings (black), at a load of {load}. "
+        f"equal-tailed intervals), and the span of the recordings ({DARK}), at a load of {load}. "
         "Priors that cannot reach the recordings would decide the answer. "
         f"{capital(material.cite('posterior', 'angles'))}.",
     )
@@ -146,7 +147,7 @@ def picture_bands(material: Material, *, early: bool) -> Picture | None:
         draw_bands(bands, EARLY if early else None),
         f"Predictive bands of the joint angle beside the recordings, {title}.",
         f"Blue: posterior predictive median and {share} equal-tailed interval for a new trial; "
-        f"red, dashed: the same interval of the two-stage estimate; black: median and {share} "
+        f"red, dashed: the same interval of the two-stage estimate; {DARK}: median and {share} "
         f"interval of the recordings. n = {count_things(n, 'trial')} in "
         f"{count_things(bands['protocol'].size, 'protocol')}.{cut if hidden > 0 else ''} "
         f"{capital(material.cite('bands'))}.",

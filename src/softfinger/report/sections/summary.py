@@ -113,6 +113,6 @@ def describe_causes(material: Material) -> list[str]:
     parts = []
     for joint in material.angles["joint"].values:
         name, share, when = find_main_cause(material.get("sobol"), int(joint))
-        cause = f"{name} ({format_percent(share)})"
-        parts.append(f"after {format_number(when)} s at joint {joint}, mostly by {cause}")
-    return [f"The spread between trials is widest, and caused: {'; '.join(parts)}."]
+        share_then = f"{format_percent(share)} after {format_number(when)} s"
+        parts.append(f"{name} at joint {joint} ({share_then})")
+    return [f"Where the spread between trials is widest, it is mostly that of {join_words(parts)}."]
