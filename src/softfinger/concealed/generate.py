@@ -73,8 +73,9 @@ def generate_campaign(
     truth = compute_truth(spec, setting, doses, clean, recordings)
     truth["aimed_at_nats"] = {name: target for name, (_, target) in placed.items()}
     truth_path.parent.mkdir(parents=True, exist_ok=True)
-    truth_path.write_text(json.dumps(truth, indent=1, sort_keys=True) + "\n", encoding="utf-8")
-    return truth
+    text = json.dumps(truth, indent=1, sort_keys=True)
+    truth_path.write_text(text + "\n", encoding="utf-8")
+    return json.loads(text)
 
 
 def compute_truth(

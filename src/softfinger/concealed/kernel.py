@@ -80,7 +80,10 @@ def _pull(
             arm += p.arm_scale * (chord - p.wire_offset)
         torque[j] = tension * arm
         for i in range(angle.size):
-            torque[j] += p.coupling[j, i] * (angle[i] - p.q_ini[i])
+            if p.coupling[j, i] == 0.0:
+                continue
+            slack = np.tanh((angle[i] - p.q_ini[i]) / 0.6)  # a skin that slackens as it is bent
+            torque[j] += p.coupling[j, i] * 0.6 * slack
         if angle[j] > p.stop_angle[j] and p.stop_stiffness[j] != 0.0:  # Hertz
             torque[j] -= p.stop_stiffness[j] * (angle[j] - p.stop_angle[j]) ** 1.5
     if p.gravity_x != 0.0 or p.gravity_y != 0.0:
@@ -105,8 +108,9 @@ def _flow(p: Physics, j: int, torque: float) -> float:
     size = abs(torque)
     if p.yield_torque[j] != 0.0:
         corner = 0.08 * abs(p.yield_torque[j])
-        start = np.exp(-p.yield_torque[j] / corner)
-        size = corner * np.log((1.0 + start * np.exp(size / corner)) / (1.0 + start))
+        beyond = (size - p.yield_torque[j]) / corner
+        at_zero = np.log1p(np.exp(-p.yield_torque[j] / corner))
+        size = corner * (max(beyond, 0.0) + np.log1p(np.exp(-abs(beyond))) - at_zero)
     if p.flow_scale[j] != 0.0:
         size *= 1.0 + (abs(p.flow_scale[j]) * size) ** 1.5
     return np.copysign(size, torque) / p.c_p[j]

@@ -16,27 +16,35 @@ Array = NDArray[np.float64]
 class Knobs:
     """An effect set's free parameters as one vector φ with a normal prior.
 
-    A strength stands as itself, its sign without meaning; any other positive parameter as its
-    logarithm.
+    A strength stands as itself and is not negative, so its prior is half of a normal one; any
+    other parameter is positive and stands as its logarithm.
     """
 
     doses: dict[str, Dose]
     centre: Array
     sd: Array
+    is_strength: NDArray[np.bool_]
+
+    @property
+    def floor(self) -> Array:
+        """Least values at which a model is linearised: a strength barely above zero."""
+        return np.where(self.is_strength, 1e-4 * self.sd, -np.inf)
 
     @classmethod
     def of(cls, doses: dict[str, Dose]) -> Knobs:
         """Prior of the effects' free parameters: what the generator may have drawn."""
-        centre, sd = [], []
+        centre, sd, is_strength = [], [], []
         for name in doses:
             effect = EFFECTS[name]
             centre.append(0.0)
             sd.append(0.5 * effect.largest)
+            is_strength.append(True)
             for shape in _free_shapes(name).values():
                 low, high = np.log(shape.low), np.log(shape.high)
                 centre.append(0.5 * (low + high))
                 sd.append((high - low) / np.sqrt(12.0))
-        return cls(doses, np.array(centre), np.array(sd))
+                is_strength.append(False)
+        return cls(doses, np.array(centre), np.array(sd), np.array(is_strength, bool))
 
     def read(self) -> Array:
         """Vector φ of the doses as they stand."""
@@ -51,9 +59,7 @@ class Knobs:
         for name, dose in self.doses.items():
             keys = list(_free_shapes(name))
             free = dict(zip(keys, np.exp(vector[at + 1 : at + 1 + len(keys)]), strict=True))
-            turned[name] = replace(
-                dose, strength=abs(float(vector[at])), shape={**dose.shape, **free}
-            )
+            turned[name] = replace(dose, strength=float(vector[at]), shape={**dose.shape, **free})
             at += 1 + len(keys)
         return turned
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import norm
 
 from softfinger.concealed.effects import Circumstances, Dose
 from softfinger.concealed.forward import compute_plain_angles, simulate_trial
@@ -81,10 +82,12 @@ def fit_model(
     first = knobs.read()
     lines = [_Line(look, k, np.append(eta, first)) for k, eta in enumerate(start)]
     solution, settled = _settle(lines, knobs, times, iterations)
+    # half-normal priors: twice the share of the posterior in which a strength is positive
+    positive = norm.logcdf((solution.effect / solution.effect_sd)[knobs.is_strength])
     return Fit(
-        log_evidence=solution.log_evidence + len(doses) * np.log(2.0),  # half-normal priors
+        log_evidence=solution.log_evidence + float(np.sum(np.log(2.0) + positive)),
         solution=solution,
-        doses=knobs.turn(solution.effect),
+        doses=knobs.turn(np.maximum(solution.effect, knobs.floor)),
         settled=settled,
         residuals=[line.residual.reshape(-1, rig.joints) for line in lines],
     )
@@ -95,9 +98,10 @@ def _settle(
 ) -> tuple[Solution, bool]:
     """Move the lines until the mixed model's modes are where they were drawn."""
     longest = np.concatenate([LONGEST_MOVE, knobs.sd])
+    lowest = np.concatenate([np.full(LONGEST_MOVE.size, -np.inf), knobs.floor])
     solution = solve_mixed_model(_collect(lines, times), knobs.centre, knobs.sd)
     for left in range(iterations, -1, -1):
-        modes = solution.point
+        modes = np.maximum(solution.point, lowest)
         worth = np.array([line.worth(mode) for line, mode in zip(lines, modes, strict=True)])
         settled = bool(times * worth.sum() < SETTLED_NATS)
         if settled or left == 0:

@@ -61,7 +61,7 @@ def draw_loads(
             share = (share, share[[1, 0, 3, 2, 5, 4]], 0.8 * share[[0, 2, 1, 4, 3, 5]])[variant]
             loads.append(_hold(rest + 6.5 * np.arange(6), peak * share))
         else:
-            speed = (1.0, 1.15, 0.87)[variant]
+            speed = (1.0, 1.15, 0.9)[variant]
             turn = rest + np.array([0.0, 10.0, 18.0, 26.0, 34.0]) / speed
             loads.append(Load(turn, peak * np.array([0.0, 1.0, 0.2, 0.9, 0.0])))
     return loads, 40.0

@@ -7,7 +7,7 @@ from softfinger.concealed.physics import Physics
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    return physics._replace(lag=abs(dose.strength))
+    return physics._replace(lag=dose.strength)
 
 
 EFFECT = Effect(
@@ -18,5 +18,5 @@ EFFECT = Effect(
     typical=0.05,
     largest=0.3,
     move=_move,
-    tell=lambda dose, trials: {"lag_s": abs(dose.strength)},
+    tell=lambda dose, trials: {"lag_s": dose.strength},
 )

@@ -10,7 +10,7 @@ def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
     """Torque −K (q − stop)^1.5 beyond the stop; the strength is K [N m/rad^1.5]."""
     joints = physics.k_v.size
     return physics._replace(
-        stop_stiffness=abs(dose.spread(joints)),
+        stop_stiffness=dose.spread(joints),
         stop_angle=0.0 * physics.k_v + dose.shape["stop_angle_rad"],
     )
 

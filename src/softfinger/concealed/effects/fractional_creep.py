@@ -1,4 +1,4 @@
-"""Power-law creep as a ladder of six retardation times over four decades."""
+"""Power-law creep as a ladder of eight retardation times over six decades."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect, Shape
 from softfinger.concealed.physics import Physics
 
-TIMES_S = np.geomspace(0.02, 200.0, 6)
+TIMES_S = np.geomspace(1e-3, 1e3, 8)
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:

@@ -7,7 +7,7 @@ from softfinger.concealed.physics import Physics
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    return physics._replace(inertia_scale=abs(dose.strength))
+    return physics._replace(inertia_scale=dose.strength)
 
 
 EFFECT = Effect(
@@ -18,5 +18,5 @@ EFFECT = Effect(
     typical=4.0,
     largest=30.0,
     move=_move,
-    tell=lambda dose, trials: {"inertia_scale": abs(dose.strength)},
+    tell=lambda dose, trials: {"inertia_scale": dose.strength},
 )

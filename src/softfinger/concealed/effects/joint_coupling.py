@@ -7,7 +7,7 @@ from softfinger.concealed.physics import Physics
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """Add a torque s · deflection of the neighbour [N m/rad] to both joints of the pair."""
+    """Add a torque s δ [N m/rad] to both joints of a pair, δ the other's deflection, saturating."""
     first, second = dose.joints
     coupling = physics.coupling.copy()
     coupling[first, second] += dose.strength * (1.0 if dose.shape["helping"] else -1.0)

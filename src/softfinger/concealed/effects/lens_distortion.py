@@ -12,7 +12,7 @@ AXIS_FROM_FIRST_JOINT_M = np.array([0.035, 0.012])
 
 def _record(angle: Array, time: Array, dose: Dose, trial: Circumstances, rig: Rig) -> Array:
     """Markers at a distance r from the axis appear at f atan(r/f); the strength is 1/f² [1/m²]."""
-    focal = 1.0 / np.sqrt(max(abs(dose.strength), 1e-12))
+    focal = 1.0 / np.sqrt(max(dose.strength, 1e-12))
     heading = np.cumsum(angle, axis=1)
     unit = np.stack([np.cos(heading), np.sin(heading)], axis=-1)
     link = rig.link_length[:, None] * unit

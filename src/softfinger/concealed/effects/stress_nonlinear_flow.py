@@ -8,7 +8,7 @@ from softfinger.concealed.physics import Physics
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
     """Rate τ/c_p (1 + (s τ)^1.5), s [1/(N m)] the inverse of the scale torque."""
-    return physics._replace(flow_scale=abs(dose.spread(physics.k_v.size)))
+    return physics._replace(flow_scale=dose.spread(physics.k_v.size))
 
 
 EFFECT = Effect(
@@ -19,5 +19,5 @@ EFFECT = Effect(
     typical=20.0,
     largest=80.0,
     move=_move,
-    tell=lambda dose, trials: {"scale_torque_nm": 1.0 / max(abs(dose.strength), 1e-9)},
+    tell=lambda dose, trials: {"scale_torque_nm": 1.0 / max(dose.strength, 1e-9)},
 )

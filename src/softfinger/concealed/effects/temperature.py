@@ -11,7 +11,10 @@ BEND_K = 40.0
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """Shift factor exp(−s ΔT / (1 + ΔT / 40 K)) on the viscosities, or on the stiffness."""
+    """Shift factor exp(−s ΔT / (1 + ΔT / 40 K)) on the viscosities, or on the stiffness.
+
+    The sensitivity s counts as positive where they fall with warmth.
+    """
     shift = trial.warmth / (1.0 + trial.warmth / BEND_K)
     factor = np.exp(-dose.spread(physics.k_v.size) * shift)
     if dose.shape["stiffness"]:
@@ -28,7 +31,7 @@ EFFECT = Effect(
     largest=0.2,
     shape={"stiffness": Shape(0.0, 1.0, choice=True)},
     move=_move,
-    tell=lambda dose, trials: {"sensitivity_per_c": -dose.strength},
+    tell=lambda dose, trials: {"sensitivity_per_c": dose.strength},
     covariate="temperature_c",
     trials=10,
 )

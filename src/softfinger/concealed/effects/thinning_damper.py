@@ -8,7 +8,7 @@ from softfinger.concealed.physics import Physics
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
     """Rate r (1 + s |r|), r the rate of the linear element and s in s/rad."""
-    return physics._replace(thinning=abs(dose.spread(physics.k_v.size)))
+    return physics._replace(thinning=dose.spread(physics.k_v.size))
 
 
 EFFECT = Effect(

@@ -7,7 +7,7 @@ from softfinger.concealed.physics import Physics
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    return physics._replace(yield_torque=abs(dose.spread(physics.k_v.size)))
+    return physics._replace(yield_torque=dose.spread(physics.k_v.size))
 
 
 EFFECT = Effect(
@@ -18,5 +18,5 @@ EFFECT = Effect(
     typical=0.01,
     largest=0.03,
     move=_move,
-    tell=lambda dose, trials: {"threshold_nm": abs(dose.strength)},
+    tell=lambda dose, trials: {"threshold_nm": dose.strength},
 )

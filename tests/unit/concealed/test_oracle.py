@@ -1,0 +1,90 @@
+import numpy as np
+import pytest
+
+from softfinger.concealed.effects import EFFECTS
+from softfinger.concealed.knobs import Knobs
+from softfinger.concealed.oracle import compute_gain
+from softfinger.concealed.setting import disturb, draw_setting, record_cleanly, set_strengths
+from softfinger.concealed.strength import calibrate_strength, find_reach, place_strength
+from softfinger.concealed.suite import CaseSpec
+
+
+def _spec(name, joints, protocol="staircase", trials=6, seed=11, noise="white"):
+    return CaseSpec(seed, (name,), (joints,), (0.5,), protocol, trials, noise)
+
+
+def _gain(spec, strength):
+    """Realised gain of the oracle on a noisy campaign with, or without, the effect."""
+    setting = draw_setting(spec)
+    name = spec.effects[0]
+    doses = set_strengths(setting.doses, {name: strength})
+    clean = record_cleanly(setting, doses, np.arange(spec.trials))
+    guess = set_strengths(setting.doses, {name: strength or EFFECTS[name].typical})
+    return compute_gain(
+        disturb(setting, clean, spec.seed),
+        setting.rig,
+        setting.noise,
+        guess,
+        setting.individuals,
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "joints"), [("moment_arm", ()), ("second_retardation", (1,)), ("joint_play", (0,))]
+)
+def test_a_clean_campaign_gives_the_oracle_nothing(name, joints):
+    gain, base, true = _gain(_spec(name, joints), 0.0)
+    assert base.settled
+    assert true.settled
+    assert gain < 1.0
+
+
+def test_the_oracle_finds_what_was_concealed():
+    gain, base, true = _gain(_spec("wire_friction", ()), 0.03)
+    assert gain > 30.0
+    assert true.doses["wire_friction"].strength == pytest.approx(0.03, abs=0.005)
+    misfit = [np.mean(np.concatenate(f.residuals) ** 2) for f in (base, true)]
+    assert misfit[0] > misfit[1]
+    assert misfit[1] == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_calibrated_strength_gives_about_the_gain_aimed_at():
+    spec = _spec("second_retardation", (0, 1, 2), "levels", noise="ar_0.9")
+    setting = draw_setting(spec)
+    reach = find_reach("second_retardation", setting)
+    strength = calibrate_strength("second_retardation", setting, 60.0, reach)
+    assert reach > 1000.0
+    gain, _, _ = _gain(spec, strength)
+    assert 30.0 < gain < 110.0  # ± 2.5 sd of √(2 · 60)
+
+
+def test_places_run_from_one_nat_to_the_reach():
+    setting = draw_setting(_spec("camera_delay", (), "single_step", trials=2))
+    low, middle = (place_strength("camera_delay", setting, q) for q in (0.0, 0.5))
+    assert low[1] == 1.0
+    assert middle[1] == pytest.approx(100.0)  # half-way to the cap of 10000 nats
+    assert 0.0 < low[0] < middle[0] < EFFECTS["camera_delay"].largest
+    assert place_strength("camera_delay", setting, -1.0) == (0.0, 0.0)
+
+
+def test_what_cannot_be_reached_gets_the_largest_strength():
+    setting = draw_setting(_spec("stress_nonlinear_flow", (0,), "single_step"))
+    reach = find_reach("stress_nonlinear_flow", setting)
+    assert reach < 15.0  # a single step hides it in c_p
+    largest = EFFECTS["stress_nonlinear_flow"].largest
+    assert calibrate_strength("stress_nonlinear_flow", setting, reach + 1.0, reach) == largest
+
+
+def test_knobs_turn_a_vector_into_doses_and_back():
+    setting = draw_setting(_spec("second_retardation", (1,)))
+    doses = set_strengths(setting.doses, {"second_retardation": 0.2})
+    knobs = Knobs.of(doses)
+    assert knobs.read().shape == knobs.sd.shape == (2,)
+    back = knobs.turn(knobs.read())["second_retardation"]
+    assert back.strength == 0.2
+    assert back.shape["own"] == doses["second_retardation"].shape["own"]
+    assert back.shape["retardation_time_s"] == pytest.approx(
+        doses["second_retardation"].shape["retardation_time_s"]
+    )
+    assert 0.0 < knobs.floor[0] < 1e-3
+    assert knobs.floor[1] == -np.inf

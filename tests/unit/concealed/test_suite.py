@@ -1,0 +1,81 @@
+import json
+from collections import Counter
+
+import pytest
+
+from softfinger.concealed.effects import EFFECTS, LISTED, OUTSIDE
+from softfinger.concealed.noise import NOISE_KINDS
+from softfinger.concealed.protocols import PROTOCOLS
+from softfinger.concealed.suite import draw_suite
+
+
+@pytest.fixture(scope="module")
+def long_suite():
+    return draw_suite(7, 200, posterior=20)
+
+
+def _is_clean(spec):
+    return not spec.effects or spec.quantiles[0] < 0.0
+
+
+def test_the_long_suite_is_balanced(long_suite):
+    assert len(long_suite) == 200
+    clean = [s for s in long_suite if _is_clean(s)]
+    assert len(clean) >= 50
+    assert {s.noise for s in clean} == set(NOISE_KINDS)
+    assert sum(bool(s.effects) for s in clean) == 2
+    assert {s.trials for s in long_suite if not s.filmed} >= {1, 10, 40, 100}
+    single = Counter(s.effects[0] for s in long_suite if len(s.effects) == 1 and not _is_clean(s))
+    assert set(single) == set(LISTED) | set(OUTSIDE)
+    listed = [single[name] for name in LISTED]
+    assert max(listed) - min(listed) <= 1
+    assert min(single[name] for name in LISTED) >= 4
+    assert sum(len(s.effects) == 2 for s in long_suite) >= 20
+    protocols = Counter(s.protocol for s in long_suite)
+    assert set(protocols) == set(PROTOCOLS)
+    assert max(protocols.values()) - min(protocols.values()) <= 1
+    assert sum(s.with_posterior for s in long_suite) == 20
+
+
+def test_strengths_of_an_effect_are_spread(long_suite):
+    for name in LISTED:
+        places = sorted(
+            s.quantiles[0] for s in long_suite if s.effects == (name,) and not _is_clean(s)
+        )
+        for k, place in enumerate(places):
+            assert k / len(places) <= place <= (k + 1) / len(places)
+
+
+def test_filmed_cases_are_short_and_show_what_a_camera_can(long_suite):
+    filmed = [s for s in long_suite if s.filmed]
+    assert len(filmed) == 10
+    for spec in filmed:
+        assert spec.trials <= 10
+        assert not any(EFFECTS[name].record for name in spec.effects)
+
+
+def test_effects_get_joints_and_trials_that_can_show_them(long_suite):
+    assert any(len(s.joints[0]) == 1 for s in long_suite if s.effects)
+    for spec in long_suite:
+        assert len(spec.effects) == len(spec.joints) == len(spec.quantiles)
+        for name, joints in zip(spec.effects, spec.joints, strict=True):
+            effect = EFFECTS[name]
+            assert spec.trials >= effect.trials
+            expected = {"chain": (0,), "first": (1,), "one": (1,), "pair": (2,), "any": (1, 3)}
+            assert len(joints) in expected[effect.joints]
+
+
+@pytest.mark.parametrize("n", [24, 31])
+def test_short_suites_have_a_quarter_of_clean_ones_and_a_film(n):
+    suite = draw_suite(3, n)
+    assert sum(_is_clean(s) for s in suite) >= n / 4
+    assert sum(s.filmed for s in suite) == 1
+    assert any(len(s.effects) == 2 for s in suite)
+    assert any(name in OUTSIDE for s in suite for name in s.effects)
+
+
+def test_a_seed_gives_one_suite_and_another_seed_another():
+    assert draw_suite(0, 24) == draw_suite(0, 24)
+    assert draw_suite(0, 24) != draw_suite(1, 24)
+    assert len({s.seed for s in draw_suite(0, 24)}) == 24
+    json.dumps([s.to_json() for s in draw_suite(0, 24)])
