@@ -111,7 +111,8 @@ def bin_segment(
     """Average one stretch of a trial into bins of `interval` seconds: (joint, bin) [rad]."""
     time = angles["time"].values[trial]
     inside = (time >= start) & (time < end)
-    place = np.floor((time[inside] - start) / interval).astype(int)
+    # frames at whole multiples must not fall either way by rounding
+    place = np.floor((time[inside] - start) / interval + 1e-6).astype(int)
     values = residual.values[trial][:, inside]
     bins = int(place.max(initial=0)) + 1
     binned = np.full((values.shape[0], bins), np.nan)

@@ -42,6 +42,12 @@ def test_the_models_own_motion_leaves_nothing():
     assert float(np.abs(residuals["residual"]).max()) < 1e-12
 
 
+def test_evenly_spaced_frames_fill_every_bin():
+    residuals = compute_residuals(*make_campaign())
+    assert residuals["mean_residual"].notnull().all()
+    assert residuals.sizes["since_change"] == 200
+
+
 def test_a_ring_is_found_at_its_joint_and_frequency():
     residuals = compute_residuals(*make_campaign(ring=0.01)).sel(change="rise")
     assert float(residuals["peak_frequency"].sel(joint=2)) == pytest.approx(RING, abs=0.1)
