@@ -1,0 +1,27 @@
+import numpy as np
+import pytest
+import xarray as xr
+
+from softfinger.mechanics.geometry import FingerGeometry
+
+# The paper's table, joint 3's c_p as its notes advise for a simulated finger.
+MU = np.array([[-2.4441, -2.2986, -1.88], [-3.6635, -3.6476, -3.8777], [2.8538, 3.1129, 3.3]])
+SIGMA = np.array([[0.1973, 0.2238, 0.3957], [0.5232, 0.4838, 0.8223], [0.7011, 0.8496, 0.9]])
+
+
+@pytest.fixture
+def geometry():
+    return FingerGeometry.uniform([0.025] * 3, [0.005] * 3, 0.008, 0.005)
+
+
+@pytest.fixture
+def parameters():
+    """Five trials of the paper's finger."""
+    rng = np.random.default_rng(5)
+    viscoelastic = np.exp(MU[:, None] + SIGMA[:, None] * rng.normal(size=(3, 5, 3)))
+    values = [*viscoelastic, rng.normal(0.02, 0.01, (5, 3))]
+    names = ("k_v", "c_v", "c_p", "q_ini")
+    return xr.Dataset(
+        {name: (("trial", "joint"), value) for name, value in zip(names, values, strict=True)},
+        coords={"trial": [f"trial_{i}" for i in range(5)], "joint": [1, 2, 3]},
+    )
