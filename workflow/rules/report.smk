@@ -7,6 +7,15 @@ ARTIFACTS = [
     "densities",
     "sobol",
 ]
+FIGURES = [
+    "finger",
+    "joint_model",
+    "recordings",
+    "histograms",
+    "initial_angles",
+    "densities",
+]
+FIGURES += ["bands", "bands_early", "sobol", "hyperparameters", "residuals", "sampling"]
 
 
 rule report:
