@@ -17,7 +17,7 @@ import trackpy
 from softfinger.tracking.artificial import compute_position_bound, draw_disc, expose
 from softfinger.tracking.body import Body
 from softfinger.tracking.disc import PARAMETERS
-from softfinger.tracking.fit import FIT_QUALITY, NOISE_VARIANCE, UNIT_XX, UNIT_YY
+from softfinger.tracking.fit import FIT_QUALITY, MARGINS, NOISE_VARIANCE, UNIT_XX, UNIT_YY
 from softfinger.tracking.follow import follow_discs_array
 from softfinger.tracking.tracker import Tracker
 
@@ -96,8 +96,9 @@ def follow(film: Film) -> Accuracy:
     known[:, 2:6] = np.stack([0 * RADII + CONTRAST, RADII, 0 * RADII + 0.7, 0 * RADII + LEVEL], 1)
     links = [[k] for k in range(len(RADII))]
     frames = [picture[:, :, None] for picture in film.pictures]
-    Tracker(np.ones(1), known.copy(), Body.measure(links, known[:, :2])).follow(frames[0])
-    tracker = Tracker(np.ones(1), known, Body.measure(links, known[:, :2]))
+    body, margin = Body.measure(links, known[:, :2]), np.full(len(RADII), MARGINS[-1])
+    Tracker(np.ones(1), known.copy(), body, margin).follow(frames[0])
+    tracker = Tracker(np.ones(1), known, body, margin)
     start = time.process_time()
     found = np.array([tracker.follow(frame)[0][:, :2] for frame in frames])
     return rate(film, found, (time.process_time() - start) / len(frames))
@@ -175,6 +176,7 @@ def measure_claim(noise: float, radius: float, rng: np.random.Generator) -> floa
                 expose(light, noise, rng)[:, :, None],
                 np.ones(1),
                 known,
+                np.full(1, MARGINS[-1]),
                 np.ones(1, bool),
                 centre[None] + rng.normal(0.0, 0.3, (1, 2)),
                 fitted,

@@ -11,6 +11,9 @@ from softfinger.tracking.camera import undistort_array
 from softfinger.tracking.flags import JUMP, MISSING, STALE
 
 _MOVING_BASE = 1.5  # scatter of the base's direction, in its frame-to-frame scatter
+# ASSUME: a marker that stands still keeps an error of a tenth of its standard deviation, that of
+# its place between pixels, which no average takes away.
+_STANDING_ERROR = 0.1
 _UNWRAP_WINDOW = 11  # frames
 
 
@@ -131,6 +134,18 @@ def measure_offsets_array(position: np.ndarray) -> np.ndarray:
 def steady_base_array(angle: np.ndarray, variance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Direction of the base averaged over frames, with the variance of that average.
 
+    Parameters
+    ----------
+    angle, variance : (frame,) [rad], [rad2]
+        As seen in each frame; NaN = not seen.
+
+    Returns
+    -------
+    angle, variance : (frame,)
+        The average and its variance in every frame.
+
+    Notes
+    -----
     The base is taken to move, and left as seen, where its directions scatter by more than 1.5
     times what neighbouring frames do.
     """
@@ -144,13 +159,11 @@ def steady_base_array(angle: np.ndarray, variance: np.ndarray) -> tuple[np.ndarr
     if typical > _MOVING_BASE * step and step > 0.0:
         return angle, variance
     near = np.abs(deviation - np.median(deviation)) <= 5.0 * 1.4826 * typical
-    mean = reference + deviation[near].mean()
-    return (
-        np.full_like(angle, mean),
-        np.full_like(variance, np.nanmean(variance[seen]) / near.sum())
-        if np.isfinite(variance[seen]).any()
-        else variance,
-    )
+    steady = np.full_like(angle, reference + deviation[near].mean())
+    if not np.isfinite(variance[seen]).any():
+        return steady, variance
+    share = 1.0 / near.sum() + _STANDING_ERROR**2
+    return steady, np.full_like(variance, share * np.nanmean(variance[seen]))
 
 
 def build_covariance_array(variance: np.ndarray) -> np.ndarray:

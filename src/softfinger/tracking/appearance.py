@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 
 from softfinger.tracking.disc import CONTRAST, LEVEL, RADIUS, SLOPE_X, SLOPE_Y, SPREAD, X, Y
@@ -40,9 +41,10 @@ def draw_closeness(picture: np.ndarray, colour: str) -> np.ndarray:
     array([255,   0], dtype=uint8)
     """
     wanted = np.array([int(colour[k : k + 2], 16) for k in (5, 3, 1)], np.float32)
-    off = picture.astype(np.float32) - wanted
-    brightness = off.mean(axis=2, keepdims=True)
-    distance = np.sqrt(4.0 * ((off - brightness) ** 2).sum(axis=2) + 3.0 * brightness[..., 0] ** 2)
+    grey = np.full((3, 3), 1.0 / 3.0)
+    mix = (2.0 * (np.eye(3) - grey) + grey).astype(np.float32)
+    off = cv2.transform(picture.astype(np.float32) - wanted, mix)
+    distance = np.sqrt(cv2.transform(off * off, np.ones((1, 3), np.float32)))
     return np.clip(255.0 - distance, 0.0, 255.0).astype(np.uint8)[:, :, None]
 
 

@@ -6,9 +6,10 @@ import cv2
 import numpy as np
 
 from softfinger.tracking.disc import CONTRAST, RADIUS, SPREAD, X, Y
-from softfinger.tracking.fit import FIT_QUALITY, LARGEST_WINDOW, fit_disc_array
+from softfinger.tracking.fit import FIT_QUALITY, LARGEST_WINDOW, MARGINS, fit_disc_array
 from softfinger.tracking.follow import is_certain_array
 
+_SMALL_RADIUS = 4.0  # px: discs are looked for in a picture so far shrunk
 _RADIUS_RANGE = (0.6, 1.6)
 _ITERATIONS = 30
 _MOST_CANDIDATES = 200
@@ -38,16 +39,30 @@ def find_discs_array(
     numpy.ndarray (disc, 8)
         Parameters of :data:`softfinger.tracking.disc.PARAMETERS`, strongest contrast first.
     """
-    light = picture.astype(np.float32) @ weight.astype(np.float32)
-    narrow = cv2.GaussianBlur(light, (0, 0), 0.6 * radius)
-    difference = narrow - cv2.GaussianBlur(light, (0, 0), 1.5 * radius)
+    difference, size = _draw_difference(picture, weight, radius)
     found: list[np.ndarray] = []
-    for row, column in _list_peaks(difference, polarity, radius):
-        parameters = _fit_anywhere(picture, weight, column, row, radius, difference[row, column])
+    for row, column in _list_peaks(difference, polarity, radius / size):
+        place = (size * (np.array([column, row]) + 0.5) - 0.5).astype(int)
+        parameters = _fit_anywhere(picture, weight, *place, radius, difference[row, column])
         if parameters is not None and not _is_known(parameters, found):
             found.append(parameters)
     found.sort(key=lambda p: -abs(p[CONTRAST]))
     return np.array(found).reshape(-1, 8)
+
+
+def _draw_difference(
+    picture: np.ndarray, weight: np.ndarray, radius: float
+) -> tuple[np.ndarray, int]:
+    """Difference of two Gaussian means of the light, and how many pixels one of it is wide."""
+    size = max(1, int(radius / _SMALL_RADIUS))
+    light = cv2.transform(picture.astype(np.float32), weight[None].astype(np.float32))
+    if size > 1:
+        small = (light.shape[1] // size, light.shape[0] // size)
+        light = cv2.resize(
+            light[: small[1] * size, : small[0] * size], small, interpolation=cv2.INTER_AREA
+        )
+    narrow = cv2.GaussianBlur(light, (0, 0), 0.6 * radius / size)
+    return narrow - cv2.GaussianBlur(light, (0, 0), 1.5 * radius / size), size
 
 
 def _list_peaks(difference: np.ndarray, polarity: int, radius: float) -> np.ndarray:
@@ -78,7 +93,8 @@ def _fit_anywhere(
     p = np.array([column, row, 2.2 * difference, radius, 1.0, level, 0.0, 0.0])
     quality = np.empty(len(FIT_QUALITY))
     rows, side = np.empty((9, LARGEST_WINDOW)), np.empty(LARGEST_WINDOW, np.uint8)
-    if not fit_disc_array(picture, weight, p, _NO_DISCS, -1, quality, rows, side, _ITERATIONS):
+    start = (p, MARGINS[0], _NO_DISCS, -1)
+    if not fit_disc_array(picture, weight, *start, quality, rows, side, _ITERATIONS):
         return None
     near = np.hypot(p[X] - column, p[Y] - row) < radius
     sized = _RADIUS_RANGE[0] < p[RADIUS] / radius < _RADIUS_RANGE[1]

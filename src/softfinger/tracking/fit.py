@@ -19,6 +19,8 @@ from softfinger.tracking.disc import (
     Y,
 )
 from softfinger.tracking.normal import (
+    INSIDE,
+    OUTSIDE,
     RIM,
     invert_symmetric_array,
     linearise_window_array,
@@ -33,6 +35,9 @@ UNIT_XX, UNIT_YY, UNIT_XY, NOISE_VARIANCE, MISFIT = range(5)
 #: A step smaller than this, in edge spreads, is the last one. By symmetry a step of length δ
 #: leaves an error of order δ³: far below the noise.
 LAST_STEP = 0.05
+#: Widths of background to fit with: the wider, the better the shade is known; the narrower, the
+#: less often something else is in the window.
+MARGINS = (1.5, 2.5, 4.0)
 LARGEST_WINDOW = 20_000  # pixels: a radius of about 75
 
 _SIZE = len(PARAMETERS)
@@ -46,6 +51,7 @@ def fit_disc_array(
     picture: np.ndarray,
     weight: np.ndarray,
     p: np.ndarray,
+    margin: float,
     others: np.ndarray,
     own: int,
     quality: np.ndarray,
@@ -62,6 +68,8 @@ def fit_disc_array(
         Light = Σ weight · channel.
     p : (8,)
         Overwritten; in the order of :data:`softfinger.tracking.disc.PARAMETERS`.
+    margin : float [px]
+        Width of the background in the window, beyond two edge spreads.
     others : (disc, 3) [px]
         Places and reaches of all discs; pixels of those other than `own` are left out.
     quality : (5,)
@@ -81,7 +89,7 @@ def fit_disc_array(
     quality[:] = np.nan
     widest = _MOST_GROWTH * p[RADIUS]
     for _ in range(iterations):
-        count = linearise_window_array(picture, weight, p, others, own, rows, side)
+        count = linearise_window_array(picture, weight, p, margin, others, own, rows, side)
         if count <= 0:
             return False
         multiply_rows_array(rows, count, products)
@@ -139,8 +147,9 @@ def _measure_residuals(
 ) -> bool:
     """Noise off the rim, and the misfit on it, after the last step.
 
-    The noise on the rim is taken midway between that of the light outside and that inside; no
-    error of the disc's shape counts as noise.
+    The noise on the rim is taken midway between that of the light outside and that inside, so that
+    no error of the disc's shape counts as noise. Of the eight parameters half are at home on the
+    rim; where the window has no other pixels, what is left there is taken for noise.
     """
     sums, numbers = np.zeros(3), np.zeros(3)
     for k in range(count):
@@ -149,15 +158,14 @@ def _measure_residuals(
             r -= rows[a, k] * step[a]
         sums[side[k]] += r * r
         numbers[side[k]] += 1.0
-    if numbers[RIM] < _FEWEST_RIM or numbers[0] + numbers[1] < _FEWEST_FLAT:
+    if numbers[RIM] < _FEWEST_RIM:
         return False
     noise, sides = 0.0, 0
-    for k, parameters in ((0, 3), (1, 1)):  # plane and level outside, contrast inside
+    for k, parameters in ((OUTSIDE, 3), (INSIDE, 1)):  # level and slopes outside, contrast inside
         if numbers[k] >= _FEWEST_FLAT:
             noise += sums[k] / (numbers[k] - parameters)
             sides += 1
-    if sides == 0:
-        return False
-    quality[NOISE_VARIANCE] = noise / sides
-    quality[MISFIT] = sums[RIM] / numbers[RIM] / max(quality[NOISE_VARIANCE], 1e-12)
+    on_rim = sums[RIM] / (numbers[RIM] - 4)
+    quality[NOISE_VARIANCE] = noise / sides if sides else on_rim
+    quality[MISFIT] = on_rim / max(quality[NOISE_VARIANCE], 1e-12)
     return True

@@ -7,7 +7,9 @@ from numba import njit
 
 from softfinger.tracking.disc import CONTRAST, RADIUS, SPREAD, X, Y
 from softfinger.tracking.fit import (
+    FIT_QUALITY,
     LARGEST_WINDOW,
+    MARGINS,
     MISFIT,
     NOISE_VARIANCE,
     UNIT_XX,
@@ -20,6 +22,8 @@ _CONTRAST_CHANGE = (0.4, 2.5)  # from one picture to the next
 _RADIUS_CHANGE = (0.6, 1.6)
 _LARGEST_SD = 0.15  # radii: less certain than that, a disc is not seen
 _LARGEST_RESIDUAL = 0.35  # rms on the rim, in contrasts
+_LARGEST_RISE = 1.5  # of the noise variance, where a wider margin holds nothing new
+_ROUNDING = 0.5  # of the light, squared: below it a rise means nothing
 
 
 @njit(cache=True)
@@ -49,6 +53,7 @@ def follow_discs_array(
     picture: np.ndarray,
     weight: np.ndarray,
     known: np.ndarray,
+    margin: np.ndarray,
     wanted: np.ndarray,
     predicted: np.ndarray,
     fitted: np.ndarray,
@@ -63,6 +68,8 @@ def follow_discs_array(
         Light = Σ weight · channel.
     known : (disc, 8)
         How each disc looked when it was last seen.
+    margin : (disc,) [px]
+        Width of the background that each disc is fitted with.
     wanted : (disc,) bool
         Which discs to look for.
     predicted : (disc, 2) [px]
@@ -85,7 +92,9 @@ def follow_discs_array(
         p = fitted[k]
         p[:] = known[k]
         p[X], p[Y] = predicted[k]
-        found = fit_disc_array(picture, weight, p, others, k, quality[k], rows, side, _ITERATIONS)
+        found = fit_disc_array(
+            picture, weight, p, margin[k], others, k, quality[k], rows, side, _ITERATIONS
+        )
         inside = -0.5 <= p[X] <= picture.shape[1] - 0.5 and -0.5 <= p[Y] <= picture.shape[0] - 0.5
         near = math.hypot(p[X] - predicted[k, 0], p[Y] - predicted[k, 1]) < 2.0 * p[RADIUS]
         if (
@@ -100,3 +109,20 @@ def follow_discs_array(
             p[:] = np.nan
             quality[k, :] = np.nan
             others[k, 2] = 0.0
+
+
+def choose_margins_array(picture: np.ndarray, weight: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """Widest background of each disc that holds nothing else (disc,) [px].
+
+    Markers are fixed to their links, so what surrounds them is the same in every picture.
+    """
+    noise = np.full((len(MARGINS), len(known)), np.inf)
+    for k, margin in enumerate(MARGINS):
+        fitted, quality = np.empty_like(known), np.empty((len(known), len(FIT_QUALITY)))
+        margins, wanted = np.full(len(known), margin), np.ones(len(known), bool)
+        places = known[:, [X, Y]].copy()
+        follow_discs_array(picture, weight, known, margins, wanted, places, fitted, quality)
+        seen = np.isfinite(fitted[:, X])
+        noise[k, seen] = quality[seen, NOISE_VARIANCE]
+    plain = noise <= _LARGEST_RISE * noise[0] + _ROUNDING
+    return np.array([max(m for m, ok in zip(MARGINS, row, strict=True) if ok) for row in plain.T])

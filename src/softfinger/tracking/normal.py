@@ -21,13 +21,6 @@ from softfinger.tracking.disc import (
 #: Where a pixel of the window lies: wholly outside the disc, wholly inside, on its rim.
 OUTSIDE, INSIDE, RIM = range(3)
 _RIM_WIDTH = 3.5  # half width of the rim in edge spreads
-_MARGIN = 4.0  # pixels of plain background beyond the rim
-
-
-@njit(cache=True)
-def compute_reach(radius: float, spread: float) -> float:
-    """Radius of a disc's window [px]: its rim and some plain background."""
-    return radius + max(_compute_rim_width(spread) + 1.0, 2.0 * spread + _MARGIN)
 
 
 @njit(cache=True)
@@ -41,6 +34,7 @@ def linearise_window_array(
     picture: np.ndarray,
     weight: np.ndarray,
     p: np.ndarray,
+    margin: float,
     others: np.ndarray,
     own: int,
     rows: np.ndarray,
@@ -55,6 +49,8 @@ def linearise_window_array(
         Light = Σ weight · channel.
     p : (8,)
         Parameters of the disc.
+    margin : float [px]
+        Width of the background in the window, beyond two edge spreads.
     others : (disc, 3) [px]
         Places and reaches of all discs; pixels of those other than `own` are left out.
     rows : (9, pixel)
@@ -71,7 +67,7 @@ def linearise_window_array(
     x, y, contrast, radius, spread = p[X], p[Y], p[CONTRAST], p[RADIUS], p[SPREAD]
     width = _compute_rim_width(spread)
     outer, inner = (radius + width) ** 2, max(0.0, radius - width) ** 2
-    reach = compute_reach(radius, spread)
+    reach = radius + 2.0 * spread + margin
     crowded = _has_neighbours(x, y, reach, others, own)
     divisions = count_divisions(spread)
     height, breadth, channels = picture.shape

@@ -19,7 +19,9 @@ from softfinger.tracking.appearance import (
 from softfinger.tracking.body import Body
 from softfinger.tracking.camera import undistort_array
 from softfinger.tracking.detection import find_discs_array
-from softfinger.tracking.disc import PARAMETERS, RADIUS, SPREAD, X, Y
+from softfinger.tracking.disc import CONTRAST, LEVEL, PARAMETERS, RADIUS, SPREAD, X, Y
+from softfinger.tracking.fit import FIT_QUALITY
+from softfinger.tracking.follow import choose_margins_array, follow_discs_array
 from softfinger.tracking.identity import Match, match_finger_array
 from softfinger.tracking.tracker import Tracker
 from softfinger.tracking.video import Frame, peek_pictures
@@ -27,6 +29,7 @@ from softfinger.tracking.video import Frame, peek_pictures
 _TOLERANCE = 0.5  # radii between a disc and where the finger's geometry puts it
 _UNKNOWN_RADII = tuple(2.5 * 1.5**k for k in range(7))  # px, where no scale is declared
 _UNKNOWN_SCALES = (1.0, 0.95, 1.05, 0.9, 1.1)  # what a declared diameter may be off by
+_NEAR_ENOUGH = 128.0  # of 255, to a declared colour
 _EVERY_FRAME, _THEN_EVERY = 30, 10
 _PEEKS = (0.5, 1.0)
 
@@ -73,9 +76,10 @@ def find_start(
     scaled = camera.metres_per_pixel is not None
     size = f" of radius {_list_radii(camera)[0]:.1f} px" if scaled else ""
     raise TrialFault(
-        f"{path.name}: the {len(marker_names(camera))} declared markers are in none of the "
-        f"{len(before)} frames (at most {most} discs{size} were found in one); check "
-        "marker_colour, marker_diameter_m, metres_per_pixel and markers in campaign.yaml"
+        f"{path.name}: the {len(marker_names(camera))} declared markers are in none of its "
+        f"{len(before)} frames of {shape[1]} × {shape[0]} px (at most {most} discs{size} were "
+        "found in one); check marker_colour, marker_diameter_m, metres_per_pixel and markers in "
+        "campaign.yaml"
     )
 
 
@@ -95,7 +99,40 @@ def start_at_points(picture: np.ndarray, places: np.ndarray, radius: float) -> T
     weight = np.full(picture.shape[2], 1.0 / picture.shape[2])
     known = measure_light(picture, weight, rough)
     links = [[k] for k in range(len(places))]
-    return Tracker(weight, known, Body.measure(links, known[:, :2]))
+    margin = choose_margins_array(picture, weight, known)
+    return Tracker(weight, known, Body.measure(links, known[:, :2]), margin)
+
+
+def locate_discs(picture: np.ndarray, radius: float, colour: str | None = None) -> np.ndarray:
+    """Find discs of a radius and colour in a single picture.
+
+    Parameters
+    ----------
+    picture : (row, column, channel)
+    radius : float [px]
+    colour : str, optional
+        ``dark``, ``light`` or ``#rrggbb``; either polarity where none is given.
+
+    Returns
+    -------
+    numpy.ndarray (disc, 8)
+        Parameters of :data:`softfinger.tracking.disc.PARAMETERS`, in the mix of channels in which
+        the discs stand out most.
+    """
+    coloured = (colour or "").startswith("#") and picture.shape[2] == 3
+    view = draw_closeness(picture, str(colour)) if coloured else picture
+    weight = np.full(view.shape[2], 1.0 / view.shape[2])
+    discs = find_discs_array(view, weight, radius, choose_polarity(colour))
+    if coloured:
+        discs = discs[discs[:, LEVEL] + discs[:, CONTRAST] > _NEAR_ENOUGH]
+    weight = choose_weight(picture, discs)
+    known = measure_light(picture, weight, discs)
+    refined = np.full_like(known, np.nan)
+    quality = np.empty((len(known), len(FIT_QUALITY)))
+    margin, wanted = choose_margins_array(picture, weight, known), np.ones(len(known), bool)
+    places = known[:, :2].copy()
+    follow_discs_array(picture, weight, known, margin, wanted, places, refined, quality)
+    return refined[np.isfinite(refined[:, X])]
 
 
 def list_sightings(
@@ -107,14 +144,10 @@ def list_sightings(
     -------
     sightings, largest number of discs found
     """
-    colour = camera.marker_colour or ""
-    coloured = colour.startswith("#") and picture.shape[2] == 3
-    view = draw_closeness(picture, colour) if coloured else picture
-    weight = np.full(view.shape[2], 1.0 / view.shape[2])
     sightings: list[Sighting] = []
     most = 0
     for radius in _list_radii(camera):
-        discs = find_discs_array(view, weight, radius, choose_polarity(camera.marker_colour))
+        discs = locate_discs(picture, radius, camera.marker_colour)
         most = max(most, len(discs))
         straight = undistort_array(discs[:, :2], camera)
         for scale in _list_scales(camera, discs):
@@ -179,4 +212,5 @@ def _build_tracker(
         [(ends[k] - camera.markers[link][-1]) / chosen.scale for k, link in enumerate(groups)]
     )
     arm = np.array([place for link in groups for place in camera.markers[link]]) / chosen.scale
-    return Tracker(weight, known, Body.measure(links, known[:, :2], joint, arm))
+    body = Body.measure(links, known[:, :2], joint, arm)
+    return Tracker(weight, known, body, choose_margins_array(picture, weight, known))

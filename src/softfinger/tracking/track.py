@@ -14,13 +14,13 @@ from softfinger.faults import TrialFault
 from softfinger.progress import track_progress
 from softfinger.tracking.body import Body
 from softfinger.tracking.disc import RADIUS, X, Y
-from softfinger.tracking.fit import FIT_QUALITY, MISFIT
+from softfinger.tracking.fit import FIT_QUALITY
 from softfinger.tracking.flags import JUMP, MISSING, STALE
 from softfinger.tracking.start import find_start
 from softfinger.tracking.uncertainty import claim_sd_array, compute_excess_array
 from softfinger.tracking.video import read_frames
 
-_SUSPECT_EXCESS = 4.0  # misfit over the typical one: something else is in the window
+_SUSPECT_EXCESS = 4.0  # residual over the typical one: something else is in the window
 
 
 def track_video(path: Path, camera: Camera, link_length: Sequence[float]) -> xr.Dataset:
@@ -82,7 +82,7 @@ def _describe(
     sd = claim_sd_array(position, quality, stale, body)
     seen = np.isfinite(position[..., 0])
     flag = np.where(seen, 0, MISSING) | np.where(stale[:, None], STALE, 0)
-    flag |= np.where(compute_excess_array(quality[..., MISFIT]) > _SUSPECT_EXCESS, JUMP, 0)
+    flag |= np.where(compute_excess_array(quality) > _SUSPECT_EXCESS, JUMP, 0)
     return xr.Dataset(
         {
             "time": ("frame", time),

@@ -25,11 +25,14 @@ class Tracker:
         How each marker looked when it was last seen.
     body : Body
         What is rigid about them.
+    margin : (marker,) [px]
+        Width of the background that each one is fitted with.
     """
 
     weight: np.ndarray
     known: np.ndarray
     body: Body
+    margin: np.ndarray
     velocity: np.ndarray = field(init=False)
     lost_for: np.ndarray = field(init=False)
 
@@ -68,7 +71,9 @@ class Tracker:
         quality: np.ndarray,
     ) -> None:
         """Fit the wanted markers and drop those that do not keep their distances."""
-        follow_discs_array(picture, self.weight, self.known, wanted, predicted, fitted, quality)
+        follow_discs_array(
+            picture, self.weight, self.known, self.margin, wanted, predicted, fitted, quality
+        )
         stretched = self.body.find_stretched(fitted[:, :2], self.known[:, RADIUS])
         if stretched.any():
             fitted[stretched], quality[stretched] = np.nan, np.nan

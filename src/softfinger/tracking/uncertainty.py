@@ -45,19 +45,25 @@ def claim_sd_array(
     """
     unit = 0.5 * (quality[..., UNIT_XX] + quality[..., UNIT_YY])
     variance = unit * _smooth_noise(quality[..., NOISE_VARIANCE])
-    excess = compute_excess_array(quality[..., MISFIT])
+    excess = compute_excess_array(quality)
     variance *= np.where(excess > _EXCESS, excess, 1.0)
     factor = measure_variance_factor_array(position, variance, stale, body)
     return np.sqrt(variance * factor)
 
 
-def compute_excess_array(misfit: np.ndarray) -> np.ndarray:
-    """Misfit of each fit (frame, marker) over that marker's typical one."""
-    with np.errstate(invalid="ignore"):
-        typical = np.array(
-            [np.median(m[np.isfinite(m)]) if np.isfinite(m).any() else np.nan for m in misfit.T]
-        )
-        return misfit / np.maximum(typical, 1e-12)
+def compute_excess_array(quality: np.ndarray) -> np.ndarray:
+    """Mean square residual on the rim over that marker's typical one (frame, marker).
+
+    Parameters
+    ----------
+    quality : (frame, marker, 5)
+    """
+    residual = quality[..., MISFIT] * quality[..., NOISE_VARIANCE]
+    typical = np.full(residual.shape[1], np.nan)
+    for k, values in enumerate(residual.T):
+        seen = values[np.isfinite(values)]
+        typical[k] = np.median(seen) if seen.size else np.nan
+    return residual / np.maximum(typical, 1e-12)
 
 
 def measure_variance_factor_array(

@@ -53,7 +53,8 @@ class Rig:
         path = self.folder / name
         size = (pictures[0].shape[1], pictures[0].shape[0])
         code = cv2.VideoWriter.fourcc(*codec)
-        writer = cv2.VideoWriter(str(path), cv2.CAP_FFMPEG, code, fps, size, False)
+        colour = pictures[0].shape[2] == 3
+        writer = cv2.VideoWriter(str(path), cv2.CAP_FFMPEG, code, fps, size, colour)
         assert writer.isOpened()
         for picture in pictures:
             writer.write(picture)

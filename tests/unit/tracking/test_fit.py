@@ -22,14 +22,14 @@ def fit(picture, start, others=None, own=-1, iterations=30, weight=None):
     others = np.empty((0, 3)) if others is None else others
     rows, side = np.empty((9, LARGEST_WINDOW)), np.empty(LARGEST_WINDOW, np.uint8)
     weight = np.ones(picture.shape[2]) if weight is None else weight
-    good = fit_disc_array(picture, weight, p, others, own, quality, rows, side, iterations)
+    good = fit_disc_array(picture, weight, p, 4.0, others, own, quality, rows, side, iterations)
     return good, p, quality
 
 
 @pytest.mark.parametrize(("level", "contrast"), [(180.0, -120.0), (30.0, 190.0)])
 def test_every_parameter_of_a_noiseless_disc_is_found(level, contrast):
     light = level + contrast * draw_disc(SHAPE, (19.37, 16.81), 6.0, 0.7, 40)
-    good, p, quality = fit(light, [18.6, 17.5, 0.6 * contrast, 5.2, 1.2, 0.9 * level, 0, 0])
+    good, p, _ = fit(light, [18.6, 17.5, 0.6 * contrast, 5.2, 1.2, 0.9 * level, 0, 0])
     assert good
     np.testing.assert_allclose(p[[X, Y]], [19.37, 16.81], atol=1e-3)
     np.testing.assert_allclose(p[[CONTRAST, LEVEL]], [contrast, level], rtol=2e-3)

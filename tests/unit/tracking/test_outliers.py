@@ -11,7 +11,7 @@ NO_JUMPS = np.array([])
 def ring(frequency, decay=1.2, amplitude=0.4, start=1.5):
     after = np.maximum(TIME - start, 0.0)
     swing = np.exp(-after * decay) * np.cos(2 * np.pi * frequency * after)
-    return amplitude * (1.0 - swing) * (TIME >= start)
+    return amplitude * (1.0 - swing) * (start <= TIME)
 
 
 @pytest.mark.parametrize("frequency", [0.5, 1.7, 3.4, 5.6])

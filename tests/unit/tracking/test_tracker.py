@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from softfinger.tracking.disc import PARAMETERS
 from softfinger.tracking.body import Body
+from softfinger.tracking.disc import PARAMETERS
 from softfinger.tracking.start import start_at_points
 from softfinger.tracking.tracker import Tracker
 
@@ -14,7 +14,7 @@ def follow(tracker, pictures):
 def start(places, links, contrast=-120.0):
     known = np.zeros((len(places), len(PARAMETERS)))
     known[:, :2], known[:, 2:6] = places, [contrast, 4.0, 0.7, 180.0]
-    return Tracker(np.ones(1), known, Body.measure(links, known[:, :2]))
+    return Tracker(np.ones(1), known, Body.measure(links, known[:, :2]), np.full(len(known), 4.0))
 
 
 def test_a_fast_finger_is_followed(rig):
@@ -75,7 +75,7 @@ def test_nothing_but_texture_is_not_taken_for_a_lost_marker(rig, shape):
 
 def test_without_geometry_it_starts_from_rough_places(rig):
     truth = np.array([[50.0, 40.0], [150.0, 100.0]])
-    tracker = start_at_points(rig.draw(truth), truth + [[1.5, -1.0], [-1.0, 1.2]], 4.5)
-    found = follow(tracker, [rig.draw(truth + [0.5 * k, 0.0]) for k in range(5)])
-    expected = np.stack([truth + [0.5 * k, 0.0] for k in range(5)])
+    tracker = start_at_points(rig.draw(truth), truth + np.array([[1.5, -1.0], [-1.0, 1.2]]), 4.5)
+    expected = truth + np.arange(5)[:, None, None] * np.array([0.5, 0.0])
+    found = follow(tracker, [rig.draw(places) for places in expected])
     assert np.abs(found - expected).max() < 0.08
