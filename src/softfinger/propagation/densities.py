@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from softfinger.progress import track_progress
 from softfinger.propagation.config import PropagationConfig, read_config
-from softfinger.propagation.density import compute_density_array
+from softfinger.propagation.density import compute_density_array, refine_density_array
 from softfinger.propagation.hyperparameters import ESTIMATES, select_posterior, select_two_stage
 from softfinger.propagation.predictions import BOUNDS
 from softfinger.propagation.protocols import (
@@ -22,7 +22,6 @@ from softfinger.propagation.quantiles import compute_quantiles_array
 
 EDGES = (0.001, 0.25, 0.5, 0.75, 0.999)
 FARTHEST = 5.0  # interquartile ranges from the median; a heavy tail is drawn no farther
-REFINEMENT = 1.5
 
 
 def compute_densities(
@@ -49,8 +48,7 @@ def compute_densities(
         of a new trial, with density_bound (joint, time, angle, bound) between which 90 % of the
         draws lie. probability_shown (estimate, joint, time) lies within the angles drawn.
         density_error (joint, time) [1]: of the two-stage density, over its peak, as the largest
-        change when every step of the quadratures is divided by 1.5. NaN where the population is
-        not known.
+        change that the last refinement made. NaN where the population is not known.
     """
     knobs = read_config(config)
     protocol = select_main_protocol(group_protocols(angles))
@@ -91,8 +89,7 @@ def _compute_joint(
     of_draws = np.stack(
         [compute_density_array(*population, time, *load, angle, cut) for population in sets]
     )
-    density = compute_density_array(*point, time, *load, angle, cut)
-    finer = compute_density_array(*point, time, *load, angle, cut, fineness=REFINEMENT)
+    density, error = refine_density_array(*point, time, *load, angle, cut)
     both = np.stack([density, of_draws.mean(axis=0)])
     bound = np.quantile(of_draws, list(BOUNDS.values()), axis=0)
     return xr.Dataset(
@@ -100,7 +97,7 @@ def _compute_joint(
             "joint_angle": (("time", "angle"), angle),
             "density": (("estimate", "time", "angle"), both),
             "density_bound": (("bound", "time", "angle"), bound),
-            "density_error": ("time", np.abs(density - finer).max(axis=1) / finer.max(axis=1)),
+            "density_error": ("time", error),
             "probability_shown": (("estimate", "time"), np.trapezoid(both, angle, axis=-1)),
         },
         coords={"estimate": list(ESTIMATES), "time": time, "bound": list(BOUNDS)},

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import fft
 
+from softfinger.faults import Fault
 from softfinger.mechanics.load import integrate_load_array
 from softfinger.propagation import lattice
 from softfinger.propagation.masses import (
@@ -32,6 +33,8 @@ from softfinger.propagation.moments import C_P, Q_INI
 
 NARROWEST = 1e-3
 MOST_SD = 1e5
+REFINEMENT = 1.5
+MOST_REFINEMENTS = 5
 
 
 class Distribution(NamedTuple):
@@ -117,6 +120,51 @@ def compute_density_array(
     for row, part in enumerate(parts):
         density[row] = part.read_density(angle[row])
     return density
+
+
+def refine_density_array(
+    mu: ArrayLike,
+    sigma: ArrayLike,
+    time: ArrayLike,
+    load_time: ArrayLike,
+    load_torque: ArrayLike,
+    angle: ArrayLike,
+    c_p_truncation_sd: float | None = None,
+    tolerance: float = 1e-6,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Compute the density with ever finer quadratures until its error is small.
+
+    Parameters
+    ----------
+    mu, sigma, time, load_time, load_torque, angle, c_p_truncation_sd
+        As for `compute_density_array`.
+    tolerance
+        Of the density's peak among the angles.
+
+    Returns
+    -------
+    density (n, a) [1/rad], and its error (n,) over the peak: the largest change that the last
+    refinement made.
+
+    Raises
+    ------
+    Fault
+        If five refinements are not enough.
+    """
+    population = (mu, sigma, time, load_time, load_torque, angle, c_p_truncation_sd)
+    density, fineness = compute_density_array(*population), 1.0
+    for _ in range(MOST_REFINEMENTS):
+        fineness *= REFINEMENT
+        finer = compute_density_array(*population, fineness=fineness)
+        error = np.abs(finer - density).max(axis=1) / finer.max(axis=1)
+        if not (error > tolerance).any():
+            return finer, error
+        density = finer
+    raise Fault(
+        f"the density of the joint angle still changes by {error.max():.1e} of its peak after "
+        f"{MOST_REFINEMENTS} refinements; expected {tolerance:g}: report this population, mu = "
+        f"{np.asarray(mu).tolist()}, sigma = {np.asarray(sigma).tolist()}"
+    )
 
 
 def convolve_parts(

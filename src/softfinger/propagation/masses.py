@@ -57,7 +57,8 @@ def build_elastic_mixture(
     """Build the mixture of log-normals that is the elastic part.
 
     With s² = σ_k² + σ_c²: log k_v | x ~ N(μ_k + (σ_k²/s²)(x − μ_x), σ_k² σ_c²/s²). The step in x
-    shrinks until neighbours stand closer than their own width and that of the smoothing, `sd`.
+    shrinks until it resolves the product of two Gaussians: that of x, and that of an angle about
+    its median, as wide as the log-normal and the smoothing `sd` together.
     """
     spread = np.hypot(sigma[K_V], sigma[C_V])
     log_sd = sigma[K_V] * sigma[C_V] / spread
@@ -70,7 +71,8 @@ def build_elastic_mixture(
         median = lagged * np.exp(-mu[K_V] - (sigma[K_V] / spread) ** 2 * x)[:, None]
         size = np.abs(median)
         width = np.hypot(log_sd * np.maximum(size[1:], size[:-1]), sd)
-        ratio = (np.abs(np.diff(median, axis=0)) / width).max(initial=0.0) * fineness / STEP
+        gap = (np.abs(np.diff(median, axis=0)) / width).max(initial=0.0)
+        ratio = np.hypot(gap, step / spread) * fineness / STEP
         if ratio <= 1.0:
             break
         step /= min(1.2 * ratio, 8.0)

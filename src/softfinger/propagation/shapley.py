@@ -188,7 +188,7 @@ def _space_lattice(mu: NDArray, covariance: NDArray) -> NDArray[np.float64]:
         left = np.sqrt(np.maximum(variance - (with_rate[:, u] * inner).sum(axis=1), 0.0))
         narrowest = min(narrowest, left[left >= NARROWEST].min(initial=np.inf))
     shift = 2 * np.abs(with_rate[:, [K_V, C_P]]).max()
-    reach = REACH * np.sqrt(variance.max()) + shift
+    reach = (REACH + 1) * np.sqrt(variance.max()) + shift  # a shared part may reach a step more
     step = float(compute_log_step(narrowest))
     low, high = rate.min() - reach, rate.max() + reach
     return low + step * np.arange(int((high - low) / step) + 2)

@@ -1,6 +1,7 @@
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import simpson
 
 from softfinger.propagation.density import compute_density_array
 from softfinger.propagation.indices import compute_sobol_array
@@ -18,12 +19,12 @@ TORQUE = st.floats(-0.1, 0.1, allow_subnormal=False)
 
 @st.composite
 def loads(draw):
-    gaps = draw(st.lists(st.floats(0.0, 5.0), min_size=1, max_size=4))
+    gaps = draw(st.lists(st.just(0.0) | st.floats(1e-3, 5.0), min_size=1, max_size=4))
     torque = draw(st.lists(TORQUE, min_size=len(gaps), max_size=len(gaps)))
     return np.cumsum(gaps), np.array(torque)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, derandomize=True, max_examples=60)
 @given(MU, SIGMA, loads())
 def test_indices_are_shares_of_one(mu, sigma, load):
     indices = compute_sobol_array(mu, sigma, TIME, *load)
@@ -34,7 +35,7 @@ def test_indices_are_shares_of_one(mu, sigma, load):
     np.testing.assert_allclose(whole, 1.0, rtol=1e-12)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, derandomize=True, max_examples=40)
 @given(MU, SIGMA, loads(), st.floats(0.1, 10.0))
 def test_units_do_not_matter(mu, sigma, load, factor):
     """Torque, stiffness and viscosities in another unit: the same angles, the same indices."""
@@ -48,7 +49,7 @@ def test_units_do_not_matter(mu, sigma, load, factor):
             np.testing.assert_allclose(two, one, rtol=1e-6, atol=1e-9)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, derandomize=True, max_examples=40)
 @given(MU, SIGMA, loads())
 def test_the_two_quadratures_agree_on_the_share_of_the_initial_angle(mu, sigma, load):
     variance = compute_moments_array(mu, sigma, TIME, *load)[1]
@@ -56,7 +57,7 @@ def test_the_two_quadratures_agree_on_the_share_of_the_initial_angle(mu, sigma, 
     np.testing.assert_allclose(share, sigma[3] ** 2 / variance, rtol=1e-5)
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, derandomize=True, max_examples=25)
 @given(MU, SIGMA, TORQUE)
 def test_density_is_one_in_all_and_turns_with_the_load(mu, sigma, torque):
     mu, sigma = np.array(mu), np.array(sigma)
@@ -68,11 +69,11 @@ def test_density_is_one_in_all_and_turns_with_the_load(mu, sigma, torque):
     peak = density.max(axis=1, keepdims=True)
     np.testing.assert_allclose(turned / peak, density / peak, atol=1e-6)
     narrow = (ends[:, 1] - ends[:, 0]) / 1200 < 0.3 * sigma[3]
-    between = np.trapezoid(density, angle, axis=1)
+    between = simpson(density, angle, axis=1)
     np.testing.assert_allclose(between[narrow], 0.599, atol=1e-4)
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, derandomize=True, max_examples=25)
 @given(MU, SIGMA, loads())
 def test_shapley_effects_are_shares_of_one(mu, sigma, load):
     effect = compute_shapley_array(mu, np.diag(np.square(np.minimum(sigma, 1.5))), TIME, *load)
@@ -80,7 +81,7 @@ def test_shapley_effects_are_shares_of_one(mu, sigma, load):
     np.testing.assert_allclose(effect.sum(axis=-1), 1.0, rtol=1e-6)
 
 
-@settings(deadline=None)
+@settings(deadline=None, derandomize=True)
 @given(st.lists(st.floats(-1, 1), min_size=1, max_size=9), st.floats(-2, 2), st.floats(-1, 1))
 def test_scores_move_with_the_angle(predicted, observed, shift):
     predicted = np.sort(predicted)

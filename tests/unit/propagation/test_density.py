@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from softfinger.propagation.density import compute_density_array
+from softfinger.faults import Fault
+from softfinger.propagation.density import compute_density_array, refine_density_array
 from softfinger.propagation.quantiles import compute_quantiles_array
 
 MU, SIGMA = np.array([-1.88, -3.8777, 3.3, 0.03]), np.array([0.3957, 0.8223, 0.9, 0.02])
@@ -13,6 +14,24 @@ ANGLE = np.linspace(-0.2, 4.0, 3001)
 def test_it_integrates_to_one():
     density = compute_density_array(MU, SIGMA, [0.0, 0.3, 10.0], *STEP, ANGLE)
     np.testing.assert_allclose(np.trapezoid(density, ANGLE), 1.0, atol=1e-6)
+
+
+def test_refinement_ends_below_its_tolerance_or_says_so():
+    density, error = refine_density_array(MU, SIGMA, [0.0, 3.0], *STEP, ANGLE)
+    assert (error < 1e-6).all()
+    once = compute_density_array(MU, SIGMA, [0.0, 3.0], *STEP, ANGLE)
+    np.testing.assert_allclose(density, once, atol=1e-6 * once.max())
+    with pytest.raises(Fault, match=r"after 5 refinements; expected 1e-30"):
+        refine_density_array(MU, SIGMA, [3.0], *STEP, ANGLE[::100], tolerance=1e-30)
+
+
+def test_populations_of_like_widths_are_resolved():
+    """k_v and c_v almost alike in every trial: found by search to be the hardest to resolve."""
+    mu, sigma = np.array([-4.0, -6.0, 1.0, 0.0]), np.array([0.03125, 0.0625, 1.0, 0.0625])
+    angle = np.linspace(2.5, 4.5, 400)
+    coarse = compute_density_array(mu, sigma, [3.0], [0.0], [0.0625], angle)
+    fine = compute_density_array(mu, sigma, [3.0], [0.0], [0.0625], angle, fineness=2.0)
+    np.testing.assert_allclose(coarse, fine, atol=1e-9 * fine.max())
 
 
 def test_the_window_does_not_change_the_density():
