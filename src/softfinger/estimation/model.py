@@ -29,7 +29,7 @@ LKJ_SHAPE = 2.0
 class Whitening(Transform):
     """The trials' parameters seen as standard normals, given the population (`whitening`).
 
-    The inputs of the distribution end in mean, sd (p,), curvature (trial, p, p), pull (trial, p).
+    The inputs of the distribution end in mean, sd (p,), curvature (p, p, trial), pull (p, trial).
     """
 
     name = "whitened"
@@ -46,7 +46,7 @@ class Whitening(Transform):
     def forward(self, value: Variable, *inputs: Variable) -> TensorVariable:
         """Standard normals from parameters."""
         eta, _, factor = self._colour(pt.zeros_like(value), inputs)
-        return pt.sum(factor * (value - eta)[:, :, None], axis=1)
+        return pt.sum(factor * (value - eta)[:, None], axis=0)
 
     def log_jac_det(self, value: Variable, *inputs: Variable) -> TensorVariable:
         """Log volume of all trials."""
@@ -57,7 +57,7 @@ def _population_logp(
     eta: Variable, mean: Variable, sd: Variable, curvature: Variable, pull: Variable
 ) -> TensorVariable:
     """Independent normals; the likelihood's normal stand-in serves the whitening only."""
-    return pt.sum(pm.logp(pm.Normal.dist(mean, sd), eta))
+    return pt.sum(pm.logp(pm.Normal.dist(mean[:, None], sd[:, None]), eta))
 
 
 def _draw_population(
@@ -68,7 +68,7 @@ def _draw_population(
     rng: np.random.Generator,
     size: object,
 ) -> NDArray:
-    return rng.normal(mean, sd, np.shape(pull))
+    return rng.normal(mean[:, None], sd[:, None], np.shape(pull))
 
 
 def build_model(collapse: Collapse, prior: Prior, pilot: Pilot, coords: dict) -> pm.Model:
@@ -91,14 +91,14 @@ def build_model(collapse: Collapse, prior: Prior, pilot: Pilot, coords: dict) ->
         sigma = pm.LogNormal("sigma", given["log_sigma"], given["sigma_log_sd"], dims="own")
         eta = pm.CustomDist(
             "eta", mu, sigma, data["curvature"], data["pull"], logp=_population_logp,
-            random=_draw_population, signature="(p),(p),(n,p,p),(n,p)->(n,p)",
-            transform=Whitening(), dims=("trial", "own"),
+            random=_draw_population, signature="(p),(p),(p,p,n),(p,n)->(p,n)",
+            transform=Whitening(), dims=("own", "trial"),
         )  # fmt: skip
         sd = pm.LogNormal("noise_sd", given["log_noise"], given["noise_log_sd"], dims="joint")
         rho = pm.Uniform("noise_autocorrelation", dims="joint")
         partial = _draw_partials(joints) if joints > 1 else np.empty(0)
         likelihood = CollapsedLikelihood()(
-            eta.reshape((-1, joints, len(PARAMETERS))), sd, rho, partial,
+            eta.T.reshape((-1, joints, len(PARAMETERS))), sd, rho, partial,
             *(data[name] for name in LIKELIHOOD_DATA),
         )[0]  # fmt: skip
         pm.Potential("log_likelihood", likelihood + data["offset"])
@@ -131,8 +131,8 @@ def gather_data(collapse: Collapse, pilot: Pilot) -> dict[str, NDArray]:
         "gap": collapse.gap,
         "total": count_patterns(collapse),
         "offset": collapse.offset.sum(),
-        "curvature": pilot.modes.curvature,
-        "pull": pilot.modes.pull,
+        "curvature": np.moveaxis(pilot.modes.curvature, 0, -1),
+        "pull": pilot.modes.pull.T,
     }
 
 

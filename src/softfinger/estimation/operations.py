@@ -4,6 +4,8 @@ They are ordinary PyTensor operations with exact derivatives, so any PyMC sample
 """
 
 from collections.abc import Callable, Sequence
+from hashlib import sha256
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -18,12 +20,13 @@ from pytensor.link.numba.dispatch.basic import (
     register_funcify_default_op_cache_key,
 )
 
+from softfinger import population
 from softfinger.population.covariance import factorise_partials, pull_partials_back
 from softfinger.population.likelihood import sum_log_likelihood
 from softfinger.population.whitening import colour_trials, pull_colours_back
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def evaluate_likelihood(
     eta: NDArray,
     sd: NDArray,
@@ -96,7 +99,7 @@ class CollapsedLikelihood(_Compiled):
 class ColourTrials(_Compiled):
     """Parameters of the trials from standard normals, given the population (`whitening`).
 
-    Inputs: z (trial, p), curvature, pull, mean (p,), precision (p, p). Outputs: eta (trial, p),
+    Inputs: z (p, trial), curvature, pull, mean (p,), precision (p, p). Outputs: eta (p, trial),
     log_volume (trial,), and the Cholesky factors for the way back.
     """
 
@@ -105,14 +108,14 @@ class ColourTrials(_Compiled):
     def make_node(self, *inputs: Variable) -> Apply:
         """Build the node."""
         z, curvature, *rest = (pt.as_tensor_variable(x) for x in inputs)
-        volume = pt.TensorType("float64", z.type.shape[:1])()
-        factor = pt.TensorType("float64", (*z.type.shape, z.type.shape[1]))()
+        volume = pt.TensorType("float64", z.type.shape[1:])()
+        factor = pt.TensorType("float64", (z.type.shape[0], *z.type.shape))()
         return Apply(self, [z, curvature, *rest], [z.type(), volume, factor])
 
     def infer_shape(self, node: Apply, shapes: Sequence) -> list:
         """Shapes of the outputs."""
-        trials, size = shapes[0]
-        return [(trials, size), (trials,), (trials, size, size)]
+        size, trials = shapes[0]
+        return [(size, trials), (trials,), (size, size, trials)]
 
     def pullback(
         self, inputs: Sequence[Variable], outputs: Sequence[Variable], cotangents: Sequence
@@ -147,7 +150,15 @@ class PullColoursBack(_Compiled):
         return [shapes[k] for k in (1, 3, 4)]
 
 
-def _compile(op: _Compiled, **_: object) -> Callable:
+def _hash_sources() -> int:
+    """Hash the code that the operations run, for PyTensor's cache sees only their names."""
+    folders = (Path(population.__file__).parent, Path(__file__).parent)
+    files = sorted(path for folder in folders for path in folder.glob("*.py"))
+    digest = sha256(b"".join(path.read_bytes() for path in files)).hexdigest()
+    return int(digest[:15], 16)
+
+
+def _compile(op: _Compiled, **_: object) -> tuple[Callable, int]:
     function = type(op).function
     names = [f"a{k}" for k in range(len(function.py_func.__annotations__) - 1)]
     source = (
@@ -156,7 +167,7 @@ def _compile(op: _Compiled, **_: object) -> Callable:
     )
     scope = {"function": function, "contiguous": np.ascontiguousarray}
     exec(source, scope)
-    return numba_njit(scope["run"])
+    return numba_njit(scope["run"]), _hash_sources()
 
 
 for _operation in (CollapsedLikelihood, ColourTrials, PullColoursBack):

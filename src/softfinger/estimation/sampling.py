@@ -58,7 +58,7 @@ def compile_density(model: pm.Model) -> Density:
         compiled = compile_function([point], [log_density, slope], mode="NUMBA")
     inner = compiled.vm.jit_fn
 
-    @njit(nogil=True)
+    @njit(nogil=True, error_model="numpy")
     def evaluate(x, data):  # noqa: ANN001, ANN202
         return inner(x, *data)
 
@@ -84,11 +84,11 @@ def expand_points(
         for (name, shape), part in zip(shapes.items(), parts, strict=True)
     }
     variables = {"mu": raw["mu"], "sigma": np.exp(raw["sigma"]), "eta": np.empty_like(raw["eta"])}
+    curvature, pull = np.moveaxis(pilot.modes.curvature, 0, -1).copy(), pilot.modes.pull.T.copy()
     for at in np.ndindex(*lead):
         population = (variables["mu"][at], np.diag(variables["sigma"][at] ** -2.0))
-        variables["eta"][at] = colour_trials(
-            raw["eta"][at], pilot.modes.curvature, pilot.modes.pull, *population
-        )[0]
+        variables["eta"][at] = colour_trials(raw["eta"][at], curvature, pull, *population)[0]
+    variables["eta"] = np.swapaxes(variables["eta"], -1, -2)
     variables["noise_sd"] = np.exp(raw["noise_sd"])
     variables["noise_autocorrelation"] = expit(raw["noise_autocorrelation"])
     if "noise_partial" in raw:
@@ -104,7 +104,7 @@ def draw_starts(
     centre = {
         "mu": (pilot.mu, pilot.sigma / np.sqrt(trials)),
         "sigma": (np.log(pilot.sigma), np.full((joints, 4), 1 / np.sqrt(2 * trials))),
-        "eta": (np.zeros((trials, 4 * joints)), np.full((trials, 4 * joints), 1 / DISPERSION)),
+        "eta": (np.zeros((4 * joints, trials)), np.full((4 * joints, trials), 1 / DISPERSION)),
         "noise_sd": (np.log(pilot.noise.sd), np.full(joints, 0.02)),
         "noise_autocorrelation": (logit(pilot.noise.autocorrelation), np.full(joints, 0.05)),
     }

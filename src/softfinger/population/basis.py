@@ -92,7 +92,7 @@ def interpolate_coefficients_array(
     return value, slope
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def fill_coefficients(
     x: float,
     place: NDArray,
@@ -105,7 +105,7 @@ def fill_coefficients(
     last = table_value.shape[0] - 1
     step = place[1]
     where = (x - place[0]) / step
-    if where <= 0.0:
+    if not where > 0.0:  # NaN as well
         share = np.exp(x - place[0])
         for m in range(value.size):
             value[m] = table_value[0, m] * share

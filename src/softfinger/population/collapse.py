@@ -142,7 +142,7 @@ def _build_rows(trial: _Series, modes: NDArray) -> NDArray:
     return np.ascontiguousarray((np.concatenate([*rows, trial.angle.T]) / trial.scale).T)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _sum_products(rows: NDArray, weights: NDArray) -> NDArray:
     """Σ weight ψψᵀ of the later rows, of the earlier, and of earlier × later: (gap, 3, D, D)."""
     size = rows.shape[1]

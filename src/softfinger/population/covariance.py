@@ -81,7 +81,7 @@ def _multiply_factor(factor: NDArray) -> NDArray:
     return factor @ factor.T
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def factorise_partials(partial: NDArray) -> NDArray:
     """Build the Cholesky factor L (joint, joint) from partial correlations (pair,)."""
     joints = (1 + int(np.sqrt(1 + 8 * partial.size))) // 2
@@ -97,7 +97,7 @@ def factorise_partials(partial: NDArray) -> NDArray:
     return factor
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def pull_partials_back(partial: NDArray, factor: NDArray, correlation_bar: NDArray) -> NDArray:
     """Slope by the partial correlations (pair,) from the slope by C (joint, joint)."""
     joints = factor.shape[0]

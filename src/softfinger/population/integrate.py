@@ -47,13 +47,14 @@ def compute_integrated_log_likelihood(
         for level in ("mu", "sigma")
     )
     trials, size = modes.eta.shape
-    half = rng.standard_normal((PAIRS, trials, size))
+    half = rng.standard_normal((PAIRS, size, trials))
     points = np.concatenate([half, -half])
+    stand_in = (np.moveaxis(modes.curvature, 0, -1).copy(), modes.pull.T.copy())
     result = np.empty((*lead, trials))
     for at in np.ndindex(*lead):
         noise = [posterior[f"noise_{name}"].values[at] for name in _NOISE]
         population = (mu[at].ravel(), sigma[at].ravel())
-        result[at] = integrate_trials_array(collapse, modes, *population, *noise, points)
+        result[at] = integrate_trials_array(collapse, stand_in, *population, *noise, points)
     coords = {name: posterior[name] for name in ("chain", "draw", "trial")}
     return xr.DataArray(result, coords, ("chain", "draw", "trial"), name="recording")
 
@@ -63,7 +64,7 @@ _NOISE = ("sd", "autocorrelation", "correlation")
 
 def integrate_trials_array(
     collapse: Collapse,
-    modes: Modes,
+    stand_in: tuple[NDArray[np.float64], NDArray[np.float64]],
     mean: NDArray[np.float64],
     sd: NDArray[np.float64],
     noise_sd: NDArray[np.float64],
@@ -71,10 +72,24 @@ def integrate_trials_array(
     correlation: NDArray[np.float64],
     points: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Integrate (trial,) [nats] for one population N(mean, sd), (p,) each; points (m, trial, p)."""
+    """Integrate out the trials' parameters: (trial,) [nats], for one population and noise.
+
+    Parameters
+    ----------
+    collapse
+        Of the campaign.
+    stand_in
+        Curvature (p, p, trial) and pull (p, trial) of the likelihood's normal stand-in.
+    mean, sd
+        (p,) of the population.
+    noise_sd, autocorrelation, correlation
+        Of the noise.
+    points
+        (m, p, trial) standard normal.
+    """
     weights = weigh_noise(collapse.gap, collapse.patterns, noise_sd, autocorrelation, correlation)
     log_weight = _weigh_points(
-        points, modes.curvature, modes.pull, mean, sd, *collapse.table, collapse.products,
+        points, *stand_in, mean, sd, *collapse.table, collapse.products,
         collapse.first, weights.pair, weights.precision[:, -1].copy(), collapse.pattern,
         len(noise_sd),
     )  # fmt: skip
@@ -84,7 +99,7 @@ def integrate_trials_array(
     return np.where(collapse.present.any(axis=1), mean_weight, 0.0) + collapse.offset - 0.5 * logdet
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _weigh_points(
     points: NDArray,
     curvature: NDArray,
@@ -102,20 +117,21 @@ def _weigh_points(
     joints: int,
 ) -> NDArray:
     """Log of p(y|η) p(η) / q(η), but for noise constants: (point, trial)."""
-    count, trials, size = points.shape
+    count, size, trials = points.shape
     precision = np.diag(1.0 / sd**2)
     log_weight = np.empty((count, trials))
     quadratic = np.empty(trials)
     for m in range(count):
         eta, volume, _ = colour_trials(points[m], curvature, pull, mean, precision)
+        own = eta.T.copy().reshape((trials, joints, 4))
         fill_squares(
-            eta.reshape((trials, joints, 4)), place, table_value, table_slope, products, first,
+            own, place, table_value, table_slope, products, first,
             pair, initial, pattern, quadratic,
         )  # fmt: skip
         for i in range(trials):
             total = volume[i] - 0.5 * quadratic[i]
             for a in range(size):
-                away = (eta[i, a] - mean[a]) / sd[a]
-                total += 0.5 * (points[m, i, a] ** 2 - away * away) - np.log(sd[a])
+                away = (eta[a, i] - mean[a]) / sd[a]
+                total += 0.5 * (points[m, a, i] ** 2 - away * away) - np.log(sd[a])
             log_weight[m, i] = total
     return log_weight

@@ -62,7 +62,7 @@ def find_modes(
     return Modes(eta, curvature, pull, quadratic)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _search(
     eta: NDArray,
     mean: NDArray,
@@ -115,7 +115,7 @@ def _search(
         quadratic[i] = square
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _expand(eta: NDArray, table: tuple, data: tuple) -> tuple[float, NDArray, NDArray]:
     """Weighted square of a trial's residuals; slope and Gauss–Newton curvature of its half."""
     products, first, pair, initial = data
@@ -150,7 +150,7 @@ def _expand(eta: NDArray, table: tuple, data: tuple) -> tuple[float, NDArray, ND
     return square, slope, bend
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _stack_vectors(eta: NDArray, table: tuple, size: int, joints: int) -> NDArray:
     """Per joint the weights w of its residual and their slopes by its four parameters."""
     modes = size - 2 - joints

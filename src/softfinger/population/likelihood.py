@@ -52,7 +52,7 @@ def compute_log_likelihood_array(
     return collapse.offset - 0.5 * (quadratic + logdet)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def fill_squares(
     eta: NDArray,
     place: NDArray,
@@ -79,7 +79,7 @@ def fill_squares(
             quadratic[i] += _square_pairs(weight, products[i, g], pair[here, g])
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
+@njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
 def _square_pairs(weight: NDArray, products: NDArray, pair: NDArray) -> float:
     """Square of the residuals' gains over a gap."""
     joints, size = weight.shape
@@ -99,7 +99,7 @@ def _square_pairs(weight: NDArray, products: NDArray, pair: NDArray) -> float:
     return total
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def sum_log_likelihood(
     eta: NDArray,
     sd: NDArray,
@@ -135,7 +135,7 @@ def sum_log_likelihood(
     return value, -0.5 * slope, bars[0], bars[1], bars[2]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def fill_quadratics(
     eta: NDArray,
     place: NDArray,
@@ -177,7 +177,7 @@ def fill_quadratics(
             slope[i, j, 3] = pull[j, modes + 1]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _fill_weight(
     eta: NDArray,
     joint: int,
@@ -200,7 +200,7 @@ def _fill_weight(
     weight[modes + 2 + joint] = -1.0
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _start_pull(
     weight: NDArray, row: NDArray, initial: NDArray, pull: NDArray, sums: NDArray
 ) -> float:
@@ -222,7 +222,7 @@ def _start_pull(
     return total
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
+@njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
 def _move(weight: NDArray, products: NDArray, moved: NDArray) -> None:
     """Write N w, B w, X w, Xᵀ w of every joint into `moved` (4, joint, D)."""
     joints, size = weight.shape
@@ -244,7 +244,7 @@ def _move(weight: NDArray, products: NDArray, moved: NDArray) -> None:
             moved[2, k, r] = cross
 
 
-@njit(cache=True, fastmath={"reassoc", "contract"})
+@njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
 def _add_pairs(
     weight: NDArray, moved: NDArray, pair: NDArray, pull: NDArray, sums: NDArray
 ) -> float:

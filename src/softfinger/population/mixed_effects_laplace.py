@@ -21,7 +21,7 @@ from softfinger.population.mixed_effects import LinearFit, Prior, fit_linear, ho
 Linearise = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 
 PINNED = 1e12  # precision, over the prior's, of a parameter held at its bound
-HALVINGS = 5
+SHORTENINGS = 6
 
 
 class SharedBounds(NamedTuple):
@@ -104,12 +104,15 @@ def fit_nonlinear(
     gram = linearise(own, shared)
     best = -np.inf
     for _ in range(steps):
-        moved = shift_gram(gram, own, shared)
-        linear = fit_linear(moved, prior, omega)
+        moved, near, centre = centre_gram(gram, prior, own, shared)
+        linear = fit_linear(moved, near, omega)
         omega = linear.omega
-        linear, target = _hold_bounds(moved, prior, bounds, linear, shared)
-        step = _limit(linear.own - own, own_step)
-        candidate = _search(linearise, prior, linear, (own, shared), (step, target - shared), gram)
+        linear, target = _hold_bounds(moved, near, bounds, linear, centre)
+        step = linear.own - own
+        reach = 1.0 / max(1.0, np.max(np.abs(step) / own_step))
+        candidate = _search(
+            linearise, prior, linear, (own, shared), (step, target - shared), gram, reach
+        )
         evidence = linear.log_evidence
         if candidate is None:
             break
@@ -169,9 +172,9 @@ def solve_linearised(
     rounds
         Of EM for Ω; 0 holds it.
     """
-    moved = shift_gram(gram, *place)
-    linear = fit_linear(moved, prior, omega, rounds=rounds) if rounds else None
-    linear = linear or hold_omega(moved, prior, omega)
+    moved, near, centre = centre_gram(gram, prior, *place)
+    linear = fit_linear(moved, near, omega, rounds=rounds) if rounds else None
+    linear = _restore(linear or hold_omega(moved, near, omega), centre)
     d = len(omega)
     sd = np.sqrt(np.diag(linear.shared_covariance)[d:])
     priors = prior.mean[d:], prior.precision[d:] ** -0.5
@@ -206,25 +209,51 @@ def _log_mass(mean: NDArray, sd: NDArray, bounds: SharedBounds) -> NDArray:
     return large + np.log1p(-np.exp(np.minimum(small - large, -1e-12)))
 
 
-def shift_gram(gram: NDArray, own: NDArray, shared: NDArray) -> NDArray:
-    """Turn Gram matrices of [A | B | residual] into those of [A | B | residual + A η + B φ]."""
-    trials, size = gram.shape[:2]
-    change = np.tile(np.eye(size), (trials, 1, 1))
-    change[:, :-1, -1] = np.column_stack([own, np.tile(shared, (trials, 1))])
-    return change.transpose(0, 2, 1) @ gram @ change
+def centre_gram(
+    gram: NDArray[np.float64],
+    prior: Prior,
+    own: NDArray[np.float64],
+    shared: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], Prior, NDArray[np.float64]]:
+    """State a linearised model in differences from the mean mode and from φ.
+
+    Only differences keep the digits of very precise recordings.
+
+    Parameters
+    ----------
+    gram
+        (trial, …) of [A | B | residual] at η = `own` and φ = `shared`.
+
+    Returns
+    -------
+    moved, prior, centre
+        Gram matrices of [A | B | z] for fits; the prior about the centre; the centre (d + p,), to
+        be added to what a fit says of μ, φ and η.
+    """
+    middle = own.mean(axis=0)
+    centre = np.concatenate([middle, shared])
+    change = np.tile(np.eye(gram.shape[1]), (len(gram), 1, 1))
+    change[:, : own.shape[1], -1] = own - middle
+    moved = change.transpose(0, 2, 1) @ gram @ change
+    return moved, prior._replace(mean=prior.mean - centre), centre
+
+
+def _restore(linear: LinearFit, centre: NDArray) -> LinearFit:
+    d = len(linear.omega)
+    return linear._replace(shared=linear.shared + centre, own=linear.own + centre[:d])
 
 
 def _hold_bounds(
-    moved: NDArray, prior: Prior, bounds: SharedBounds, linear: LinearFit, shared: NDArray
+    moved: NDArray, prior: Prior, bounds: SharedBounds, linear: LinearFit, centre: NDArray
 ) -> tuple[LinearFit, NDArray]:
     """Where φ may go: within its bounds and steps; η follows the φ that was held."""
     d = len(linear.omega)
+    low = np.maximum(bounds.low - centre[d:], -bounds.step)
+    high = np.minimum(bounds.high - centre[d:], bounds.step)
     wanted = linear.shared[d:]
-    low = np.maximum(bounds.low, shared - bounds.step)
-    high = np.minimum(bounds.high, shared + bounds.step)
     target = np.clip(wanted, low, high)
     held = target != wanted
-    for _ in range(len(shared)):
+    for _ in range(len(target)):
         if not held.any():
             break
         mean, precision = prior.mean.copy(), prior.precision.copy()
@@ -233,18 +262,11 @@ def _hold_bounds(
         pinned = hold_omega(moved, prior._replace(mean=mean, precision=precision), linear.omega)
         wanted = np.where(held, target, pinned.shared[d:])
         target = np.clip(wanted, low, high)
-        evidence = linear.log_evidence
-        linear = pinned._replace(log_evidence=evidence)
+        linear = pinned._replace(log_evidence=linear.log_evidence)
         if np.all(target == wanted):
             break
         held |= target != wanted
-    return linear, target
-
-
-def _limit(step: NDArray, longest: NDArray) -> NDArray:
-    """Shorten each trial's step until no parameter goes farther than its longest step."""
-    excess = np.max(np.abs(step) / longest, axis=1, keepdims=True)
-    return step / np.maximum(excess, 1.0)
+    return _restore(linear, centre), target + centre[d:]
 
 
 def _spread(linear: LinearFit) -> NDArray:
@@ -258,11 +280,14 @@ def _search(
     place: tuple[NDArray, NDArray],
     step: tuple[NDArray, NDArray],
     gram: NDArray,
+    fraction: float,
 ) -> tuple[NDArray, NDArray, NDArray] | None:
-    """Take the step, or half of it, …, until the joint log posterior of η and φ does not fall."""
+    """Take a fraction of the step, a third of it, … until the joint log posterior does not fall.
+
+    All trials and φ take the same fraction: only so is the step a way down.
+    """
     now = _penalise(prior, linear, *place, gram)
-    fraction = 1.0
-    for _ in range(HALVINGS):
+    for _ in range(SHORTENINGS):
         own, shared = (p + fraction * s for p, s in zip(place, step, strict=True))
         there = linearise(own, shared)
         if np.isfinite(there).all():

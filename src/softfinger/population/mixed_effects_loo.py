@@ -11,7 +11,7 @@ from numba import njit, prange
 from numpy.typing import NDArray
 
 from softfinger.population.mixed_effects import LOG_TWO_PI, Prior, _solve
-from softfinger.population.mixed_effects_laplace import Fit, shift_gram
+from softfinger.population.mixed_effects_laplace import Fit, centre_gram
 
 MOVES_OMEGA = 200  # trials: with more, Ω stays
 
@@ -30,8 +30,9 @@ def compute_left_out(
     rows, logdet
         (trial,) numbers and log|Σ| of its noise.
     """
-    moved = np.ascontiguousarray(shift_gram(fit.gram, fit.own, fit.shared))
-    square = _leave_out(moved, *prior, fit.omega, len(moved) <= MOVES_OMEGA)
+    moved, near, _ = centre_gram(fit.gram, prior, fit.own, fit.shared)
+    moved = np.ascontiguousarray(moved)
+    square = _leave_out(moved, *near, fit.omega, len(moved) <= MOVES_OMEGA)
     return square - 0.5 * rows * LOG_TWO_PI - 0.5 * logdet
 
 

@@ -107,7 +107,7 @@ def solve_linear_array(
     return solution / size, rss
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _reduce(
     gram: NDArray,
     log_rate: NDArray,

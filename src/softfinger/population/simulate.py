@@ -140,7 +140,7 @@ def draw_noise_array(
     return drawn
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _accumulate(normal: NDArray, factor: NDArray, carried: NDArray, index: NDArray) -> NDArray:
     trials, frames, joints = normal.shape
     noise = np.empty((trials, joints, frames))

@@ -23,7 +23,7 @@ class NoiseWeights(NamedTuple):
     logdet: NDArray[np.float64]  # (pattern, gap + 1): log|Q|
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def weigh_noise(
     gap: NDArray, present: NDArray, sd: NDArray, rho: NDArray, correlation: NDArray
 ) -> NoiseWeights:
@@ -58,7 +58,7 @@ def weigh_noise(
     return NoiseWeights(pair, precision, logdet)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _invert(root: NDArray, here: NDArray, precision: NDArray) -> float:
     """Write the inverse of the matrix whose lower half is `root`, which becomes its factor."""
     joints = root.shape[0]
@@ -89,7 +89,7 @@ def _invert(root: NDArray, here: NDArray, precision: NDArray) -> float:
     return logdet
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def pull_weights_back(
     gap: NDArray,
     sd: NDArray,
@@ -143,7 +143,7 @@ def pull_weights_back(
     return sd_bar, rho_bar, correlation_bar
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _unweigh(
     gap: float, rho: NDArray, inverse: NDArray, pair_bar: NDArray, rho_bar: NDArray
 ) -> NDArray:
