@@ -6,7 +6,7 @@ BIN := .venv/bin
 CORES ?= 2
 SNAKEMAKE := $(BIN)/snakemake --cores $(CORES)
 
-.PHONY: help setup run quick figures coverage test lint format benchmark lock
+.PHONY: help setup run quick figures coverage test calibration lint format benchmark lock
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)$$/\1\t\2/' | expand -t 18
@@ -25,8 +25,11 @@ figures: setup ## every figure of the main job as PDF, PNG and SVG, into results
 coverage: setup ## whether the quick run's 90 % intervals hold the virtual rig's truth, under ten seeds (about 10 minutes)
 	$(BIN)/python -m benchmarks._coverage 10
 
-test: setup ## set-up and all the tests
-	$(BIN)/python -m pytest
+test: setup ## set-up and all the tests but the slow ones
+	$(BIN)/python -m pytest --durations=12
+
+calibration: setup ## the slow tests: do claimed errors and intervals hold what they say
+	$(BIN)/python -m pytest -m slow
 
 lint: setup ## check style, spelling and the workflow
 	$(BIN)/ruff check && $(BIN)/ruff format --check && $(BIN)/snakefmt --check Snakefile workflow && $(BIN)/codespell
