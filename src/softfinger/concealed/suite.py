@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 from dataclasses import asdict, dataclass
 from itertools import combinations
@@ -48,6 +49,11 @@ class CaseSpec:
     noise: NoiseKind
     filmed: bool = False
     with_posterior: bool = False
+
+    @property
+    def folder_name(self) -> str:
+        """A name that tells nothing."""
+        return hashlib.sha256(str(self.seed).encode()).hexdigest()[:10]
 
     def to_json(self) -> dict:
         """Plain numbers, lists and words."""

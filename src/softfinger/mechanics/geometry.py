@@ -36,11 +36,7 @@ class FingerGeometry:
         for name in ("link_length", "link_mass", "link_centre", "link_inertia"):
             value = np.atleast_1d(np.asarray(getattr(self, name), float))
             object.__setattr__(self, name, value)
-            if value.shape != self.link_length.shape or value.ndim != 1:
-                raise Fault(
-                    f"{name} has shape {value.shape}: it must have one value for each "
-                    f"of the {self.link_length.size} links"
-                )
+            _require_one_each(name, value, self.link_length.size)
         require_positive("link_length", self.link_length, "m")
         require_positive("link_mass", self.link_mass, "kg")
         require_nonnegative("link_centre", self.link_centre, "m")
@@ -63,4 +59,12 @@ class FingerGeometry:
         array([0.06])
         """
         length, mass = (np.atleast_1d(np.asarray(a, float)) for a in (link_length, link_mass))
+        _require_one_each("link_mass", mass, length.size)
         return cls(length, mass, length / 2, mass * length**2 / 12, joint_length, wire_offset)
+
+
+def _require_one_each(name: str, value: NDArray, links: int) -> None:
+    if value.shape != (links,):
+        raise Fault(
+            f"{name} has shape {value.shape}: it must have one value for each of the {links} links"
+        )

@@ -18,8 +18,8 @@ from softfinger.mismatch.problem import OWN, Problem
 from softfinger.mismatch.rank import Candidate
 from softfinger.mismatch.reduce import reduce_trials
 from softfinger.mismatch.setting import load_at
-from softfinger.population.mixed_effects import Prior, fit_linear
-from softfinger.population.mixed_effects_laplace import shift_gram
+from softfinger.population.mixed_effects import fit_linear
+from softfinger.population.mixed_effects_laplace import centre_gram
 
 KNOTS = 9
 SIZES_RAD = (0.001, 0.004, 0.016, 0.064)
@@ -135,18 +135,21 @@ def _weigh(
 ) -> tuple[float, NDArray, NDArray]:
     """Gain averaged over the grid of sizes; mean and covariance of the coefficients at the best."""
     prior = problem.build_prior(candidate.model)
-    shared = np.concatenate([candidate.fit.shared, np.zeros(count)])
-    moved = shift_gram(gram, candidate.fit.own, shared)
+    absent = np.zeros(count)
+    wide = prior._replace(
+        mean=np.concatenate([prior.mean, absent]),
+        precision=np.concatenate([prior.precision, absent]),
+    )
+    shared = np.concatenate([candidate.fit.shared, absent])
+    moved, wide, _ = centre_gram(gram, wide, candidate.fit.own, shared)
     start = len(candidate.fit.omega) + len(candidate.fit.shared)
     without = np.delete(np.delete(moved, np.s_[start:-1], axis=1), np.s_[start:-1], axis=2)
-    base = fit_linear(without, prior, candidate.fit.omega).log_evidence
+    narrow = wide._replace(mean=wide.mean[:start], precision=wide.precision[:start])
+    base = fit_linear(without, narrow, candidate.fit.omega).log_evidence
     gains, fits = [], []
     for size in sizes:
-        wider = Prior(
-            np.concatenate([prior.mean, np.zeros(count)]),
-            np.concatenate([prior.precision, np.full(count, size**-2.0)]),
-            *prior[2:],
-        )
+        precision = np.concatenate([wide.precision[:start], np.full(count, size**-2.0)])
+        wider = wide._replace(precision=precision)
         fits.append(fit_linear(moved, wider, candidate.fit.omega, rounds=6, tolerance=0.1))
         gains.append(fits[-1].log_evidence - base)
     best = fits[int(np.argmax(gains))]

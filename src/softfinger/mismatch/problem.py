@@ -7,6 +7,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from softfinger.faults import Fault
+from softfinger.mechanics.chain import compute_inertia_coefficients
 from softfinger.mechanics.effects.effect import Setting
 from softfinger.mechanics.forward.simulate import (
     Finger,
@@ -14,6 +15,7 @@ from softfinger.mechanics.forward.simulate import (
     describe_unknown_finger,
     simulate_joint_angle_array,
 )
+from softfinger.mechanics.geometry import FingerGeometry
 from softfinger.mismatch.model import LONGEST_STEP, EffectModel
 from softfinger.mismatch.pilot import guess_own
 from softfinger.mismatch.reduce import reduce_trials
@@ -26,6 +28,7 @@ OWN = 4  # log k_v, log c_v, log c_p, q_ini
 MEAN_SD = (2.0, 2.5, 3.0, 0.5)  # prior sd of the population's mean, about the first guess
 SPREAD = (0.2, 0.3, 0.4, 0.01)  # typical sd between trials
 SPREAD_WEIGHT = 2.0  # what that counts in trials
+MOST_STEPS, FEW_TRIALS_STEPS = 25, 100  # linearisations: a few trials are quick, and need more
 TOLERANCE = 1e-5  # [rad] of the forward model, a hundredth of a good camera's noise
 LONGEST_OWN_STEP = (0.7, 0.7, 1.0, 0.5)
 START_SPREAD = (0.4, 0.6, 0.8, 0.02)
@@ -94,20 +97,23 @@ class Problem:
         model: EffectModel,
         start: tuple[NDArray, NDArray, NDArray],
         *,
-        steps: int = 25,
+        steps: int | None = None,
         tolerance: float = 0.02,
-    ) -> Fit:
-        """Fit a model from (η, φ, Ω)."""
+    ) -> Fit | None:
+        """Fit a model from (η, φ, Ω); None where the numbers leave the plausible range."""
         longest = np.tile(LONGEST_OWN_STEP, self.trials.joints)
-        return fit_nonlinear(
-            lambda own, shared: self.linearise(model, own, shared),
-            self.build_prior(model),
-            self.build_bounds(model),
-            longest,
-            start,
-            steps=steps,
-            tolerance=tolerance,
-        )
+        try:
+            return fit_nonlinear(
+                lambda own, shared: self.linearise(model, own, shared),
+                self.build_prior(model),
+                self.build_bounds(model),
+                longest,
+                start,
+                steps=steps or max(MOST_STEPS, FEW_TRIALS_STEPS // len(self.trials.name)),
+                tolerance=tolerance,
+            )
+        except np.linalg.LinAlgError:
+            return None
 
 
 def pose_problem(angles: xr.Dataset) -> tuple[Problem, Fit]:
@@ -128,7 +134,22 @@ def pose_problem(angles: xr.Dataset) -> tuple[Problem, Fit]:
     problem = Problem(trials, noise, finger, guess, build_setting(angles, trials, own))
     omega = np.diag(np.tile(START_SPREAD, trials.joints) * np.ones(own.shape[1])) ** 2
     fit = problem.fit(problem.base, (own, np.zeros(0), omega), steps=60)
-    return replace(problem, setting=build_setting(angles, trials, fit.own)), fit
+    if fit is None:
+        raise Fault(
+            "the base model cannot be fitted to these recordings: check that load and angles "
+            "belong together and that their units are those of the format"
+        )
+    setting = build_setting(angles, trials, fit.own)
+    if geometry is None:
+        finger = finger._replace(inertia=compute_usual_inertia(setting))
+    return replace(problem, setting=setting, finger=finger), fit
+
+
+def compute_usual_inertia(setting: Setting) -> NDArray[np.float64]:
+    """Inertia (joint, joint) of even links with which the first joint swings once in ten frames."""
+    even = np.ones(setting.joints)
+    shape = compute_inertia_coefficients(FingerGeometry.uniform(even, even, 1.0, 1.0))
+    return shape / shape.sum() * setting.stiffness[0] * (10 * setting.interval / 2 / np.pi) ** 2
 
 
 def _first_angle(trials: Trials, guess: NDArray) -> NDArray:

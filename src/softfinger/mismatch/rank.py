@@ -141,7 +141,7 @@ def prune(problem: Problem, candidate: Candidate) -> Candidate:
     if model is candidate.model:
         return candidate
     refit = problem.fit(model, (fit.own, fit.shared[candidate.model.match(model)], fit.omega))
-    if not refit.converged or refit.log_evidence < candidate.log_evidence:
+    if refit is None or not refit.converged or refit.log_evidence < candidate.log_evidence:
         return candidate
     return Candidate(model, refit, refit.log_evidence)
 
@@ -162,7 +162,9 @@ def rank_pieces(
     begun = []
     for score in scores[: len(scores) - len(candidates)]:
         start = origin.fit.own, score.shared, origin.fit.omega
-        begun.append((score.model, problem.fit(score.model, start, steps=FIRST_STEPS)))
+        fit = problem.fit(score.model, start, steps=FIRST_STEPS)
+        if fit is not None:
+            begun.append((score.model, fit))
     best = max((fit.log_evidence for _, fit in begun), default=origin.log_evidence)
     reach = max(REACH, REACH_SHARE * (best - origin.log_evidence))
     for model, fit in begun:
@@ -171,6 +173,6 @@ def rank_pieces(
             continue
         if not fit.converged:
             fit = problem.fit(model, (fit.own, fit.shared, fit.omega))
-        if fit.converged:
+        if fit is not None and fit.converged:
             candidates.append(prune(problem, Candidate(model, fit, fit.log_evidence)))
     return sorted(candidates, key=lambda c: -c.log_evidence), scores

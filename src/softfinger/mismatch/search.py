@@ -55,9 +55,10 @@ def search_effects(problem: Problem, base: Candidate, needed: float, progress: P
     pieces, refused = list_pieces(problem.setting)
     singles, scores = rank_pieces(problem, base, progress(pieces, "trying effects"))
     found, larger = list(singles), []
-    best = singles[0] if singles else base
+    fitted = [c for c in singles if c.fit is not None]
+    best = max(fitted, key=lambda c: c.log_evidence, default=base)
     first_gain = best.log_evidence - base.log_evidence
-    if first_gain <= needed or best.fit is None:
+    if first_gain <= needed:
         return Search(base, found, [], base, max(first_gain, 0.0), refused, scores)
     for _ in range(MOST_EFFECTS - 1):
         larger = []
@@ -110,7 +111,7 @@ def _eliminate(
             model = EffectModel(problem.setting, kept)
             shared = candidate.fit.shared[candidate.model.match(model)]
             fit = problem.fit(model, (candidate.fit.own, shared, candidate.fit.omega))
-            if fit.converged:
+            if fit is not None and fit.converged:
                 smaller.append(prune(problem, Candidate(model, fit, fit.log_evidence)))
         found += smaller
         top = max(smaller, key=lambda c: c.log_evidence, default=None)

@@ -126,7 +126,9 @@ def prepare_trials(
     trials = Trials(
         [str(angles["trial"].values[i]) for i in keep],
         interval,
-        _pad([part[0] for part in parts], bins.max()),
+        np.maximum.accumulate(
+            _pad([part[0] for part in parts], bins.max()).reshape(len(parts), -1), axis=1
+        ).reshape(len(parts), -1, 2),
         bins,
         _pad([part[1] for part in parts], bins.max()),
         np.stack([part[2] for part in parts]),

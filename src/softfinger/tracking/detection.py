@@ -11,7 +11,7 @@ from softfinger.tracking.follow import is_certain_array
 
 _SMALL_RADIUS = 4.0  # px: discs are looked for in a picture so far shrunk
 _RADIUS_RANGE = (0.6, 1.6)
-_ITERATIONS = 30
+_ITERATIONS = 15
 _MOST_CANDIDATES = 200
 _NO_DISCS = np.empty((0, 3))
 

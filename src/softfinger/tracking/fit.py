@@ -42,7 +42,7 @@ LARGEST_WINDOW = 20_000  # pixels: a radius of about 75
 
 _SIZE = len(PARAMETERS)
 _SMALLEST_RADIUS = 1.0
-_MOST_GROWTH = 2.5  # radii of the start: what grows beyond is no disc of that kind
+_MOST_GROWTH = 2.5  # radii of the start: what grows or strays further is no disc of that kind
 _FEWEST_RIM, _FEWEST_FLAT = 12, 8
 
 
@@ -88,6 +88,7 @@ def fit_disc_array(
     low, inverse, step = np.empty((_SIZE, _SIZE)), np.empty((_SIZE, _SIZE)), np.empty(_SIZE)
     quality[:] = np.nan
     widest = _MOST_GROWTH * p[RADIUS]
+    first_x, first_y = p[X], p[Y]
     for _ in range(iterations):
         count = linearise_window_array(picture, weight, p, margin, others, own, rows, side)
         if count <= 0:
@@ -110,7 +111,8 @@ def fit_disc_array(
         )
         last = moved < LAST_STEP * p[SPREAD]
         _take_step(p, step, share)
-        if p[RADIUS] > widest or p[SPREAD] > 0.5 * widest:
+        strayed = math.hypot(p[X] - first_x, p[Y] - first_y) > widest
+        if strayed or p[RADIUS] > widest or p[SPREAD] > 0.5 * widest:
             return False
         if last:
             quality[UNIT_XX], quality[UNIT_YY] = inverse[X, X], inverse[Y, Y]

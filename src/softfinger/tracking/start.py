@@ -29,6 +29,7 @@ from softfinger.tracking.video import Frame, peek_pictures
 _TOLERANCE = 0.5  # radii between a disc and where the finger's geometry puts it
 _UNKNOWN_RADII = tuple(2.5 * 1.5**k for k in range(7))  # px, where no scale is declared
 _UNKNOWN_SCALES = (1.0, 0.95, 1.05, 0.9, 1.1)  # what a declared diameter may be off by
+_CLEARLY_WORSE, _ALMOST_EXACT = 5.0, 0.05  # best error, and radii: what is worse is no rival
 _NEAR_ENOUGH = 128.0  # of 255, to a declared colour
 _EVERY_FRAME, _THEN_EVERY = 30, 10
 _PEEKS = (0.5, 1.0)
@@ -179,7 +180,8 @@ def _choose(
     """Choose among sightings that the geometry allows the one whose base stands still."""
     best = sightings[0]
     radius = float(np.median(best.markers[:, RADIUS]))
-    rivals = [s for s in sightings if s.match.error < best.match.error + _TOLERANCE * radius]
+    limit = _CLEARLY_WORSE * best.match.error + _ALMOST_EXACT * radius
+    rivals = [s for s in sightings if s.match.error < limit]
     if len(rivals) == 1:
         return best
     base = len(camera.markers["base"])

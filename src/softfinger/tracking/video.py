@@ -16,6 +16,7 @@ from softfinger.faults import TrialFault
 
 LARGEST_RATE_ERROR = 0.01
 _PLAUSIBLE_COUNT = 10_000_000
+_GREY = cv2.VideoWriter.fourcc(*"Y800")
 
 
 @dataclass(frozen=True)
@@ -95,6 +96,8 @@ def _open(path: Path) -> cv2.VideoCapture:
             f"{path.name}: cannot be decoded; it is cut off, no video, or in a codec that OpenCV "
             "does not know; convert it to Motion JPEG or FFV1"
         )
+    if int(capture.get(cv2.CAP_PROP_CODEC_PIXEL_FORMAT)) == _GREY:
+        capture.set(cv2.CAP_PROP_CONVERT_RGB, 0)  # three equal channels would cost a third more
     return capture
 
 

@@ -77,5 +77,5 @@ def test_short_suites_have_a_quarter_of_clean_ones_and_a_film(n):
 def test_a_seed_gives_one_suite_and_another_seed_another():
     assert draw_suite(0, 24) == draw_suite(0, 24)
     assert draw_suite(0, 24) != draw_suite(1, 24)
-    assert len({s.seed for s in draw_suite(0, 24)}) == 24
+    assert len({s.folder_name for s in draw_suite(0, 24)}) == 24
     json.dumps([s.to_json() for s in draw_suite(0, 24)])

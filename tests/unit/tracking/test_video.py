@@ -28,7 +28,7 @@ def test_frames_come_in_order_with_their_times(rig, pictures):
     assert [frame.index for frame in frames] == list(range(20))
     np.testing.assert_allclose([frame.time for frame in frames], np.arange(20) / 25.0, atol=1e-6)
     for frame, picture in zip(frames, pictures, strict=True):
-        np.testing.assert_array_equal(frame.picture[:, :, 1], picture[:, :, 0])
+        np.testing.assert_array_equal(frame.picture[:, :, -1], picture[:, :, 0])
 
 
 def test_a_missing_file_is_said(tmp_path):

@@ -108,7 +108,7 @@ def test_a_form_has_amplitudes_with_null_at_zero(case):
         ({"load_known": False}, {"actuator_lag", "camera_delay"}),
         ({"levels": 1, "reversals": False}, {"yield_threshold", "stress_nonlinear_flow"}),
         ({"tension": False}, {"moment_arm"}),
-        ({"masses": False}, {"gravity", "inertia"}),
+        ({"masses": False}, {"gravity"}),
         ({"covariates": {}}, {"temperature"}),
         ({"trials": 1}, {"fatigue_softening", "temperature"}),
         ({"joints": 1}, {"joint_coupling"}),
