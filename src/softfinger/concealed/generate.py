@@ -52,11 +52,8 @@ def generate_campaign(
     if spec.filmed and film is None:
         raise ValueError(f"{folder}: this case is filmed; pass the function that films a trial")
     setting = draw_setting(spec)
-    placed = {
-        name: place_strength(name, setting, quantile)
-        for name, quantile in zip(spec.effects, spec.quantiles, strict=True)
-    }
-    doses = set_strengths(setting.doses, {name: strength for name, (strength, _) in placed.items()})
+    strengths, aims = _place_strengths(spec, setting)
+    doses = set_strengths(setting.doses, strengths)
     clean = record_cleanly(setting, doses, np.arange(spec.trials))
     recordings = clean if spec.filmed else disturb(setting, clean, spec.seed)
     rng = np.random.default_rng([spec.seed, 2])
@@ -71,11 +68,22 @@ def generate_campaign(
     if spec.filmed:  # what the oracle is given in place of the tracked angles
         recordings = disturb(setting, clean, spec.seed)
     truth = compute_truth(spec, setting, doses, clean, recordings)
-    truth["aimed_at_nats"] = {name: target for name, (_, target) in placed.items()}
+    truth["aimed_at_nats"] = aims
     truth_path.parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps(truth, indent=1, sort_keys=True)
     truth_path.write_text(text + "\n", encoding="utf-8")
     return json.loads(text)
+
+
+def _place_strengths(spec: CaseSpec, setting: Setting) -> tuple[dict[str, float], dict[str, float]]:
+    """Strength of every effect, and the gain [nats] that it was aimed at where it was drawn."""
+    if spec.strengths:
+        return dict(zip(spec.effects, spec.strengths, strict=True)), {}
+    placed = {
+        name: place_strength(name, setting, quantile)
+        for name, quantile in zip(spec.effects, spec.quantiles, strict=True)
+    }
+    return tuple({name: pair[k] for name, pair in placed.items()} for k in (0, 1))
 
 
 def compute_truth(

@@ -119,8 +119,13 @@ def _at_noise(truth: dict) -> bool:
 
 
 def _list_answers(verdict: dict) -> list[set[str]]:
-    """Sets of effects that the verdict leaves possible, one per choice among equivalents."""
-    groups = [[set(member.split("+")) for member in group] for group in verdict["equivalent"]]
+    """Sets of effects that the verdict leaves possible, one per choice among equivalents.
+
+    A member ``none`` leaves the base model possible.
+    """
+    groups = [
+        [set(member.split("+")) - {"none"} for member in group] for group in verdict["equivalent"]
+    ]
     open_ids = set().union(*(member for group in groups for member in group))
     named = {e["id"] for e in verdict["effects"]}
     if verdict["decision"] == "adequate":

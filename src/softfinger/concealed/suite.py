@@ -38,6 +38,8 @@ class CaseSpec:
         Recorded as raw video, not as angles.
     with_posterior
         To be diagnosed with MCMC.
+    strengths
+        Strengths given outright, in place of the quantiles': for a case that is set, not drawn.
     """
 
     seed: int
@@ -49,6 +51,7 @@ class CaseSpec:
     noise: NoiseKind
     filmed: bool = False
     with_posterior: bool = False
+    strengths: tuple[float, ...] = ()
 
     @property
     def folder_name(self) -> str:
@@ -58,6 +61,20 @@ class CaseSpec:
     def to_json(self) -> dict:
         """Plain numbers, lists and words."""
         return asdict(self)
+
+
+def build_paper_case(protocol: Protocol, trials: int, seed: int) -> CaseSpec:
+    """Set the paper's own case: its wire geometry moves the finger, its analysis leaves it out."""
+    return CaseSpec(
+        seed=seed,
+        effects=("moment_arm",),
+        joints=((),),
+        quantiles=(1.0,),
+        protocol=protocol,
+        trials=trials,
+        noise="white",
+        strengths=(1.0,),
+    )
 
 
 def draw_suite(

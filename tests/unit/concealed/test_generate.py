@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from softfinger.campaign import read_angle_table, read_campaign, read_load
-from softfinger.concealed import CaseSpec, generate_campaign
+from softfinger.concealed import CaseSpec, build_paper_case, generate_campaign
 from softfinger.concealed.effects import EFFECTS
 from softfinger.concealed.protocols import PROTOCOLS, Load, draw_loads, write_rows
 from softfinger.concealed.setting import draw_setting
@@ -116,6 +116,13 @@ def test_an_effect_of_strength_zero_leaves_a_clean_campaign(tmp_path):
     assert truth["effects"] == []
     assert truth["gain_nats"] == 0.0
     assert truth["elpd_difference"] is None
+
+
+def test_the_papers_own_case_moves_by_the_papers_wire(tmp_path):
+    spec = build_paper_case("single_step", 1, 9)
+    truth = generate_campaign(spec, tmp_path / "paper", tmp_path / "paper.json")
+    assert truth["effects"][0]["parameters"] == {"arm_scale": 1.0}
+    assert truth["aimed_at_nats"] == {}
 
 
 @pytest.mark.parametrize("protocol", PROTOCOLS)

@@ -153,6 +153,13 @@ def test_masked_is_visible_to_the_oracle_but_not_in_the_residual():
     assert judge(_verdict("adequate"), buried).contains
 
 
+def test_a_set_with_none_contains_what_is_buried_but_not_what_is_visible():
+    verdict = _verdict("ambiguous", "inertia", equivalent=[["none", "inertia"]])
+    assert judge(verdict, _truth(("gravity", 4.0), gain=4.0)).contains
+    assert not judge(verdict, LAG).contains
+    assert not judge(verdict, _truth()).right
+
+
 def test_a_wrong_place_is_seen():
     verdict = _verdict("named", "actuator_lag")
     verdict["effects"][0]["joints"] = [1]
