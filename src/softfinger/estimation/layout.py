@@ -108,7 +108,7 @@ def describe_limits(present: NDArray[np.bool_]) -> str:
 def _describe_constants(angles: xr.Dataset, frames: xr.Dataset, prior: tuple) -> xr.Dataset:
     constants = angles[["load_time", "load_torque"]].reset_coords(drop=True)
     constants = constants.assign(
-        {name: frames[name].variable for name in ("present", "used", "frame_scale")}
+        {name: frames[name].variable for name in ("present", "used", "outlier", "frame_scale")}
     )
     for name in ("mu_mean", "mu_sd", "sigma_median", "sigma_log_sd"):
         constants[f"prior_{name}"] = ("parameter", getattr(prior, name))

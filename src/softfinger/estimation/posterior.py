@@ -17,6 +17,7 @@ from softfinger.estimation.sampling import (
 )
 from softfinger.population.collapse import Collapse, collapse_angles, restrict_collapse
 from softfinger.population.frames import select_frames
+from softfinger.population.outliers import find_outliers
 from softfinger.population.pilot import Pilot, find_plausible_rates, fit_pilot
 from softfinger.population.priors import Prior, build_prior
 
@@ -62,11 +63,20 @@ def fit_posterior(angles: xr.Dataset, config: Mapping[str, Any], seed: int) -> x
 
 
 def prepare_fit(angles: xr.Dataset) -> Preparation:
-    """Select frames, collapse the likelihood, set the priors and run the pilot fit."""
+    """Select frames, collapse the likelihood, set the priors and run the pilot fit.
+
+    Outliers against a first pilot fit are left out of the second: what they are is frozen before
+    sampling, and kept in `frames` as `outlier` (trial, frame).
+    """
     frames = select_frames(angles)
-    collapse = collapse_angles(angles, frames)
     prior = build_prior(angles, frames)
+    collapse = collapse_angles(angles, frames)
     pilot = fit_pilot(collapse, prior)
+    outlier = find_outliers(angles, frames, pilot)
+    frames = frames.assign(outlier=outlier, used=frames["used"] & ~outlier)
+    if outlier.any():
+        collapse = collapse_angles(angles, frames)
+        pilot = fit_pilot(collapse, prior)
     collapse = restrict_collapse(collapse, *find_plausible_rates(collapse, pilot))
     coords = {name: angles[name].values for name in ("trial", "joint")}
     return Preparation(frames, collapse, prior, pilot, coords)

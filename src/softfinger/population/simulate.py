@@ -35,7 +35,7 @@ def build_recording(
     """
     n = len(trials)
     time, load_time, load_torque = (
-        np.broadcast_to(a, (n, np.shape(a)[-1])) for a in (time, load_time, load_torque)
+        np.broadcast_to(a, (n, np.shape(a)[-1])).copy() for a in (time, load_time, load_torque)
     )
     shape = (n, joints, time.shape[1])
     covariance = np.full((n, time.shape[1], joints, joints), np.nan)
@@ -51,6 +51,51 @@ def build_recording(
         },
         coords={"trial": list(trials), "joint": np.arange(1, joints + 1)},
         attrs={"noise_sd_rad": np.nan},
+    )
+
+
+def draw_parameters(
+    mean: NDArray[np.float64],
+    sd: NDArray[np.float64],
+    recording: xr.Dataset,
+    rng: np.random.Generator,
+) -> xr.Dataset:
+    """Draw the parameters of every trial of a recording from a population.
+
+    Parameters
+    ----------
+    mean, sd
+        (joint, 4) or (4,): of log k_v, log c_v, log c_p and q_ini.
+    recording
+        Gives trial and joint.
+    rng
+        Source of the draws.
+
+    Returns
+    -------
+    Dataset
+        k_v, c_v, c_p, q_ini (trial, joint).
+    """
+    shape = (recording.sizes["trial"], recording.sizes["joint"], 4)
+    drawn = mean + sd * rng.standard_normal(shape)
+    drawn[..., :3] = np.exp(drawn[..., :3])
+    coords = {name: recording[name] for name in ("trial", "joint")}
+    values = {name: (("trial", "joint"), drawn[..., k]) for k, name in enumerate(PARAMETERS)}
+    return xr.Dataset(values, coords)
+
+
+def describe_noise(
+    sd: NDArray[np.float64], autocorrelation: NDArray[np.float64], neighbours: float = 0.0
+) -> xr.Dataset:
+    """Describe noise for `draw_angles`: σ and ρ (joint,), correlation of neighbouring joints."""
+    joints = len(sd)
+    beside = np.eye(joints, k=1) + np.eye(joints, k=-1)
+    return xr.Dataset(
+        {
+            "noise_sd": ("joint", np.asarray(sd, float)),
+            "noise_autocorrelation": ("joint", np.asarray(autocorrelation, float)),
+            "noise_correlation": (("joint", "other_joint"), np.eye(joints) + neighbours * beside),
+        }
     )
 
 
