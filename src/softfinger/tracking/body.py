@@ -9,6 +9,7 @@ from itertools import combinations, product
 import numpy as np
 
 _STRETCH = 0.25  # how far a distance on a link may be off, in radii
+_ADAPTION = 0.05  # share of a changed distance that is believed, per frame
 _SEARCH = 8.0  # radii around the predicted place, growing with the time lost
 _LONE_SEARCH = 2.5  # the same for a marker that no other one on its link confirms
 _SEARCH_GROWTH, _LONGEST_GROWTH = 0.05, 40  # per frame, and frames
@@ -89,6 +90,11 @@ class Body:
         stretched[self.first[wrong]] = True
         stretched[self.second[wrong]] = True
         return stretched
+
+    def adapt(self, position: np.ndarray) -> None:
+        """Let the distances follow slowly: a lens and a slant change them as the finger moves."""
+        gap = _measure_gap(position[self.first], position[self.second])
+        self.distance[:] += _ADAPTION * np.where(np.isfinite(gap), gap - self.distance, 0.0)
 
     def recover(
         self,

@@ -59,6 +59,7 @@ class Tracker:
         fresh = seen & (self.lost_for == 0)
         self.velocity = np.where(fresh[:, None], fitted[:, :2] - self.known[:, :2], 0.0)
         self.known[seen] = fitted[seen]
+        self.body.adapt(fitted[:, :2])
         self.lost_for = np.where(seen, 0, self.lost_for + 1)
         return fitted, quality
 

@@ -57,3 +57,15 @@ def test_both_ends_of_a_stretched_distance_are_doubted():
     moved[2] += [3.0, 0.0]
     np.testing.assert_array_equal(build().find_stretched(moved, RADIUS), [False, False, True, True])
     assert not build().find_stretched(lose(2), RADIUS).any()
+
+
+def test_distances_follow_a_lens_slowly():
+    body = build()
+    grown = HOME.copy()
+    for _ in range(120):
+        grown[3] += [0.05, 0.0]
+        assert not body.find_stretched(grown, RADIUS).any()
+        body.adapt(grown)
+    body.adapt(lose(3))
+    np.testing.assert_allclose(body.distance, [20.0, 30.0], atol=1.2)
+    assert body.find_stretched(HOME, RADIUS)[2:].all()

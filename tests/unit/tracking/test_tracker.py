@@ -54,6 +54,18 @@ def test_a_hidden_marker_is_missing_and_comes_back_under_its_name(rig):
     assert np.abs(found[hidden.stop :] - truth[hidden.stop :]).max() < 0.08
 
 
+def test_motion_blur_moves_the_centre_to_the_middle_of_the_exposure(rig):
+    middle = np.array([[30.0 + 6.0 * k, 50.0 + 3.0 * k] for k in range(12)])
+    exposure = np.linspace(-0.3, 0.3, 7)[:, None] * [6.0, 3.0]
+    pictures = [
+        np.mean([rig.draw([place + shift], noise=1.0) for shift in exposure], axis=0)
+        for place in middle
+    ]
+    blurred = [np.rint(picture).astype(np.uint8) for picture in pictures]
+    found = follow(start(middle[:1], [[0]]), blurred)[:, 0]
+    assert np.abs(found - middle).max() < 0.03
+
+
 def test_a_marker_that_fades_away_is_not_invented(rig):
     pictures = [rig.draw([(60.0, 70.0)], contrast=-120.0 * 0.5**k, noise=3.0) for k in range(14)]
     found = follow(start(np.array([[60.0, 70.0]]), [[0]]), pictures)
