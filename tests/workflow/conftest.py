@@ -14,7 +14,7 @@ PROJECT = Path(__file__).parents[2]
 SMALL = """\
 out: results
 trials_per_job: 2
-virtual_rig: {n_trials: 3, duration_s: 4.0, fps: 15.0, load_time_s: [0.0, 4.0]}
+virtual_rig: {n_trials: 3, duration_s: 3.0, fps: 30.0, load_time_s: [0.0, 3.0]}
 """
 
 

@@ -101,7 +101,9 @@ def test_a_recorder_killed_in_mid_trial(rig, long_plan, half_done, read_files):
 
 @pytest.fixture
 def restored_signals():
-    before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
+    before = {n: signal.getsignal(n) for n in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    # Where the tests run in the background of a shell, Ctrl-C has been switched off.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     for number, handler in before.items():
         signal.signal(number, handler)
