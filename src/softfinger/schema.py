@@ -15,6 +15,7 @@ from pydantic import Field
 from ruamel.yaml import YAML
 
 from softfinger.estimation.config import EstimationConfig
+from softfinger.mismatch.config import MismatchSettings
 from softfinger.propagation.config import PropagationConfig
 from softfinger.report.config import ReportConfig
 from softfinger.settings import Settings
@@ -33,6 +34,7 @@ class Configuration(Settings):
     tracking: TrackingConfig
     estimation: EstimationConfig
     propagation: PropagationConfig
+    mismatch: MismatchSettings
     report: ReportConfig
 
 
