@@ -4,7 +4,6 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -36,23 +35,15 @@ class Project:
 
 
 @pytest.fixture(scope="session")
-def copy_project(tmp_path_factory) -> Callable[[], Project]:
-    def copy() -> Project:
-        root = tmp_path_factory.mktemp("project")
-        for name in ("src", "workflow", "config", "profiles"):
-            shutil.copytree(
-                PROJECT / name, root / name, ignore=shutil.ignore_patterns("*.nbi", "*.nbc")
-            )
-        for name in ("Snakefile", "environment.lock"):
-            shutil.copy(PROJECT / name, root / name)
-        (root / "small.yaml").write_text(SMALL)
-        return Project(root)
-
-    return copy
-
-
-@pytest.fixture(scope="session")
-def finished(copy_project) -> Project:
-    project = copy_project()
+def finished(tmp_path_factory) -> Project:
+    root = tmp_path_factory.mktemp("project")
+    for name in ("src", "workflow", "config", "profiles"):
+        shutil.copytree(
+            PROJECT / name, root / name, ignore=shutil.ignore_patterns("*.nbi", "*.nbc")
+        )
+    for name in ("Snakefile", "environment.lock"):
+        shutil.copy(PROJECT / name, root / name)
+    (root / "small.yaml").write_text(SMALL)
+    project = Project(root)
     project.snakemake("all", "--cores", "2")
     return project

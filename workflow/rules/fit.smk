@@ -23,7 +23,7 @@ rule fit:
         sampling=OUT / "sampling.nc",
     log:
         OUT / "logs/fit.log",
-    threads: 1  # of linear algebra: draws must not depend on the cores; the chains take their own
+    threads: config["estimation"]["cores"]
     params:
         config=config["estimation"],
         seed=config["seed"],

@@ -12,8 +12,10 @@ from softfinger.artifacts.specs import posterior as posterior_spec
 from softfinger.artifacts.specs import sampling as sampling_spec
 from softfinger.estimation import diagnose_sampling, fit_posterior
 from softfinger.provenance import derive_seed, describe_run
+from softfinger.stages.linear_algebra import on_one_thread
 
 
+@on_one_thread
 def fit(
     *, angles: Path, posterior: Path, sampling: Path, config: Mapping[str, Any], seed: int
 ) -> None:

@@ -11,8 +11,10 @@ from softfinger.artifacts.specs import angles as angles_spec
 from softfinger.artifacts.specs import least_squares as least_squares_spec
 from softfinger.estimation.least_squares import fit_least_squares
 from softfinger.provenance import describe_run
+from softfinger.stages.linear_algebra import on_one_thread
 
 
+@on_one_thread
 def least_squares(
     *, angles: Path, least_squares: Path, config: Mapping[str, Any], seed: int
 ) -> None:

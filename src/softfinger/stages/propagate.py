@@ -16,8 +16,10 @@ from softfinger.artifacts.specs import least_squares as least_squares_spec
 from softfinger.artifacts.specs import posterior as posterior_spec
 from softfinger.propagation import compute_bands, compute_densities
 from softfinger.provenance import derive_seed, describe_run
+from softfinger.stages.linear_algebra import on_one_thread
 
 
+@on_one_thread
 def propagate(
     *,
     angles: Path,

@@ -13,8 +13,10 @@ from softfinger.artifacts.specs import posterior as posterior_spec
 from softfinger.artifacts.specs import sobol as sobol_spec
 from softfinger.propagation import compute_sobol
 from softfinger.provenance import describe_run
+from softfinger.stages.linear_algebra import on_one_thread
 
 
+@on_one_thread
 def sobol(
     *,
     angles: Path,
