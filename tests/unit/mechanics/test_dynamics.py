@@ -90,3 +90,7 @@ def test_impossible_calls_are_refused(parameters, geometry):
         simulate_full_dynamics(parameters, geometry, TIME, [0.0], [8.0], "straight")
     with pytest.raises(Fault, match="2 joints and the geometry 3"):
         simulate_full_dynamics(parameters.isel(joint=[0, 1]), geometry, TIME, [0.0], [8.0])
+    tensions = np.full((5, 1), 8.0)
+    tensions[3] = 1e300
+    with pytest.raises(Fault, match="motion of trial trial_3 could not be integrated"):
+        simulate_full_dynamics(parameters, geometry, TIME, np.zeros((5, 1)), tensions)

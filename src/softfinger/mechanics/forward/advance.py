@@ -135,6 +135,8 @@ def measure_error(model: Model, work: Work, step: float, tolerance: float) -> fl
         missed[0] -= nodes.torque[START, j] - nodes.spring[START, j]
         missed[1] -= nodes.flow[START, j]
         missed[2] -= nodes.torque[START, j]
+        if not np.isfinite(missed).all():  # `max` would forget a NaN
+            return np.inf
         for drive in range(3):
             reach = _BEND * linear.weight[drive, j, 1].sum()
             worst = max(worst, reach * abs(missed[drive]) / tolerance)

@@ -129,10 +129,10 @@ def simulate_joint_angle(
 
     Returns
     -------
-    joint_angle (trial, joint, frame) [rad], NaN where the model could not be integrated; with
-    directions also joint_angle_by_parameter (trial, joint, frame, other_joint, parameter), by
-    (log k_v, log c_v, log c_p, q_ini), and joint_angle_by_direction (trial, joint, frame,
-    direction).
+    joint_angle (trial, joint, frame) [rad], NaN where time is, and all through a trial that could
+    not be integrated; with directions also joint_angle_by_parameter (trial, joint, frame,
+    other_joint, parameter), by (log k_v, log c_v, log c_p, q_ini), and joint_angle_by_direction
+    (trial, joint, frame, direction).
 
     Examples
     --------
@@ -200,8 +200,8 @@ def simulate_joint_angle_array(
 
     Returns
     -------
-    angle (trial, joint, n) and gradient (trial, joint, n, 4 joint + direction): first by the
-    parameters of joint 1, then of joint 2 …, then along the directions.
+    angle (trial, joint, n) [rad] and gradient (trial, joint, n, 4 joint + direction): first by the
+    parameters of joint 1, then of joint 2 …, then along the directions. NaN as there.
     """
     trials, joints, _ = parameters.shape
     check_load(load_time, load_torque)
@@ -216,23 +216,15 @@ def simulate_joint_angle_array(
     groups = find_groups(GROUPS, slots, tangents)
     _check_finger(finger, groups)
     rows = [np.asarray(a, float) for a in (time, load_time, load_torque)]
-    rows = [np.ascontiguousarray(np.broadcast_to(a, (trials, a.shape[-1]))) for a in rows]
+    rows = [np.array(np.broadcast_to(a, (trials, a.shape[-1])), order="C") for a in rows]
     joint = slots.joint.copy()
     joint[..., :4] += parameters
     changes = (np.stack(parts) for parts in zip(*tangents, strict=True))
     empty = (np.zeros((0, *part.shape)) for part in slots)
     return _run_trials(
-        joint,
-        slots.chain,
-        slots.coupling,
-        *(changes if tangents else empty),
-        groups,
-        *finger,
-        *rows,
-        gradient,
-        float(tolerance),
-        float(longest_step),
-    )
+        joint, slots.chain, slots.coupling, *(changes if tangents else empty), groups,
+        *finger, *rows, gradient, float(tolerance), float(longest_step),
+    )  # fmt: skip
 
 
 def _check_finger(finger: Finger, groups: NDArray[np.bool_]) -> None:

@@ -1,0 +1,235 @@
+"""The kernel against integrators, closed forms and models that know nothing of it."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from softfinger.mechanics.dynamics import simulate_full_dynamics
+from softfinger.mechanics.forward.simulate import (
+    describe_finger,
+    describe_unknown_finger,
+    simulate_joint_angle,
+    simulate_joint_angle_array,
+)
+from softfinger.mechanics.forward.slots import build_slots, build_tangent
+from softfinger.mechanics.three_element import compute_joint_angle_gradient_array
+from softfinger.mechanics.viscoelastic.elements import (
+    Springpot,
+    kelvin_voigt,
+    series,
+    three_element,
+)
+from softfinger.mechanics.viscoelastic.response import (
+    compute_creep_compliance_array,
+    compute_response_array,
+)
+
+LOAD = (np.array([0.0, 3.0, 3.0, 5.0, 8.0]), np.array([0.04, 0.04, 0.015, 0.05, 0.05]))
+TIME = np.linspace(-0.5, 12.0, 26)
+NAMES = ("k_v", "c_v", "c_p", "q_ini")
+
+
+def natural(parameters):
+    values = [parameters[name].to_numpy() for name in NAMES]
+    return np.stack([*np.log(values[:3]), values[3]], axis=-1)
+
+
+def test_without_left_out_physics_it_is_the_papers_joint_to_rounding(parameters):
+    time = np.linspace(-1.0, 30.0, 400)
+    angle, gradient = simulate_joint_angle_array(
+        natural(parameters), build_slots(5, 3, {}), [], describe_unknown_finger(3), time, *LOAD
+    )
+    values = [parameters[name].to_numpy() for name in NAMES]
+    exact, exact_gradient = compute_joint_angle_gradient_array(*values, time, *LOAD)
+    np.testing.assert_allclose(angle, exact, rtol=0, atol=1e-14)
+    for joint in range(3):
+        own = gradient[:, joint, :, 4 * joint : 4 * joint + 4]
+        np.testing.assert_allclose(own, exact_gradient[:, joint], rtol=0, atol=1e-13)
+
+
+def test_linear_extensions_are_exact_too(parameters):
+    """A second Voigt element, and a springpot to the accuracy of its sum of exponentials."""
+    time = np.linspace(0.1, 60.0, 50)
+    one = parameters.isel(trial=[0], joint=[0])
+    values = natural(one)
+    joint = three_element(*(float(one[name][0, 0]) for name in NAMES[:3]))
+    offset = float(one.q_ini[0, 0])
+
+    def simulate(**slots):
+        finger = describe_unknown_finger(1)
+        return simulate_joint_angle_array(
+            values, build_slots(1, 1, slots), [], finger, time, *LOAD, gradient=False
+        )[0][0, 0]
+
+    second = simulate(second_compliance=2.0, second_time=4.0)
+    expected = compute_response_array(series(joint, kelvin_voigt(0.5, 2.0)), time, *LOAD)
+    np.testing.assert_allclose(second, expected + offset, rtol=0, atol=1e-14)
+    for exponent in (0.2, 0.5, 0.8):
+        pot = simulate(springpot_compliance=2.0, springpot_exponent=exponent)
+        expected = compute_response_array(series(joint, Springpot(0.5, exponent)), time, *LOAD)
+        np.testing.assert_allclose(pot, expected + offset, rtol=3e-5)
+
+
+@pytest.mark.parametrize("exponent", [0.05, 0.3, 0.7, 0.95])
+def test_springpot_creeps_as_stated(exponent):
+    """6e-5 relatively from 5 ms to 200 s, beside a joint that is nearly rigid."""
+    time = np.geomspace(5e-3, 200.0, 40)
+    angle, _ = simulate_joint_angle_array(
+        np.array([[[30.0, 0.0, 30.0, 0.0]]]),
+        build_slots(1, 1, {"springpot_compliance": 1.0, "springpot_exponent": exponent}),
+        [], describe_unknown_finger(1), time, [0.0], [1.0], gradient=False,
+    )  # fmt: skip
+    expected = compute_creep_compliance_array(Springpot(1.0, exponent), time)
+    np.testing.assert_allclose(angle[0, 0], expected, rtol=6e-5)
+
+
+@pytest.mark.parametrize("exponent", [0.0, 1.0])
+def test_springpot_ends_as_spring_and_as_dashpot(exponent):
+    time = np.geomspace(5e-3, 200.0, 10)
+    angle, _ = simulate_joint_angle_array(
+        np.array([[[30.0, 0.0, 30.0, 0.0]]]),
+        build_slots(1, 1, {"springpot_compliance": 2.0, "springpot_exponent": exponent}),
+        [], describe_unknown_finger(1), time, [0.0], [1.0], gradient=False,
+    )  # fmt: skip
+    np.testing.assert_allclose(angle[0, 0], 2.0 * time**exponent, rtol=1e-9)
+
+
+def softplus(x, width):
+    return width * np.logaddexp(0.0, x / width)
+
+
+def integrate(parameters, slots, load):
+    """The same physics, written out anew, stepped by Radau with a tight tolerance."""
+    k_v, c_v, c_p, q_ini = (parameters[name].to_numpy()[0] for name in NAMES)
+    get = {
+        "stiff": 0.0, "stop": 0.0, "sinh": 0.0, "arm": 0.0, "along": 0.0, "across": 0.0,
+        "couple": 0.0, "lag": 0.0, "friction": 0.0, **slots,
+    }  # fmt: skip
+    moment = 0.005 * np.array([0.0125 + 0.05, 0.0125 + 0.025, 0.0125])
+
+    def statics(q, force, way):
+        arm = 1 + get["arm"] * (np.cos(q / 2) + 0.8 * np.sin(q / 2) - 1)
+        passed = np.cumsum(np.abs(q)) - np.abs(q) / 2
+        torque = force * np.exp(-way * get["friction"] * passed) * arm
+        torque -= get["stop"] * softplus(q - 0.3, 0.02)
+        direction = np.cumsum(q)
+        weight = (
+            9.80665
+            * moment
+            * (np.sin(get["across"]) * np.cos(direction) - np.sin(get["along"]) * np.sin(direction))
+        )
+        torque += np.cumsum(weight[::-1])[::-1]
+        torque += get["couple"] * np.r_[0.0, (q - q_ini)[:-1]]
+        return torque
+
+    def spring(x):
+        return k_v * x * (1 + get["stiff"] * x**2)
+
+    rest, q_rest = statics(q_ini, 0.0, 0.0), np.zeros(3)
+    for _ in range(60):
+        q_rest -= (spring(q_rest) - rest) / (k_v * (1 + 3 * get["stiff"] * q_rest**2))
+
+    def rate(t, state, log):
+        q_v, q_p, acting, way = state[:3], state[3:6], state[6], state[7]
+        force = acting if get["lag"] else log(t)
+        torque = statics(q_ini + q_v - q_rest + q_p, force, way)
+        flow = np.sinh(get["sinh"] * torque) / get["sinh"] if get["sinh"] else torque
+        moves = (torque - spring(q_v)) / c_v, flow / c_p
+        wire = sum(moves).sum()
+        slow = (log(t) - acting) / get["lag"] if get["lag"] else 0.0
+        return np.r_[moves[0], moves[1], slow, (wire - abs(wire) * way) / 0.05]
+
+    state, angles = np.r_[q_rest, np.zeros(5)], []
+    knots, torques = load
+    pieces = [(-0.5, 0.0, 0.0, 0.0)]
+    pieces += zip(knots[:-1], knots[1:], torques[:-1], torques[1:], strict=True)
+    pieces.append((knots[-1], 12.1, torques[-1], torques[-1]))
+    for start, end, first, last in pieces:
+        if start == end:
+            continue
+        inside = TIME[(start <= TIME) & (end > TIME)]
+        line = np.array([start, end]), np.array([first, last])
+        solution = solve_ivp(
+            rate, (start, end), state, "Radau", np.r_[inside, end],
+            args=(lambda t, line=line: np.interp(t, *line),), rtol=1e-9, atol=1e-11,
+        )  # fmt: skip
+        q_v, q_p = solution.y[:3, : inside.size], solution.y[3:6, : inside.size]
+        angles.append((q_ini - q_rest)[:, None] + q_v + q_p)
+        state = solution.y[:, -1]
+    return np.concatenate(angles, axis=1)
+
+
+PHYSICS = {
+    "stiffening": ({"stiffening_square": 2.0}, {"stiff": 2.0}),
+    "stop": ({"stop_angle": 0.3, "stop_stiffness": 0.5, "stop_width": 0.02}, {"stop": 0.5}),
+    "flow": ({"flow_sinh": 40.0}, {"sinh": 40.0}),
+    "moment_arm": ({"arm_scale": 1.0}, {"arm": 1.0}),
+    "gravity": ({"tilt_along": 0.2, "tilt_across": -0.3}, {"along": 0.2, "across": -0.3}),
+    "coupling": ({"coupling_stiffness": 0.02 * np.eye(3, k=-1)}, {"couple": 0.02}),
+    "lag": ({"lag": 0.3}, {"lag": 0.3}),
+    "friction": ({"friction_bend": 0.4, "friction_width": 0.05}, {"friction": 0.4}),
+}
+PAIRS = [
+    ("moment_arm", "friction"),
+    ("stiffening", "gravity"),
+    ("lag", "stop"),
+    ("flow", "coupling"),
+    ("friction", "lag"),
+]
+
+
+@pytest.mark.parametrize("names", [*((name,) for name in PHYSICS), *PAIRS], ids="+".join)
+def test_left_out_physics_agrees_with_an_independent_integrator(parameters, geometry, names):
+    one = parameters.isel(trial=[1])
+    slots, plain = {}, {}
+    for name in names:
+        slots |= PHYSICS[name][0]
+        plain |= PHYSICS[name][1]
+    angles = simulate_joint_angle(one, describe_finger(geometry), TIME, *LOAD, slots).joint_angle
+    np.testing.assert_allclose(angles[0], integrate(one, plain, LOAD), rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize(("arm", "wires"), [(0.0, "constant_arm"), (1.0, "paper")])
+def test_with_inertia_it_is_the_full_dynamics(parameters, geometry, arm, wires):
+    time = np.r_[0.0, np.geomspace(1e-3, 10.0, 60)]
+    load = (np.array([0.0, 3.0, 3.0]), np.array([0.04, 0.04, 0.01]))
+    slots = {"inertia_scale": 1.0, "arm_scale": arm}
+    angles = simulate_joint_angle(parameters, describe_finger(geometry), time, *load, slots)
+    motion = simulate_full_dynamics(parameters, geometry, time, load[0], load[1] / 0.005, wires)
+    np.testing.assert_allclose(angles.joint_angle, motion.joint_angle, rtol=0, atol=5e-6)
+
+
+def test_steps_converge_with_order_five_and_four_within(parameters, geometry):
+    """Nonlinear spring, flow and moment arm at fixed steps, against very short ones."""
+    values = natural(parameters.isel(trial=[0]))
+    slots = build_slots(
+        1, 3, {"arm_scale": 1.0, "stiffening_square": 2.0, "flow_sinh": 40.0, "lag": 0.4}
+    )
+    tangents = [build_tangent(1, 3, {"arm_scale": 1.0})]
+
+    def simulate(step, time):
+        return simulate_joint_angle_array(
+            values, slots, tangents, describe_finger(geometry), time, [0.0], [0.04],
+            tolerance=np.inf, longest_step=step,
+        )  # fmt: skip
+
+    steps = np.array([0.02, 0.01, 0.005])
+    shares = {5: [1.0], 4: [0.3, 0.5, 0.8]}
+    for order, share in shares.items():
+        errors = []
+        for step in steps:
+            time = np.add.outer(step * np.arange(round(1.6 / step)), step * np.array(share)).ravel()
+            pairs = zip(simulate(step, time), simulate(step / 20, time), strict=True)
+            errors.append([np.abs(found - exact).max() for found, exact in pairs])
+        found = np.log2(np.divide(errors[:-1], errors[1:]))  # (pair of steps, angles and tangents)
+        assert (np.abs(found - order) < 0.4).all(), (order, found)
+
+
+def test_tolerance_bounds_the_error(parameters, geometry):
+    slots = {"arm_scale": 1.0, "stiffening_square": 2.0, "flow_sinh": 40.0}
+    arguments = (
+        natural(parameters), build_slots(5, 3, slots), [], describe_finger(geometry), TIME, *LOAD
+    )  # fmt: skip
+    usual, _ = simulate_joint_angle_array(*arguments)
+    tight, _ = simulate_joint_angle_array(*arguments, tolerance=1e-11)
+    assert np.abs(usual - tight).max() < 5e-6
