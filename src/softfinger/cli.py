@@ -105,23 +105,71 @@ def virtual_rig(
 
 
 @app.command()
-def track(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None:
-    """Follow the markers through every video: OUT/markers/*.nc."""
+def track(
+    campaign: CampaignFolder,
+    out: Out,
+    config: ConfigFile = None,
+    overlays: Annotated[
+        bool, typer.Option("--overlays", help="Write OUT/overlays: what was found, in the videos.")
+    ] = False,
+) -> None:
+    """Follow the markers through every video: OUT/markers/*.nc, and how well it went."""
+    from softfinger.stages.picture import picture
     from softfinger.stages.track import track
+    from softfinger.stages.tracking_quality import tracking_quality
 
     settings, described = read_config(config), read_campaign(campaign)
+    size, tables = settings["trials_per_job"], list_tables(described)
     filmed = [trial for trial in described.trials if trial.level == "video"]
-    size = settings["trials_per_job"]
-    for batch, first in enumerate(range(0, len(filmed), size)):
-        trials = filmed[first : first + size]
-        track(
-            folder=campaign,
-            trials=[trial.name for trial in trials],
-            tables=list_tables(described),
-            videos=[trial.recording for trial in trials],
-            markers=out / f"markers/{batch:04d}.nc",
-            seed=settings["seed"],
-        )
+    if not filmed:
+        raise Fault(f"{campaign}: no trial has a video, so there is nothing to track")
+    batches = [filmed[first : first + size] for first in range(0, len(filmed), size)]
+    files = [out / f"markers/{batch:04d}.nc" for batch in range(len(batches))]
+    shared = {"folder": campaign, "tables": tables, "seed": settings["seed"]}
+    for trials, markers in zip(batches, files, strict=True):
+        names, videos = [trial.name for trial in trials], [trial.recording for trial in trials]
+        track(trials=names, videos=videos, markers=markers, **shared)
+        if overlays:
+            _write_overlays(campaign, out, dict(zip(names, videos, strict=True)), markers)
+    videos = [trial.recording for trial in batches[0]]
+    picture(videos=videos, markers=files[0], picture=out / "picture.nc", **shared)
+    quality = out / "tracking_quality.nc"
+    tracking_quality(markers=files, tracking_quality=quality, seed=settings["seed"])
+
+
+def _write_overlays(campaign: Path, out: Path, videos: dict[str, Path], markers: Path) -> None:
+    from softfinger.stages.overlay import overlay
+
+    for name, video in videos.items():
+        films = {"film": out / f"overlays/{name}.avi", "sheet": out / f"overlays/{name}.jpg"}
+        overlay(folder=campaign, trial=name, video=video, markers=markers, **films)
+
+
+@app.command()
+def calibrate(
+    pictures: Annotated[Path, typer.Argument(help="Folder of pictures of the board.")],
+    columns: Annotated[int, typer.Option(help="Squares side by side.", min=3)],
+    rows: Annotated[int, typer.Option(help="Squares on top of each other.", min=3)],
+    square_m: Annotated[float, typer.Option(help="Side of a square [m].")],
+    marker_m: Annotated[
+        float | None, typer.Option(help="Side of the coded markers [m]: a ChArUco board.")
+    ] = None,
+    dictionary: Annotated[str, typer.Option(help="Of the coded markers.")] = "DICT_4X4_50",
+) -> None:
+    """Find a camera's intrinsics from pictures of a chessboard or ChArUco board.
+
+    Prints the lines that stand under `camera:` in campaign.yaml.
+    """
+    from softfinger.tracking.calibration import Board, calibrate_camera
+
+    kind = "chessboard" if marker_m is None else "charuco"
+    board = Board(kind, columns, rows, square_m, marker_m, dictionary)
+    found = calibrate_camera(sorted(p for p in pictures.iterdir() if p.is_file()), board)
+    for name, reason in found.set_aside.items():
+        typer.echo(f"set aside {name}: {reason}", err=True)
+    sd = " and ".join(f"{value:.2g}" for value in found.focal_sd)
+    typer.echo(f"corners deviate {found.rms:.3g} px rms; focal lengths known to {sd} px", err=True)
+    typer.echo(found.to_yaml(), nl=False)
 
 
 @app.command()
@@ -169,16 +217,43 @@ def sobol(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None
 
 
 @app.command()
+def diagnose(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None:
+    """Find out which physics was left out, from whatever level the campaign has.
+
+    Writes OUT/verdict.json, OUT/model.yaml (the repaired model) and the artifacts behind them.
+    Exit status 0: there is a verdict, whatever it says. 1: the campaign is refused.
+    """
+    from softfinger.mismatch.verdict import read_verdict
+    from softfinger.stages.diagnose import SPECS, diagnose
+    from softfinger.stages.prepare import prepare_angles
+
+    settings = read_config(config)
+    diagnose(
+        angles=prepare_angles(campaign, out, settings),
+        verdict=out / "verdict.json",
+        repaired=out / "model.yaml",
+        config=settings["mismatch"],
+        seed=settings["seed"],
+        **{name: out / f"{name}.nc" for name in SPECS},
+    )
+    verdict = read_verdict(out / "verdict.json")
+    typer.echo(f"{verdict.campaign}: {verdict.decision}")
+    for effect in verdict.effects:
+        typer.echo(effect.statement)
+
+
+@app.command()
 def report(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None:
     """Write OUT/report.html from the artifacts in OUT (after all the other verbs)."""
-    from softfinger.stages.report import SPECS, report
+    from softfinger.stages.report import FILMED, SPECS, report
 
     read_campaign(campaign)
+    filmed = [name for name in FILMED if (out / f"{name}.nc").exists()]
     report(
         report=out / "report.html",
         markers=sorted((out / "markers").glob("*.nc")),
         config=read_config(config),
-        **{name: out / f"{name}.nc" for name in SPECS},
+        **{name: out / f"{name}.nc" for name in [*SPECS, *filmed]},
     )
 
 

@@ -43,5 +43,9 @@ def batch_trials(wildcards):
     return BATCHES[wildcards.batch]
 
 
+def find_batch(trial):
+    return next(batch for batch, names in BATCHES.items() if trial in names)
+
+
 wildcard_constraints:
     batch=r"\d{4}",

@@ -7,6 +7,8 @@ ARTIFACTS = [
     "densities",
     "sobol",
 ]
+if VIDEOS:
+    ARTIFACTS += ["picture", "tracking_quality"]
 FIGURES = [
     "finger",
     "joint_model",
@@ -60,7 +62,7 @@ rule figures:
 
 rule check_artifacts:
     input:
-        artifacts=[OUT / f"{name}.nc" for name in ARTIFACTS],
+        artifacts=[OUT / f"{name}.nc" for name in ARTIFACTS + DIAGNOSIS],
         markers=expand(OUT / "markers/{batch}.nc", batch=BATCHES),
     output:
         receipt=OUT / "receipt.csv",

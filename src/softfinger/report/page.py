@@ -57,8 +57,8 @@ def write_report(
     Parameters
     ----------
     artifacts
-        By name: `angles` (needed); `markers` (one batch), `picture` (a frame: row, column[,
-        channel], with scalar coords trial and frame), `least_squares`, `posterior`, `bands`,
+        By name: `angles` (needed); `markers` (one batch), `picture`, `tracking_quality`,
+        `least_squares`, `posterior`, `bands`,
         `densities`, `sobol`, `truth`, and `verdict` (the mapping of verdict.json). What is missing
         is said to be missing.
     config

@@ -77,7 +77,7 @@ def picture_tracking(material: Material) -> Picture | None:
     if "markers" not in material:
         return None
     markers = material.get("markers")
-    image = material.artifacts.get("picture")
+    image = material.artifacts["picture"]["picture"] if "picture" in material else None
     trial, frame = choose_frame(markers, image)
     sd = float(np.nanmedian(markers["marker_position_sd"].sel(trial=trial)))
     where = "on the picture itself" if image is not None else "without its picture"

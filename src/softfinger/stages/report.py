@@ -15,9 +15,11 @@ from softfinger.artifacts.specs import (
     bands,
     densities,
     least_squares,
+    picture,
     posterior,
     sampling,
     sobol,
+    tracking_quality,
 )
 from softfinger.artifacts.specs import (
     markers as markers_spec,
@@ -29,6 +31,7 @@ SPECS = {
     spec.SPEC.name: spec.SPEC
     for spec in (angles, least_squares, posterior, sampling, bands, densities, sobol)
 }
+FILMED = {spec.SPEC.name: spec.SPEC for spec in (picture, tracking_quality)}
 
 
 def report(
@@ -45,7 +48,7 @@ def report(
     config
         The whole configuration.
     **artifacts
-        Name → file, for every name in ``SPECS``.
+        Name → file, for every name in ``SPECS``, and those in ``FILMED`` if there are videos.
     """
     with write_atomically(report) as temporary:
         write_report(open_artifacts(artifacts, markers), config, temporary, _find_commit())
@@ -55,8 +58,9 @@ def open_artifacts(
     artifacts: Mapping[str, Path], markers: Sequence[Path]
 ) -> dict[str, xr.Dataset | xr.DataTree]:
     """Open artifacts by name, and of the markers' files the first."""
+    specs = SPECS | FILMED
     opened = {
-        name: (open_tree if SPECS[name].groups else open_artifact)(path, SPECS[name])
+        name: (open_tree if specs[name].groups else open_artifact)(path, specs[name])
         for name, path in artifacts.items()
     }
     if markers:

@@ -134,6 +134,12 @@ def draw_contact_sheet(video: Path, fps: float, markers: xr.Dataset, count: int 
     return np.vstack([np.hstack(full[k : k + columns]) for k in range(0, len(full), columns)])
 
 
+def write_contact_sheet(video: Path, fps: float, markers: xr.Dataset, path: Path) -> None:
+    """Write the worst-tracked frames of a trial (`draw_contact_sheet`) as a picture file."""
+    if not cv2.imwrite(str(path), draw_contact_sheet(video, fps, markers)):
+        raise Fault(f"{path}: cannot be written; is the folder there?")
+
+
 def _to_fine(points: np.ndarray) -> np.ndarray:
     return np.round(points * 2**_FINE_BITS).astype(np.int32)
 

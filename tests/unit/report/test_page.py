@@ -229,9 +229,8 @@ def test_the_main_cause_is_told_where_the_spread_is_widest(artifacts):
 
 
 def test_a_frame_of_the_film_keeps_its_colours_in_the_dark(artifacts):
-    picture = xr.DataArray(
-        np.full((30, 40), 128, np.uint8),
-        dims=("row", "column"),
+    picture = xr.Dataset(
+        {"picture": (("row", "column", "channel"), np.full((30, 40, 3), 128, np.uint8))},
         coords={"trial": "trial_002", "frame": 7},
     )
     few = {name: artifacts[name] for name in ("angles", "markers")}

@@ -27,6 +27,7 @@ def build_data(material: Material) -> Section:
         *describe_loads(material),
         picture_recordings(material),
         picture_tracking(material),
+        build_tracking_table(material),
         *build_set_aside(material),
         build_trial_table(material),
     ]
@@ -92,6 +93,46 @@ def describe_loads(material: Material) -> list[Block]:
             )
         )
     return blocks
+
+
+def build_tracking_table(material: Material) -> Table | None:
+    """List how well each filmed trial was tracked, by its worst marker."""
+    if "tracking_quality" not in material:
+        return None
+    quality = material.get("tracking_quality")
+    worst = xr.Dataset(
+        {
+            "seen": quality["share_seen"].min("marker"),
+            "in doubt": quality["share_suspect"].max("marker"),
+            "repeated frames": quality["share_stale"],
+            "sd [px]": quality["sd_median"].max("marker"),
+            "wander on its link [px]": quality["rigid_residual"].max("marker"),
+        }
+    )
+    rows = []
+    for name in worst["trial"].values:
+        values = {key: float(value) for key, value in worst.sel(trial=name).items()}
+        cells = [
+            number(format_number(v, 2) if "px" in key else format_percent(v, 1), v)
+            for key, v in values.items()
+        ]
+        rows.append((text(name), *cells))
+    limits = material.config["tracking"]
+    caption = (
+        "The worst marker of each filmed trial. A trial is set aside where a marker is seen in "
+        f"less than {format_percent(limits['smallest_share_seen'])} of the frames, wanders by "
+        f"more than {format_number(limits['largest_rigid_residual_px'])} px, or is placed with "
+        f"a standard deviation above {format_number(limits['largest_sd_px'])} px. "
+        f"{capital(material.cite('tracking_quality'))}."
+    )
+    return Table(
+        "tracking_quality",
+        "How well each trial was tracked",
+        caption,
+        ("trial", *map(str, worst.data_vars)),
+        tuple(rows),
+        folded=len(rows) > ALWAYS_SHOWN,
+    )
 
 
 def build_set_aside(material: Material) -> list[Block]:
