@@ -1,5 +1,14 @@
 """Which physics was left out: locate it, name it, say what it did, propose what would show it."""
 
 from softfinger.mismatch.diagnose import Diagnosis, diagnose
+from softfinger.mismatch.outcome import describe_repair, tabulate_diagnosis
+from softfinger.mismatch.verdict import read_verdict, write_verdict
 
-__all__ = ["Diagnosis", "diagnose"]
+__all__ = [
+    "Diagnosis",
+    "describe_repair",
+    "diagnose",
+    "read_verdict",
+    "tabulate_diagnosis",
+    "write_verdict",
+]

@@ -15,7 +15,7 @@ from softfinger.mismatch.locate import (
     list_trial_covariates,
     locate_within,
 )
-from softfinger.mismatch.model import Entry
+from softfinger.mechanics.effects.model import Entry
 from softfinger.mismatch.problem import Problem
 from softfinger.mismatch.rank import Candidate
 from softfinger.mismatch.search import Search

@@ -16,7 +16,7 @@ from softfinger.mechanics.forward.simulate import (
     simulate_joint_angle_array,
 )
 from softfinger.mechanics.geometry import FingerGeometry
-from softfinger.mismatch.model import LONGEST_STEP, EffectModel
+from softfinger.mechanics.effects.model import LONGEST_STEP, EffectModel
 from softfinger.mismatch.pilot import guess_own
 from softfinger.mismatch.reduce import reduce_trials
 from softfinger.mismatch.setting import build_setting, read_geometry

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.effect import Setting
-from softfinger.mismatch.model import EffectModel, Piece
+from softfinger.mechanics.effects.model import EffectModel, Piece
 from softfinger.mismatch.problem import Problem
 from softfinger.population.mixed_effects_laplace import Fit, solve_linearised
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
-from softfinger.mismatch.model import EffectModel, Piece
+from softfinger.mechanics.effects.model import EffectModel, Piece
 from softfinger.mismatch.problem import Problem
 from softfinger.mismatch.rank import Candidate, Score, list_pieces, prune, rank_pieces
 

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from softfinger.faults import ListedFault
+from softfinger.mechanics.effects.model import EffectModel
 from softfinger.mismatch import diagnose
-from softfinger.mismatch.model import EffectModel
 from softfinger.mismatch.rank import list_pieces
 
 CONFIG = {"bootstrap_replicates": 99, "false_alarm_probability": 0.01}

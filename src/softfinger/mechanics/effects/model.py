@@ -1,7 +1,7 @@
 """A set of effects as one vector φ: names, priors, bounds, and the slots that it fills."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
 
@@ -33,7 +33,7 @@ class Piece:
     @property
     def joints(self) -> list[int]:
         """The joints that it is tied to, counted from 1."""
-        return sorted({place[0] + 1 for place in self.places})
+        return sorted({joint + 1 for place in self.places for joint in place})
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,12 +55,27 @@ class Entry:
         return self.parameter.name + self.suffix
 
 
+Known = Mapping[tuple[str, str], tuple[float, float]]
+"""(effect id, name of a number of φ) → mean and sd on the internal scale."""
+
+
 @dataclass(frozen=True, eq=False)
 class EffectModel:
-    """The base model and a set of effects."""
+    """The base model and a set of effects.
+
+    Attributes
+    ----------
+    setting
+        The campaign that it is for.
+    pieces
+        Its effects.
+    known
+        Priors that replace those of the catalogue.
+    """
 
     setting: Setting
     pieces: tuple[Piece, ...] = ()
+    known: Known = field(default_factory=dict)
 
     @property
     def ids(self) -> frozenset[str]:
@@ -81,7 +96,7 @@ class EffectModel:
             pieces[entry.piece] = replace(piece, places=places)
         else:
             del pieces[entry.piece]
-        return EffectModel(self.setting, tuple(pieces))
+        return replace(self, pieces=tuple(pieces))
 
     def match(self, other: "EffectModel") -> NDArray[np.int64]:
         """Where the entries of another model, which has no more than this one, stand in φ."""
@@ -92,7 +107,7 @@ class EffectModel:
 
     def extend(self, piece: Piece) -> "EffectModel":
         """Build the model with one more piece."""
-        return EffectModel(self.setting, (*self.pieces, piece))
+        return replace(self, pieces=(*self.pieces, piece))
 
     @cached_property
     def entries(self) -> tuple[Entry, ...]:
@@ -107,7 +122,11 @@ class EffectModel:
     @property
     def shared_prior(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Prior mean and sd of φ, on the internal scale."""
-        return self._gather("mean"), self._gather("sd")
+        usual = np.stack([self._gather("mean"), self._gather("sd")])
+        for k, entry in enumerate(self.entries):
+            key = self.pieces[entry.piece].effect.id, entry.name
+            usual[:, k] = self.known.get(key, usual[:, k])
+        return usual[0], usual[1]
 
     @property
     def low(self) -> NDArray[np.float64]:
@@ -143,7 +162,8 @@ class EffectModel:
         """Fill the slots of the forward model for all trials from φ (p,)."""
         values: dict[str, NDArray] = {}
         for number, piece in enumerate(self.pieces):
-            for name, value in piece.form.slots(self._physical(number, shared)).items():
+            filled = piece.form.slots(self._physical(number, shared))
+            for name, value in self._confine(piece, filled).items():
                 if name in values and SLOTS[name].null != 0.0:
                     raise Fault(f"{self.label}: two effects claim the slot {name}")
                 values[name] = values[name] + value if name in values else value
@@ -162,9 +182,17 @@ class EffectModel:
             tangents.append(SlotArrays(*((a - b) / (2 * step) for a, b in pairs)))
         return tangents
 
+    def _confine(self, piece: Piece, filled: Mapping[str, NDArray]) -> dict[str, NDArray]:
+        """Slots of a local form, at their null values in joints on which it does not act."""
+        if not (piece.form.local and piece.places):
+            return dict(filled)
+        here = np.isin(np.arange(self.setting.joints), [place[0] for place in piece.places])
+        return {name: np.where(here, value, SLOTS[name].null) for name, value in filled.items()}
+
     def _physical(self, piece: int, shared: NDArray[np.float64]) -> dict[str, NDArray]:
         joints = self.setting.joints
-        empty = {"chain": (), "joint": (joints,), "pair": (joints, joints)}
+        pairs = (joints, joints)
+        empty = {"chain": (), "joint": (joints,), "pair": pairs, "neighbours": pairs}
         values = {}
         for parameter in self.pieces[piece].form.parameters:
             fill = 0.0 if parameter.amplitude else np.exp(parameter.mean * parameter.log)

@@ -1,0 +1,219 @@
+"""The model file `model.yaml`: which physics a stage uses, in place of the base model.
+
+`priors` says what is known of an effect's parameters: `{median, log_sd}` of one that is positive
+and spans decades, `{mean, sd}` of any other; those that are absent have the catalogue's priors.
+Where a model was fitted, they are its posterior; a fit to the very same recordings, which
+`fitted_to` tells by the hash of their `angles` artifact, leaves them out, lest data count twice.
+"""
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from ruamel.yaml import YAML, YAMLError
+
+from softfinger.faults import Fault, ListedFault
+from softfinger.mechanics.effects import list_effects
+from softfinger.mechanics.effects.effect import Form, Setting
+from softfinger.mechanics.effects.model import EffectModel, Entry, Known, Piece
+
+DIGITS = 7
+Joint = Annotated[int, Field(ge=1)]
+Positive = Annotated[float, Field(gt=0.0)]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True)
+
+
+class NormalPrior(_Part):
+    """A parameter that is normal, in its own unit."""
+
+    mean: float
+    sd: Positive
+
+
+class LogNormalPrior(_Part):
+    """A positive parameter whose natural logarithm is normal."""
+
+    median: Positive
+    log_sd: Positive
+
+
+class EffectEntry(_Part):
+    """One effect in one form; a form of pairs of joints names them as [[2, 1]]: 2 moved by 1."""
+
+    id: str
+    form: str
+    joints: list[Joint | tuple[Joint, Joint]] = []
+    priors: dict[str, NormalPrior | LogNormalPrior] = {}
+
+
+class FittedTo(_Part):
+    """The recordings that a model was fitted to."""
+
+    campaign: str
+    sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+
+
+class ModelFile(_Part):
+    """The content of a model file."""
+
+    version: Literal[1]
+    joint: Literal["three_element"]
+    torque: Literal["constant_arm"]
+    effects: list[EffectEntry]
+    fitted_to: FittedTo | None = None
+
+
+def read_model_file(path: Path | str) -> ModelFile:
+    """Read a model file.
+
+    Raises
+    ------
+    Fault
+        The file is missing or no YAML.
+    ListedFault
+        A key is unknown, missing or of the wrong kind; all faults are listed.
+    """
+    try:
+        content = YAML(typ="safe").load(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise Fault(f"{path}: the model file cannot be read: {error.strerror}") from None
+    except (YAMLError, UnicodeDecodeError) as error:
+        raise Fault(f"{path}: it is not YAML: {' '.join(str(error).split())}") from None
+    try:
+        return ModelFile.model_validate(content)
+    except ValidationError as error:
+        faults = [
+            f"{'.'.join(map(str, fault['loc'])) or 'top level'}: {fault['msg']}"
+            for fault in error.errors()
+        ]
+        raise ListedFault(str(path), faults) from None
+
+
+def write_model_file(content: ModelFile, path: Path | str) -> None:
+    """Write a model file; one that is read and written again keeps its bytes."""
+    yaml = YAML()
+    yaml.width = 200
+    with Path(path).open("w", encoding="utf-8", newline="\n") as stream:
+        yaml.dump(content.model_dump(mode="json"), stream)
+
+
+def build_model(content: ModelFile, setting: Setting, *, priors: bool = True) -> EffectModel:
+    """Build the model of a file for a campaign.
+
+    Parameters
+    ----------
+    priors
+        Whether the file's priors replace those of the catalogue.
+
+    Raises
+    ------
+    ListedFault
+        An effect, form, joint or parameter that this campaign or program does not have.
+    """
+    faults: list[str] = []
+    pieces, known = [], {}
+    for number, entry in enumerate(content.effects, start=1):
+        place = f"effect {number} ({entry.id})"
+        piece = _build_piece(entry, setting, place, faults)
+        if piece is None:
+            continue
+        if any(piece.effect.id == other.effect.id for other in pieces):
+            faults.append(f"{place}: the effect stands twice; give it once, with all its joints")
+        pieces.append(piece)
+        known |= _read_priors(entry, EffectModel(setting, (piece,)), place, faults)
+    if faults:
+        raise ListedFault("the model file", faults)
+    return EffectModel(setting, tuple(pieces), known if priors else {})
+
+
+def describe_model(
+    model: EffectModel,
+    mean: NDArray[np.float64],
+    sd: NDArray[np.float64],
+    fitted_to: FittedTo | None,
+) -> ModelFile:
+    """Describe a fitted model, given mean and sd of φ on the internal scale."""
+    effects = []
+    for number, piece in enumerate(model.pieces):
+        priors = {
+            entry.name: _describe_prior(entry, float(mean[k]), float(sd[k]))
+            for k, entry in enumerate(model.entries)
+            if entry.piece == number
+        }
+        joints = [place[0] + 1 if len(place) == 1 else (place[0] + 1, place[1] + 1)
+                  for place in piece.places]  # fmt: skip
+        effects.append(
+            EffectEntry(id=piece.effect.id, form=piece.form.name, joints=joints, priors=priors)
+        )
+    return ModelFile(
+        version=1,
+        joint="three_element",
+        torque="constant_arm",
+        effects=effects,
+        fitted_to=fitted_to,
+    )
+
+
+def _build_piece(
+    entry: EffectEntry, setting: Setting, place: str, faults: list[str]
+) -> Piece | None:
+    effects = list_effects()
+    if entry.id not in effects:
+        faults.append(f"{place}: no such effect; there are {', '.join(effects)}")
+        return None
+    forms = effects[entry.id].build_forms(setting)
+    if isinstance(forms, str):
+        faults.append(f"{place}: these recordings cannot have it: {forms}")
+        return None
+    form = next((form for form in forms if form.name == entry.form), None)
+    if form is None:
+        names = ", ".join(form.name for form in forms)
+        faults.append(f"{place}: no form {entry.form!r} here; there are {names}")
+        return None
+    wanted, words = _describe_places(form)
+    given = [joint if isinstance(joint, tuple) else (joint,) for joint in entry.joints]
+    wrong = [g for g in given if len(g) != wanted or max(g) > setting.joints]
+    wrong += [g for g in given if wanted == 2 and len(g) == 2 and abs(g[0] - g[1]) != 1]
+    if wrong or bool(given) != bool(wanted) or len(set(given)) != len(given):
+        faults.append(f"{place}: joints are {entry.joints}; expected {words} of {setting.joints}")
+        return None
+    return Piece(effects[entry.id], form, tuple(tuple(j - 1 for j in g) for g in given))
+
+
+def _describe_places(form: Form) -> tuple[int, str]:
+    kinds = {parameter.per for parameter in form.parameters}
+    if "pair" in kinds:
+        return 2, "different pairs of neighbouring joints, as [[2, 1]],"
+    return (1, "different joints") if "joint" in kinds else (0, "no joints, [],")
+
+
+def _read_priors(entry: EffectEntry, model: EffectModel, place: str, faults: list[str]) -> Known:
+    by_name: Mapping[str, Entry] = {e.name: e for e in model.entries}
+    known = {}
+    for name, prior in entry.priors.items():
+        if name not in by_name:
+            faults.append(f"{place}: no parameter {name!r}; there are {', '.join(by_name)}")
+        elif by_name[name].parameter.log != isinstance(prior, LogNormalPrior):
+            wanted = "median and log_sd" if by_name[name].parameter.log else "mean and sd"
+            faults.append(f"{place}: the prior of {name} needs {wanted}")
+        elif isinstance(prior, LogNormalPrior):
+            known[entry.id, name] = (math.log(prior.median), prior.log_sd)
+        else:
+            known[entry.id, name] = (prior.mean, prior.sd)
+    return known
+
+
+def _describe_prior(entry: Entry, mean: float, sd: float) -> NormalPrior | LogNormalPrior:
+    def short(value: float) -> float:
+        return float(f"{value:.{DIGITS}g}")
+
+    if entry.parameter.log:
+        return LogNormalPrior(median=short(math.exp(mean)), log_sd=short(sd))
+    return NormalPrior(mean=short(mean), sd=short(sd))

@@ -1,0 +1,65 @@
+"""Rule `diagnose`: which physics was left out, and the model that has it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from softfinger.artifacts import open_artifact, save_artifact, write_atomically
+from softfinger.artifacts.specs import angles as angles_spec
+from softfinger.artifacts.specs import free_form as free_form_spec
+from softfinger.artifacts.specs import location as location_spec
+from softfinger.artifacts.specs import masking as masking_spec
+from softfinger.artifacts.specs import ranking as ranking_spec
+from softfinger.artifacts.specs import repair as repair_spec
+from softfinger.mechanics.effects.model_file import FittedTo, write_model_file
+from softfinger.mismatch.diagnose import diagnose as find_left_out
+from softfinger.mismatch.outcome import describe_repair, tabulate_diagnosis
+from softfinger.mismatch.verdict import write_verdict
+from softfinger.provenance import derive_seed, describe_run
+from softfinger.stages.linear_algebra import on_one_thread
+
+SPECS = {
+    spec.SPEC.name: spec.SPEC
+    for spec in (ranking_spec, location_spec, masking_spec, repair_spec, free_form_spec)
+}
+
+
+@on_one_thread
+def diagnose(
+    *,
+    angles: Path,
+    verdict: Path,
+    repaired: Path,
+    config: Mapping[str, Any],
+    seed: int,
+    **artifacts: Path,
+) -> None:
+    """Write the verdict of a campaign, the repaired model and everything behind them.
+
+    Parameters
+    ----------
+    angles
+        The `angles` artifact.
+    verdict, repaired
+        The verdict (JSON) and the model file (YAML) that are written.
+    config
+        The `mismatch` block of the configuration.
+    **artifacts
+        Name → file, for every name in ``SPECS``.
+    """
+    provenance = describe_run("diagnose", {"angles": angles}, config, seed)
+    recorded = open_artifact(angles, angles_spec.SPEC)
+    stream = derive_seed(seed, "diagnose")
+    found = find_left_out(recorded, config, stream)
+    tables = tabulate_diagnosis(found, recorded, config, stream)
+    for name, path in artifacts.items():
+        save_artifact(tables[name], SPECS[name], path, provenance)
+    fitted_to = FittedTo(
+        campaign=str(recorded.attrs["campaign"]), sha256=provenance.inputs["angles"]
+    )
+    with write_atomically(repaired) as temporary:
+        write_model_file(describe_repair(found, fitted_to), temporary)
+    with write_atomically(verdict) as temporary:
+        write_verdict(found.verdict, temporary)

@@ -1,0 +1,73 @@
+"""Bring a campaign from whatever level it has to joint angles, without doing anything twice."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from softfinger.artifacts import open_artifact
+from softfinger.artifacts.spec import ArtifactSpec
+from softfinger.artifacts.specs import angles as angles_spec
+from softfinger.artifacts.specs import markers as markers_spec
+from softfinger.campaign import list_tables, read_campaign
+from softfinger.faults import ArtifactFault
+from softfinger.provenance import Provenance, describe_run
+from softfinger.stages.angles import angles
+from softfinger.stages.track import track
+
+
+def prepare_angles(folder: Path, out: Path, settings: Mapping[str, Any]) -> Path:
+    """Make OUT/angles.nc, and the markers that it needs, unless they are there and current.
+
+    Current is what came from the same recordings, settings and code.
+
+    Parameters
+    ----------
+    settings
+        The whole configuration.
+    """
+    markers = track_campaign(folder, out, settings)
+    config, seed, target = settings["tracking"], settings["seed"], out / "angles.nc"
+    tables = list_tables(read_campaign(folder))
+    expected = describe_run("angles", {"tables": tables, "markers": markers}, config, seed)
+    if not is_current(target, angles_spec.SPEC, expected):
+        angles(
+            folder=folder, tables=tables, markers=markers, angles=target, config=config, seed=seed
+        )
+    return target
+
+
+def track_campaign(folder: Path, out: Path, settings: Mapping[str, Any]) -> list[Path]:
+    """Make OUT/markers/*.nc of a filmed campaign, unless they are there and current."""
+    described = read_campaign(folder)
+    filmed = [trial for trial in described.trials if trial.level == "video"]
+    size, tables = settings["trials_per_job"], list_tables(described)
+    made = []
+    for batch, first in enumerate(range(0, len(filmed), size)):
+        trials = filmed[first : first + size]
+        videos = [trial.recording for trial in trials]
+        target = out / f"markers/{batch:04d}.nc"
+        made.append(target)
+        roles = {"tables": tables, "videos": videos}
+        if not is_current(
+            target, markers_spec.SPEC, describe_run("track", roles, {}, settings["seed"])
+        ):
+            track(
+                folder=folder,
+                trials=[trial.name for trial in trials],
+                tables=tables,
+                videos=videos,
+                markers=target,
+                seed=settings["seed"],
+            )
+    return made
+
+
+def is_current(path: Path, spec: ArtifactSpec, expected: Provenance) -> bool:
+    """Say whether an artifact is whole and came from the expected inputs, settings and code."""
+    try:
+        found = open_artifact(path, spec).attrs
+    except ArtifactFault:
+        return False
+    return all(found.get(key) == value for key, value in expected.to_attrs().items())

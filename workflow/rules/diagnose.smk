@@ -1,0 +1,21 @@
+DIAGNOSIS = ["ranking", "location", "masking", "repair", "free_form"]
+
+
+rule diagnose:
+    input:
+        angles=OUT / "angles.nc",
+    output:
+        **{name: OUT / f"{name}.nc" for name in DIAGNOSIS},
+        verdict=OUT / "verdict.json",
+        repaired=OUT / "model.yaml",
+    log:
+        OUT / "logs/diagnose.log",
+    threads: 1  # of linear algebra: the same bytes whatever the cores
+    params:
+        config=config["mismatch"],
+        seed=config["seed"],
+        code=code_hash("diagnose"),
+    message:
+        "Find out which physics was left out, and repair the model"
+    script:
+        "../scripts/diagnose.py"
