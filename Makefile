@@ -6,7 +6,7 @@ BIN := .venv/bin
 CORES ?= 2
 SNAKEMAKE := $(BIN)/snakemake --cores $(CORES)
 
-.PHONY: help setup run quick figures coverage test calibration lint format benchmark lock
+.PHONY: help setup run quick figures coverage test calibration lint format benchmark benchmark-long lock
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)$$/\1\t\2/' | expand -t 18
@@ -39,6 +39,9 @@ format: setup ## put code and rules into the project's style
 
 benchmark: setup ## time us beside our rivals, into results/benchmarks.json (at most 15 minutes)
 	$(BIN)/python -m benchmarks
+
+benchmark-long: setup ## the benchmarks that take hours, into the same file
+	$(BIN)/python -m benchmarks --long
 
 lock: | $(UV) ## renew environment.lock from pyproject.toml
 	$(UV) pip compile pyproject.toml --group dev --universal --generate-hashes --upgrade --python-version 3.12 --no-header --quiet --output-file environment.lock

@@ -1,5 +1,6 @@
 """Run the benchmarks and put their figures into results/benchmarks.json, one object, key → number.
 
+A module's `measure` takes minutes; its `measure_long`, where it has one, up to hours (`--long`).
 Keys that are not measured in this run keep the figure of an earlier one.
 """
 
@@ -8,6 +9,7 @@ from __future__ import annotations
 import importlib
 import json
 import pkgutil
+import sys
 from pathlib import Path
 
 import benchmarks
@@ -15,18 +17,22 @@ import benchmarks
 RESULTS = Path(__file__).resolve().parents[1] / "results/benchmarks.json"
 
 
-def main() -> None:
-    """Measure with every module of this package and write the figures after each."""
+def main(entry: str) -> None:
+    """Measure with every module of this package that has the entry; write after each."""
     figures = json.loads(RESULTS.read_text()) if RESULTS.is_file() else {}
     names = sorted(m.name for m in pkgutil.iter_modules(benchmarks.__path__) if m.name[0] != "_")
     for name in names:
+        measure = getattr(importlib.import_module(f"benchmarks.{name}"), entry, None)
+        if measure is None:
+            continue
         print(f"benchmark {name}", flush=True)
-        measured = importlib.import_module(f"benchmarks.{name}").measure()
+        measured = measure()
         for key, value in measured.items():
             print(f"  {key}: {value:.6g}", flush=True)
         figures |= measured
+        RESULTS.parent.mkdir(exist_ok=True)
         RESULTS.write_text(json.dumps(figures, indent=2, sort_keys=True) + "\n")
 
 
 if __name__ == "__main__":
-    main()
+    main("measure_long" if "--long" in sys.argv[1:] else "measure")
