@@ -1,10 +1,11 @@
 """One step of Rodas5P through the equations of motion of `dynamics`.
 
-The states are rows (q, q̇, q_v); a row of `joint` holds k_v, c_v, s = c_p/(c_v + c_p) and
-k_v/(c_v + c_p). `half_length` is half the joint's length [m], NaN where the arm is constant.
+A state is (q, q̇, q_v), one after the other; a row of `stages` holds one state's increments at all
+stages. With s = c_p/(c_v + c_p), the rows of `joint` are s k_v [N m/rad], s c_v [N m s/rad], s [1]
+and k_v/(c_v + c_p) [1/s]. `half_length` is half the joint's length [m], NaN where the arm is
+constant. `squares` (4, joint, joint) and `rows` (9 joint,) are scratch.
 """
 
-import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.mechanics import rodas
@@ -28,64 +29,58 @@ def fill_stages(
     state: NDArray,
     after: NDArray,
     stages: NDArray,
-    work: NDArray,
+    squares: NDArray,
+    rows: NDArray,
 ) -> None:
     """One Rosenbrock step from `state` to `after`, with its stage increments."""
-    n = state.shape[1]
-    k_v, c_v, share, relax = joint
-    inertia, by_angle, system, scratch = work
-    push, rate = np.empty(n), np.empty((3, n))
-    drift, right = np.empty(n), np.empty((3, n))
-    gain = 1.0 / (rodas.GAMMA * step)
+    n = state.size // 3
+    inertia, by_angle, system, scratch = squares
+    rate, right = rows[: 3 * n], rows[3 * n : 6 * n]
+    push, drift, slack = rows[6 * n : 7 * n], rows[7 * n : 8 * n], rows[8 * n :]
+    span = rodas.GAMMA * step
+    _fill_rate(joint, coefficients, half_length, offset, tension, state, inertia, scratch, rate)
+    fill_slopes(state[:n], state[n : 2 * n], rate[n : 2 * n], coefficients, by_angle, scratch)
+    for j in range(n):
+        slack[j] = span / (1.0 + span * joint[3, j])
+        drift[j] = climb * offset
+        if half_length == half_length:
+            by_angle[j, j] -= tension * moment_arm_slope(state[j], half_length, offset)
+            drift[j] = climb * moment_arm(state[j], half_length, offset)
+        for m in range(n):
+            system[j, m] = inertia[j, m] / span + scratch[j, m] + by_angle[j, m] * span
+        system[j, j] += joint[1, j] + joint[0, j] * joint[2, j] * slack[j]
+    factorise(system)
     for i in range(rodas.STAGES):
-        combine(state, _A[i], 1.0, stages, i, after)
-        now = tension + climb * _NODES[i] * step
-        if i == 0:
-            _fill_rate(joint, coefficients, half_length, offset, now, after, inertia, system, rate)
-            fill_slopes(state[0], state[1], rate[1], coefficients, by_angle, scratch)
-            for j in range(n):
-                if half_length == half_length:
-                    by_angle[j, j] -= now * moment_arm_slope(state[0, j], half_length, offset)
-                    drift[j] = climb * moment_arm(state[0, j], half_length, offset)
-                else:
-                    drift[j] = climb * offset
-            for j in range(n):
-                for m in range(n):
-                    by_angle[j, m] *= -1.0
-                    system[j, m] = gain * inertia[j, m] + scratch[j, m] - by_angle[j, m] / gain
-            for j in range(n):
-                spring = share[j] * k_v[j]
-                system[j, j] += share[j] * c_v[j] + spring * share[j] / (gain + relax[j])
-            factorise(system)
-        else:
-            _fill_rate(joint, coefficients, half_length, offset, now, after, scratch, scratch, rate)
-        combine(rate, _C[i], 1.0 / step, stages, i, right)
+        if i > 0:
+            _combine(state, _A, i, 1.0, stages, after)
+            pull = tension + climb * _NODES[i] * step
+            _fill_rate(
+                joint, coefficients, half_length, offset, pull, after, scratch, scratch, rate
+            )
+        _combine(rate, _C, i, 1.0 / step, stages, right)
         for j in range(n):
-            spring = share[j] * k_v[j]
-            push[j] = step * _D[i] * drift[j] - spring * right[2, j] / (gain + relax[j])
+            push[j] = step * _D[i] * drift[j] - joint[0, j] * right[2 * n + j] * slack[j]
             for m in range(n):
-                push[j] += inertia[j, m] * right[1, m] + by_angle[j, m] * right[0, m] / gain
+                push[j] += inertia[j, m] * right[n + m] - by_angle[j, m] * right[m] * span
         solve_factorised(system, push)
         for j in range(n):
-            stages[i, 1, j] = push[j]
-            stages[i, 0, j] = (right[0, j] + push[j]) / gain
-            stages[i, 2, j] = (right[2, j] + share[j] * push[j]) / (gain + relax[j])
-    for row in range(3):
-        for j in range(n):
-            after[row, j] += stages[rodas.STAGES - 1, row, j]
+            stages[j, i] = (right[j] + push[j]) * span
+            stages[n + j, i] = push[j]
+            stages[2 * n + j, i] = (right[2 * n + j] + joint[2, j] * push[j]) * slack[j]
+    for k in range(3 * n):
+        after[k] += stages[k, rodas.STAGES - 1]
 
 
 @compiled
-def combine(
-    start: NDArray, weights: NDArray, scale: float, stages: NDArray, count: int, output: NDArray
+def _combine(
+    start: NDArray, weights: NDArray, stage: int, scale: float, stages: NDArray, output: NDArray
 ) -> None:
-    """Write start + scale · Σ over the first `count` stages of weight · stage into `output`."""
-    for row in range(start.shape[0]):
-        for j in range(start.shape[1]):
-            total = 0.0
-            for i in range(count):
-                total += weights[i] * stages[i, row, j]
-            output[row, j] = start[row, j] + scale * total
+    """Write start + scale · Σ over the stages before this one of weight · stage into `output`."""
+    for k in range(start.size):
+        total = 0.0
+        for i in range(stage):
+            total += weights[stage, i] * stages[k, i]
+        output[k] = start[k] + scale * total
 
 
 @compiled
@@ -101,15 +96,15 @@ def _fill_rate(
     rate: NDArray,
 ) -> None:
     """The equations of motion: (q̇, q̈, q̇_v) into `rate`, M(q) into `inertia`."""
-    n = state.shape[1]
-    k_v, c_v, share, relax = joint
-    fill_inertia_and_nonlinear_term(state[0], state[1], coefficients, inertia, rate[1])
+    n = state.size // 3
+    push = rate[n : 2 * n]
+    fill_inertia_and_nonlinear_term(state[:n], state[n : 2 * n], coefficients, inertia, push)
     for j in range(n):
-        arm = offset if half_length != half_length else moment_arm(state[0, j], half_length, offset)
-        resist = share[j] * (k_v[j] * state[2, j] + c_v[j] * state[1, j])
-        rate[0, j] = state[1, j]
-        rate[1, j] = arm * tension - resist - rate[1, j]
-        rate[2, j] = share[j] * state[1, j] - relax[j] * state[2, j]
+        arm = offset if half_length != half_length else moment_arm(state[j], half_length, offset)
+        resist = joint[0, j] * state[2 * n + j] + joint[1, j] * state[n + j]
+        push[j] = arm * tension - resist - push[j]
+        rate[j] = state[n + j]
+        rate[2 * n + j] = joint[2, j] * state[n + j] - joint[3, j] * state[2 * n + j]
     factors[:] = inertia
     factorise(factors)
-    solve_factorised(factors, rate[1])
+    solve_factorised(factors, push)

@@ -76,5 +76,5 @@ def test_tolerance_holds_over_the_population(parameters, geometry, monkeypatch):
 
     arguments = (parameters, geometry, np.linspace(0.0, 30.0, 901), [0.0], [8.0], "paper")
     usual = simulate_full_dynamics(*arguments).joint_angle
-    monkeypatch.setattr(dynamics, "_TOLERANCE", 1e-11)
+    monkeypatch.setattr(dynamics, "TOLERANCE", 1e-11)
     assert np.abs(usual - simulate_full_dynamics(*arguments).joint_angle).max() < 1e-6
