@@ -22,6 +22,7 @@ from softfinger.population.collapse import Collapse
 from softfinger.population.likelihood import PARAMETERS
 from softfinger.population.pilot import Pilot, count_patterns
 from softfinger.population.priors import Prior
+from softfinger.population.whitening import place_mean
 
 LKJ_SHAPE = 2.0
 
@@ -51,6 +52,47 @@ class Whitening(Transform):
     def log_jac_det(self, value: Variable, *inputs: Variable) -> TensorVariable:
         """Log volume of all trials."""
         return pt.sum(self._colour(value, inputs)[1])
+
+
+class Placing(Transform):
+    """μ in units of its spread about its centre, both given σ (`population.whitening`).
+
+    The inputs of the distribution end in prior mean and sd, σ (p,), value and variance (p, trial).
+    """
+
+    name = "placed"
+    ndim_supp = 1
+
+    def backward(self, value: Variable, *inputs: Variable) -> TensorVariable:
+        """μ from a standard normal."""
+        centre, spread = place_mean(*inputs[-5:])
+        return centre + spread * value
+
+    def forward(self, value: Variable, *inputs: Variable) -> TensorVariable:
+        """A standard normal from μ."""
+        centre, spread = place_mean(*inputs[-5:])
+        return (value - centre) / spread
+
+    def log_jac_det(self, value: Variable, *inputs: Variable) -> TensorVariable:
+        """Log volume."""
+        return pt.sum(pt.log(place_mean(*inputs[-5:])[1]))
+
+
+def _mean_logp(mu: Variable, mean: Variable, sd: Variable, *_: Variable) -> TensorVariable:
+    """Independent normals; σ and what the trials say serve the placing only."""
+    return pt.sum(pm.logp(pm.Normal.dist(mean, sd), mu))
+
+
+def _draw_mean(
+    mean: NDArray,
+    sd: NDArray,
+    sigma: NDArray,
+    value: NDArray,
+    variance: NDArray,
+    rng: np.random.Generator,
+    size: object,
+) -> NDArray:
+    return rng.normal(mean, sd)
 
 
 def _population_logp(
@@ -87,8 +129,12 @@ def build_model(collapse: Collapse, prior: Prior, pilot: Pilot, coords: dict) ->
         data = {name: pm.Data(name, value) for name, value in gather_data(collapse, pilot).items()}
         tiled = _tile_prior(prior, joints)
         given = {name: pm.Data(f"prior_{name}", value) for name, value in tiled.items()}
-        mu = pm.Normal("mu", given["mu_mean"], given["mu_sd"], dims="own")
         sigma = pm.LogNormal("sigma", given["log_sigma"], given["sigma_log_sd"], dims="own")
+        mu = pm.CustomDist(
+            "mu", given["mu_mean"], given["mu_sd"], sigma, data["value"], data["variance"],
+            logp=_mean_logp, random=_draw_mean, signature="(p),(p),(p),(p,n),(p,n)->(p)",
+            transform=Placing(), dims="own",
+        )  # fmt: skip
         eta = pm.CustomDist(
             "eta", mu, sigma, data["curvature"], data["pull"], logp=_population_logp,
             random=_draw_population, signature="(p),(p),(p,p,n),(p,n)->(p,n)",
@@ -133,6 +179,8 @@ def gather_data(collapse: Collapse, pilot: Pilot) -> dict[str, NDArray]:
         "offset": collapse.offset.sum(),
         "curvature": np.moveaxis(pilot.modes.curvature, 0, -1),
         "pull": pilot.modes.pull.T,
+        "value": pilot.value.T,
+        "variance": pilot.variance.T,
     }
 
 

@@ -4,6 +4,7 @@ They are ordinary PyTensor operations with exact derivatives, so any PyMC sample
 """
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from typing import ClassVar
@@ -20,7 +21,7 @@ from pytensor.link.numba.dispatch.basic import (
     register_funcify_default_op_cache_key,
 )
 
-from softfinger import population
+from softfinger.population import basis, covariance, likelihood, weights, whitening
 from softfinger.population.covariance import factorise_partials, pull_partials_back
 from softfinger.population.likelihood import sum_log_likelihood
 from softfinger.population.whitening import colour_trials, pull_colours_back
@@ -150,10 +151,11 @@ class PullColoursBack(_Compiled):
         return [shapes[k] for k in (1, 3, 4)]
 
 
+@cache
 def _hash_sources() -> int:
     """Hash the code that the operations run, for PyTensor's cache sees only their names."""
-    folders = (Path(population.__file__).parent, Path(__file__).parent)
-    files = sorted(path for folder in folders for path in folder.glob("*.py"))
+    modules = (basis, covariance, likelihood, weights, whitening)
+    files = [Path(__file__), *(Path(module.__file__) for module in modules)]
     digest = sha256(b"".join(path.read_bytes() for path in files)).hexdigest()
     return int(digest[:15], 16)
 

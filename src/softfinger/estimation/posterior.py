@@ -97,5 +97,5 @@ def sample_posterior(
         cores=config["cores"],
         rng=rng,
     )
-    variables = expand_points(points, density.shapes, prepared.pilot)
+    variables = expand_points(points, density.shapes, prepared.prior, prepared.pilot)
     return name_draws(variables, prepared.coords), stats

@@ -5,6 +5,7 @@ arrays, so PyTensor's compiled function is handed over as it is, free of Python'
 """
 
 from collections.abc import Callable, Mapping
+from types import FunctionType
 from typing import NamedTuple
 
 import numpy as np
@@ -17,11 +18,13 @@ from numpy.typing import NDArray
 from pymc.pytensorf import compile as compile_function
 from pymc.pytensorf import join_nonshared_inputs
 from pytensor.graph import rewrite_graph
+from pytensor.link.numba.cache import CACHED_SRC_FUNCTIONS
 from scipy.special import expit, logit
 
 from softfinger.population.covariance import find_partials_array
 from softfinger.population.pilot import Pilot
-from softfinger.population.whitening import colour_trials
+from softfinger.population.priors import Prior
+from softfinger.population.whitening import colour_trials, place_mean
 
 DISPERSION = 2.0  # of the starts, in approximate posterior standard deviations
 STATISTICS = ("diverging", "energy", "logp", "n_steps", "step_size", "tree_depth", "depth")
@@ -30,7 +33,7 @@ STATISTICS = ("diverging", "energy", "logp", "n_steps", "step_size", "tree_depth
 class Density(NamedTuple):
     """A compiled log density of the unconstrained point (n,), its data, and the point's layout."""
 
-    evaluate: Callable[[NDArray, tuple[NDArray, ...]], tuple[NDArray, NDArray]]
+    evaluate: Callable[..., tuple[NDArray, NDArray]]  # of the point and then the data
     data: dict[str, NDArray]  # in the order in which evaluate takes them
     shapes: dict[str, tuple[int, ...]]  # of the model's variables, in the order of the point
 
@@ -56,24 +59,31 @@ def compile_density(model: pm.Model) -> Density:
     (log_density, slope), point = join_nonshared_inputs(start, [log_density, slope], values)
     with model:
         compiled = compile_function([point], [log_density, slope], mode="NUMBA")
-    inner = compiled.vm.jit_fn
-
-    @njit(nogil=True, error_model="numpy")
-    def evaluate(x, data):  # noqa: ANN001, ANN202
-        return inner(x, *data)
-
     data = {shared.name: shared.get_value() for shared in compiled.get_shared()}
     sizes = [np.shape(value) for value in start.values()]
     shapes = {rv.name: shape for rv, shape in zip(model.free_RVs, sizes, strict=True)}
-    return Density(evaluate, data, shapes)
+    return Density(_release_lock(compiled.vm.jit_fn), data, shapes)
+
+
+def _release_lock(function: Callable) -> Callable:
+    """Make the twin of a compiled function that lets other threads run; cached like the first."""
+    plain = function.py_func
+    key = CACHED_SRC_FUNCTIONS.get(plain)
+    twin = FunctionType(plain.__code__, plain.__globals__, plain.__name__, plain.__defaults__)
+    if key is not None:
+        CACHED_SRC_FUNCTIONS[twin] = f"{key}_nogil"
+    return njit(nogil=True, cache=key is not None)(twin)
 
 
 def expand_points(
-    points: NDArray[np.float64], shapes: Mapping[str, tuple[int, ...]], pilot: Pilot
+    points: NDArray[np.float64],
+    shapes: Mapping[str, tuple[int, ...]],
+    prior: Prior,
+    pilot: Pilot,
 ) -> dict[str, NDArray[np.float64]]:
     """Turn unconstrained points (chain, draw, n) into the model's variables (chain, draw, …).
 
-    Undoes PyMC's default transforms (log, log odds) and the whitening; partial correlations come
+    Undoes PyMC's own transforms, the placing and the whitening; partial correlations come
     back as such, from −1 to 1.
     """
     lead = points.shape[:2]
@@ -83,7 +93,11 @@ def expand_points(
         name: part.reshape(*lead, *shape)
         for (name, shape), part in zip(shapes.items(), parts, strict=True)
     }
-    variables = {"mu": raw["mu"], "sigma": np.exp(raw["sigma"]), "eta": np.empty_like(raw["eta"])}
+    variables = {"sigma": np.exp(raw["sigma"]), "eta": np.empty_like(raw["eta"])}
+    joints = len(pilot.mu)
+    known = (np.tile(prior.mu_mean, joints), np.tile(prior.mu_sd, joints))
+    centre, spread = place_mean(*known, variables["sigma"], pilot.value.T, pilot.variance.T)
+    variables["mu"] = centre + spread * raw["mu"]
     curvature, pull = np.moveaxis(pilot.modes.curvature, 0, -1).copy(), pilot.modes.pull.T.copy()
     for at in np.ndindex(*lead):
         population = (variables["mu"][at], np.diag(variables["sigma"][at] ** -2.0))
@@ -102,7 +116,7 @@ def draw_starts(
     """Make a function from a chain's seed to its dispersed start (n,), around the pilot fit."""
     trials, joints = len(pilot.modes.eta), len(pilot.mu)
     centre = {
-        "mu": (pilot.mu, pilot.sigma / np.sqrt(trials)),
+        "mu": (np.zeros((joints, 4)), np.ones((joints, 4))),
         "sigma": (np.log(pilot.sigma), np.full((joints, 4), 1 / np.sqrt(2 * trials))),
         "eta": (np.zeros((4 * joints, trials)), np.full((4 * joints, trials), 1 / DISPERSION)),
         "noise_sd": (np.log(pilot.noise.sd), np.full(joints, 0.02)),
@@ -155,7 +169,7 @@ def sample_density(
     arrays = tuple((density.data if data is None else {**density.data, **data}).values())
 
     def log_density(x: NDArray) -> tuple[float, NDArray]:
-        value, slope = density.evaluate(x, arrays)
+        value, slope = density.evaluate(x, *arrays)
         return float(value), slope
 
     compiled = nutpie.compiled_pyfunc.from_pyfunc(

@@ -4,7 +4,8 @@ With r the residuals at the trials' modes and Λ the precision of the noise, wha
 the others is t_i² = (Λr)_iᵀ (Λ_ii)⁻¹ (Λr)_i, which is χ² with one degree of freedom a joint if the
 model is right. Where it is wrong, many trials stand out at the same time after a change of load;
 so t_i² counts relative to its median among the frames, of all trials, that have as long a time
-since the last change of load, and a model's misfit is not cleaned away.
+since the last change of load, and a model's misfit is not cleaned away. An outlier makes its
+neighbours stand out as well, so only the peaks are taken, round after round.
 
 ASSUME: outliers are rare. A trial that would lose more than 5 % of its frames keeps them all.
 """
@@ -22,6 +23,7 @@ from softfinger.population.pilot import Noise, Pilot
 
 TAIL = 1e-5  # chance of a good frame to be left out
 MOST_SHARE = 0.05
+ROUNDS = 10
 BINS_PER_DECADE = 8
 LEAST_IN_BIN = 12
 
@@ -36,21 +38,43 @@ def find_outliers(angles: xr.Dataset, frames: xr.Dataset, pilot: Pilot) -> xr.Da
     pilot
         What `fit_pilot` makes of them.
     """
-    used = frames["used"].values
-    distance = np.full(used.shape, np.nan)
-    since = np.full(used.shape, np.nan)
+    used = frames["used"].values.copy()
+    found = np.zeros_like(used)
+    freedom = np.maximum(frames["present"].values.sum(axis=1), 1)[:, None]
+    for _ in range(ROUNDS):
+        distance, since = _measure_trials(angles, frames, pilot, used & ~found)
+        usual = _find_usual(distance / chi2.median(freedom), since)
+        standing = (distance > usual * chi2.isf(TAIL, freedom)) & _find_peaks(distance)
+        found |= standing
+        if not standing.any():
+            break
+    too_many = found.sum(axis=1) > MOST_SHARE * used.sum(axis=1)
+    return xr.DataArray(found & ~too_many[:, None], dims=("trial", "frame"))
+
+
+def _measure_trials(
+    angles: xr.Dataset, frames: xr.Dataset, pilot: Pilot, used: NDArray
+) -> tuple[NDArray, NDArray]:
+    """t² and the time since the last change of load (trial, frame); NaN where not used."""
+    distance, since = (np.full(used.shape, np.nan) for _ in range(2))
     time = angles["time"].transpose("trial", "frame").values
     for trial in np.flatnonzero(used.any(axis=1)):
-        here = np.flatnonzero(frames["present"].values[trial])
-        residual = _compute_residual(angles, frames, pilot, trial, here)
-        gap = np.diff(time[trial, used[trial]]) / float(frames["frame_interval"])
-        distance[trial, used[trial]] = measure_distance_array(residual, gap, pilot.noise, here)
-        since[trial, used[trial]] = _measure_since(angles, trial, time[trial, used[trial]])
-    freedom = np.maximum(frames["present"].values.sum(axis=1), 1)[:, None]
-    usual = _find_usual(distance / chi2.median(freedom), since)
-    outlying = used & (distance > usual * chi2.isf(TAIL, freedom))
-    too_many = outlying.sum(axis=1) > MOST_SHARE * used.sum(axis=1)
-    return xr.DataArray(outlying & ~too_many[:, None], dims=("trial", "frame"))
+        here, some = np.flatnonzero(frames["present"].values[trial]), used[trial]
+        residual = _compute_residual(angles, frames, pilot, trial, here)[some]
+        gap = np.diff(time[trial, some]) / float(frames["frame_interval"])
+        distance[trial, some] = measure_distance_array(residual, gap, pilot.noise, here)
+        since[trial, some] = _measure_since(angles, trial, time[trial, some])
+    return distance, since
+
+
+def _find_peaks(distance: NDArray) -> NDArray[np.bool_]:
+    """Mark the frames that stand out at least as much as the used ones beside them."""
+    peaks = np.zeros(distance.shape, bool)
+    for row, mark in zip(distance, peaks, strict=True):
+        some = np.flatnonzero(np.isfinite(row))
+        padded = np.pad(row[some], 1, constant_values=-np.inf)
+        mark[some] = (padded[1:-1] >= padded[:-2]) & (padded[1:-1] >= padded[2:])
+    return peaks
 
 
 def measure_distance_array(
@@ -107,16 +131,16 @@ def _sum_distance(residual: NDArray, kept: NDArray, precision: NDArray, index: N
 def _compute_residual(
     angles: xr.Dataset, frames: xr.Dataset, pilot: Pilot, trial: int, here: NDArray
 ) -> NDArray:
-    used = frames["used"].values[trial]
+    """Recording minus motion at the mode (frame, joints present) [rad], over the frame's scale."""
     eta = pilot.modes.eta[trial].reshape(-1, 4)[here]
     motion = compute_joint_angle_array(
         *np.exp(eta[:, :3].T),
         eta[:, 3],
-        angles["time"].transpose("trial", "frame").values[trial, used],
+        angles["time"].transpose("trial", "frame").values[trial],
         *(angles[name].values[trial] for name in ("load_time", "load_torque")),
     )
-    recorded = angles["joint_angle"].transpose("trial", "joint", "frame").values[trial]
-    return ((recorded[here][:, used] - motion) / frames["frame_scale"].values[trial, used]).T
+    recorded = angles["joint_angle"].transpose("trial", "joint", "frame").values[trial, here]
+    return ((recorded - motion) / frames["frame_scale"].values[trial]).T
 
 
 def _measure_since(angles: xr.Dataset, trial: int, time: NDArray) -> NDArray:

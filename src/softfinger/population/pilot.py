@@ -26,6 +26,7 @@ from softfinger.population.weights import pull_weights_back, weigh_noise
 
 ROUNDS = 12
 NOISE_ROUNDS = (0, 1, 2, 4, 8)  # the noise settles early
+LEAST_INFORMATION = 1e-6  # of the prior's
 NEGLIGIBLE = 40.0  # nats
 LEAST_SHARE = 0.02  # of the median 1/k_v and 1/c_p: a start where least squares went negative
 
@@ -45,6 +46,8 @@ class Pilot(NamedTuple):
     sigma: NDArray[np.float64]
     noise: Noise
     modes: Modes
+    value: NDArray[np.float64]  # (trial, p): what a trial by itself says of each parameter,
+    variance: NDArray[np.float64]  # (trial, p): and how surely
 
 
 def fit_pilot(collapse: Collapse, prior: Prior) -> Pilot:
@@ -72,7 +75,23 @@ def fit_pilot(collapse: Collapse, prior: Prior) -> Pilot:
         mu, sigma = update_population_array(eta, variance, sigma, prior)
         if turn in NOISE_ROUNDS:
             noise = fit_noise(collapse, eta, noise, prior)
-    return Pilot(mu, sigma, noise, modes)
+    return Pilot(mu, sigma, noise, modes, *_read_trials(modes, prior))
+
+
+def _read_trials(modes: Modes, prior: Prior) -> tuple[NDArray, NDArray]:
+    """Value and variance (trial, p) of each parameter that a trial's stand-in gives by itself.
+
+    Read off under a prior wide enough for any trial, which is then taken out again.
+    """
+    joints = modes.eta.shape[1] // 4
+    width = np.tile(prior.mu_sd**2 + prior.sigma_median**2, joints)
+    wide = np.diag(1 / width)
+    covariance = np.linalg.inv(modes.curvature + wide)
+    centre = np.tile(prior.mu_mean, joints) / width
+    mean = np.einsum("tab,tb->ta", covariance, modes.pull + centre)
+    spread = np.einsum("taa->ta", covariance)
+    information = np.maximum(1 / spread - 1 / width, LEAST_INFORMATION / width)
+    return (mean / spread - centre) / information, 1 / information
 
 
 def update_population_array(

@@ -8,12 +8,51 @@ the trial's parameters are about normal with precision Λ = H + Ω⁻¹ and mean
 makes z about standard normal whatever the population is: trials that the data fix stay where they
 are (centred), trials that the data leave open move with μ and scale with σ (non-centred).
 
+μ itself, given σ, has about the spread that the trials' own values leave it: `place_mean`.
+
 Arrays have the trial last, so that every step runs over all trials side by side; p = 4 J.
 """
+
+from typing import Any
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+
+Array = Any  # of numpy or of PyTensor: the formulas are the same
+
+
+def place_mean(
+    prior_mean: Array, prior_sd: Array, sigma: Array, value: Array, variance: Array
+) -> tuple[Array, Array]:
+    """Place μ, parameter by parameter, given σ and what each trial says of its own value.
+
+    1/s² = 1/s₀² + Σ 1/(σ² + v_i),   centre = s² (m₀/s₀² + Σ η̂_i/(σ² + v_i))
+
+    Parameters
+    ----------
+    prior_mean, prior_sd, sigma
+        (…, p) m₀, s₀ and σ; arrays or PyTensor variables.
+    value, variance
+        (p, trial) η̂ and v.
+
+    Returns
+    -------
+    centre, spread : (…, p).
+
+    Examples
+    --------
+    One trial, known exactly, half as far from μ as the prior:
+
+    >>> one = np.ones(1)
+    >>> centre, spread = place_mean(0 * one, 2 * one, one, np.array([[5.0]]), np.zeros((1, 1)))
+    >>> centre, spread**-2
+    (array([4.]), array([1.25]))
+    """
+    weight = 1 / (sigma[..., None] ** 2 + variance)
+    precision = prior_sd**-2.0 + weight.sum(axis=-1)
+    centre = (prior_mean * prior_sd**-2.0 + (weight * value).sum(axis=-1)) / precision
+    return centre, precision**-0.5
 
 
 @njit(cache=True, error_model="numpy")
