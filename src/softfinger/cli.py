@@ -211,9 +211,13 @@ def propagate(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> 
 @app.command()
 def sobol(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None:
     """Split the spread of the joint angles among the parameters (after `fit`)."""
+    from softfinger.stages.shapley import shapley
     from softfinger.stages.sobol import sobol
 
-    sobol(sobol=out / "sobol.nc", **_open_inputs(campaign, out, config, FITTED, "propagation"))
+    inputs = _open_inputs(campaign, out, config, FITTED, "propagation")
+    sobol(sobol=out / "sobol.nc", **inputs)
+    inputs.pop("least_squares")
+    shapley(shapley=out / "shapley.nc", **inputs)
 
 
 @app.command()

@@ -6,6 +6,7 @@ ARTIFACTS = [
     "bands",
     "densities",
     "sobol",
+    "shapley",
 ]
 if VIDEOS:
     ARTIFACTS += ["picture", "tracking_quality"]
@@ -17,7 +18,7 @@ FIGURES = [
     "initial_angles",
     "densities",
 ]
-FIGURES += ["bands", "bands_early", "sobol", "hyperparameters", "residuals", "sampling"]
+FIGURES += ["bands", "bands_early", "sobol", "shapley", "hyperparameters", "residuals", "sampling"]
 
 
 rule report:

@@ -62,6 +62,33 @@ def draw_indices(ax: Axes, sobol: xr.Dataset) -> None:
         ax.plot(time, take_middle(total), color=colour, linewidth=0.5)
 
 
+@styled
+def draw_shapley(shapley: xr.Dataset) -> Figure:
+    """Draw the Shapley effects of correlated parameters over time, with the posterior's interval.
+
+    Parameters
+    ----------
+    shapley
+        `shapley_quantile` (joint, time, parameter, quantile).
+    """
+    joints, effects = shapley["joint"], shapley["shapley_quantile"]
+    figure = new_figure(get_source(shapley), height=0.6 + 1.6 * measure_joint_rows(joints.size, 1))
+    axes = build_joint_axes(figure, joints.size, 1, sharex=True, sharey=True)
+    for ax, joint in zip(axes[0], joints.values, strict=True):
+        ax.set(title=f"joint {joint}", xlabel="time [s]")
+        for parameter in effects["parameter"].values:
+            colour, line = PARAMETER_STYLES[str(parameter)]
+            one = effects.sel(joint=joint, parameter=parameter)
+            time, low, high = one["time"], one.isel(quantile=0), one.isel(quantile=-1)
+            ax.fill_between(time, low, high, color=colour, alpha=0.2, linewidth=0)
+            label = PARAMETER_LABELS[str(parameter)]
+            ax.plot(time, take_middle(one), color=colour, linestyle=line, label=label)
+    axes[0, 0].set_ylim(-0.02, 1.02)
+    figure.supylabel("share of the variance", size=7)
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper left", ncols=4)
+    return figure
+
+
 def take_middle(values: xr.DataArray) -> xr.DataArray:
     """Take the middle quantile, where there are quantiles."""
     if "quantile" not in values.dims:

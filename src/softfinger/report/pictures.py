@@ -13,7 +13,7 @@ from softfinger.figures.bands import MOST_PROTOCOLS, draw_bands
 from softfinger.figures.hyperparameters import draw_hyperparameters
 from softfinger.figures.population import draw_initial_angles, draw_parameter_histograms
 from softfinger.figures.prior import draw_prior_predictive
-from softfinger.figures.propagation import draw_densities, draw_sobol
+from softfinger.figures.propagation import draw_densities, draw_shapley, draw_sobol
 from softfinger.figures.recordings import draw_recordings
 from softfinger.figures.residuals import draw_residuals
 from softfinger.figures.sampling import draw_sampling
@@ -251,6 +251,21 @@ def picture_sobol(material: Material) -> Picture | None:
         "posterior) and together with others (thin); bands: equal-tailed interval over the "
         "posterior's draws, 90 %. Below: the first second. The shares need not sum to 1: k_v and "
         f"c_v act together. {capital(material.cite('sobol'))}.",
+    )
+
+
+def picture_shapley(material: Material) -> Picture | None:
+    """Shapley effects over time."""
+    if "shapley" not in material:
+        return None
+    return Picture(
+        "shapley",
+        "The same where parameters go together",
+        draw_shapley(material.get("shapley")),
+        "Shapley effects of four parameters over time, one panel for each joint, with bands.",
+        "Share of the variance between trials that each parameter gets if those that go together "
+        "share what they cause together (Shapley effects); the shares sum to 1. Bands: equal-"
+        f"tailed interval over the posterior's draws, 90 %. {capital(material.cite('shapley'))}.",
     )
 
 

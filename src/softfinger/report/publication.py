@@ -28,6 +28,7 @@ PICTURES: dict[str, Callable[[Material], Picture | None]] = {
     "bands": partial(pictures.picture_bands, early=False),
     "bands_early": partial(pictures.picture_bands, early=True),
     "sobol": pictures.picture_sobol,
+    "shapley": pictures.picture_shapley,
     "hyperparameters": pictures.picture_hyperparameters,
     "residuals": pictures.picture_residuals,
     "prior_predictive": pictures.picture_prior,

@@ -18,6 +18,7 @@ from softfinger.artifacts.specs import (
     picture,
     posterior,
     sampling,
+    shapley,
     sobol,
     tracking_quality,
 )
@@ -29,7 +30,7 @@ from softfinger.report import write_report
 
 SPECS = {
     spec.SPEC.name: spec.SPEC
-    for spec in (angles, least_squares, posterior, sampling, bands, densities, sobol)
+    for spec in (angles, least_squares, posterior, sampling, bands, densities, sobol, shapley)
 }
 FILMED = {spec.SPEC.name: spec.SPEC for spec in (picture, tracking_quality)}
 

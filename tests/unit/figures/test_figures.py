@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 import xarray as xr
-from example_artifacts import make_angles, make_bands, make_densities, make_sobol
+from example_artifacts import make_angles, make_bands, make_densities, make_shapley, make_sobol
 
 from softfinger.figures.bands import MOST_PROTOCOLS, choose_protocols, draw_bands
 from softfinger.figures.hyperparameters import draw_hyperparameters
 from softfinger.figures.population import draw_initial_angles, draw_parameter_histograms
 from softfinger.figures.prior import draw_prior_predictive
-from softfinger.figures.propagation import draw_densities, draw_sobol
+from softfinger.figures.propagation import draw_densities, draw_shapley, draw_sobol
 from softfinger.figures.recordings import draw_recordings
 from softfinger.figures.residuals import draw_residuals
 from softfinger.figures.sampling import draw_sampling
@@ -235,6 +235,16 @@ def test_sobol_draws_shares_of_all_time_and_of_the_first_second(n_joint):
     np.testing.assert_allclose(whole.get_ydata(), expected)
     ends = {find_line(ax, "$k_v$").get_xdata().max() for ax in figure.axes}
     assert ends == {30.0, 1.0}
+
+
+@pytest.mark.parametrize("n_joint", JOINTS)
+def test_shapley_effects_are_lines_within_their_bands(n_joint):
+    shapley = make_shapley(make_angles(n_joint=n_joint)["joint"]).assign_attrs(SOURCE)
+    figure = draw_shapley(shapley)
+    assert len(figure.axes) == n_joint
+    line = find_line(figure.axes[-1], "$c_p$")
+    expected = shapley["shapley_quantile"].sel(joint=n_joint, parameter="c_p", quantile=0.5)
+    np.testing.assert_allclose(line.get_ydata(), expected)
 
 
 def test_densities_are_ridges_at_their_own_angles_scaled_to_their_peaks(artifacts):

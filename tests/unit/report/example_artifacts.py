@@ -279,6 +279,33 @@ def make_sobol(joints, n_time=31):
     )
 
 
+def make_shapley(joints, n_time=31):
+    time = np.linspace(0, 30, n_time)
+    weight = np.stack([0.3 + 0 * time, np.exp(-2 * time), time / 30, 0.02 + np.exp(-5 * time)], -1)
+    share = np.broadcast_to(weight / weight.sum(axis=-1, keepdims=True), (joints.size, n_time, 4))
+    bounds = np.stack([0.9 * share, share, np.minimum(1.1 * share, 1)], axis=-1)
+    correlation = np.eye(4) + np.diag([0.3, -0.4, 0.0], 1) + np.diag([0.3, -0.4, 0.0], -1)
+    spread = np.array([-0.2, 0.0, 0.2]) * (1 - np.eye(4))[..., None]
+    between = np.broadcast_to(correlation[..., None] + spread, (joints.size, 4, 4, 3))
+    pair = ("joint", "parameter", "other_parameter")
+    return xr.Dataset(
+        {
+            "shapley": (("joint", "time", "parameter"), share),
+            "shapley_quantile": (("joint", "time", "parameter", "quantile"), bounds),
+            "correlation": (pair, between[..., 1]),
+            "correlation_quantile": ((*pair, "quantile"), between),
+        },
+        coords={
+            "joint": joints.values,
+            "time": time,
+            "parameter": PARAMETERS,
+            "other_parameter": PARAMETERS,
+            "quantile": [0.05, 0.5, 0.95],
+        },
+        attrs={"definition": "Shapley effects", "protocol": "protocol_1"},
+    )
+
+
 def make_artifacts(**options):
     angles = make_angles(**options)
     least_squares = make_least_squares(angles)
@@ -291,6 +318,7 @@ def make_artifacts(**options):
         "bands": make_bands(angles),
         "densities": make_densities(angles["joint"]),
         "sobol": make_sobol(angles["joint"]),
+        "shapley": make_shapley(angles["joint"]),
     }
     for artifact in artifacts.values():
         artifact.attrs |= {

@@ -115,7 +115,7 @@ def test_the_page_needs_no_other_file_and_no_network(page, parsed):
 
 def test_every_figure_is_an_svg_with_words_for_those_who_do_not_see_it(parsed):
     images = parsed.find("img")
-    assert len(images) == 14
+    assert len(images) == 15
     for image in images:
         head, code = image["src"].split(",")
         assert head == "data:image/svg+xml;base64"
@@ -226,6 +226,13 @@ def test_the_main_cause_is_told_where_the_spread_is_widest(artifacts):
     name = str(shares["parameter"].values[int(shares.argmax("parameter"))])
     _, words = build_tables({"angles": artifacts["angles"], "sobol": sobol})
     assert f"{name} at joint 2 ({100 * float(shares.max()):.0f} % after 1 s)" in words
+
+
+def test_pairs_whose_interval_leaves_zero_out_are_named(artifacts):
+    few = {name: artifacts[name] for name in ("angles", "sobol", "shapley")}
+    page = Page(render(few))
+    n = artifacts["angles"]["joint"].size
+    assert f"{2 * n} of {6 * n} pairs, where chance alone would give about" in page.text
 
 
 def test_a_frame_of_the_film_keeps_its_colours_in_the_dark(artifacts):

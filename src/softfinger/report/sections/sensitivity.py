@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import xarray as xr
 
-from softfinger.report.blocks import Paragraph, Section, Table, number, text
-from softfinger.report.formatting import format_number, format_percent
+from softfinger.report.blocks import Block, Paragraph, Section, Table, number, text
+from softfinger.report.formatting import format_number, format_percent, join_words
 from softfinger.report.material import Material
-from softfinger.report.pictures import capital, picture_densities, picture_sobol
+from softfinger.report.pictures import capital, picture_densities, picture_shapley, picture_sobol
 
 
 def build_sensitivity(material: Material) -> Section:
@@ -23,9 +25,9 @@ def build_sensitivity(material: Material) -> Section:
             build_sobol_table(material),
             build_design_table(material),
         )
-    densities = picture_densities(material)
+    more = (*build_correlations(material), picture_densities(material))
     return Section(
-        "sensitivity", "What causes the spread?", tuple(b for b in (*blocks, densities) if b)
+        "sensitivity", "What causes the spread?", tuple(b for b in (*blocks, *more) if b)
     )
 
 
@@ -65,6 +67,42 @@ def build_sobol_table(material: Material) -> Table:
     return Table(
         "sobol", "Shares of the variance", caption, columns, tuple(rows), folded=len(rows) > 16
     )
+
+
+def build_correlations(material: Material) -> list[Block | None]:
+    """Say which parameters go together from trial to trial, and show what that does."""
+    if "shapley" not in material:
+        return []
+    shapley = material.get("shapley")
+    names = shapley["parameter"].values
+    rows, clear = [], []
+    for joint in shapley["joint"].values:
+        for one, other in combinations(names, 2):
+            here = shapley.sel(joint=joint, parameter=one, other_parameter=other)
+            low, middle, high = (float(v) for v in here["correlation_quantile"].values)
+            shown = number(format_number(middle, 2), middle)
+            interval = text(f"{format_number(low, 2)} to {format_number(high, 2)}")
+            rows.append((number(str(joint), joint), text(f"{one}, {other}"), shown, interval))
+            if low > 0 or high < 0:
+                clear.append(f"{one} with {other} at joint {joint}")
+    verb = "are" if len(clear) > 1 else "is"
+    found = f"{join_words(clear)} {verb}" if clear else "no pair is"
+    words = (
+        f"Sobol indices take the parameters as independent. Are they? At 90 %, {found} correlated "
+        f"between trials: {len(clear)} of {len(rows)} pairs, where chance alone would give about "
+        f"{format_number(0.1 * len(rows), 2)}. {capital(shapley.attrs['definition'])}."
+    )
+    caption = (
+        "Correlation between trials of the logs of k_v, c_v, c_p and of q_ini: median and 90 % "
+        f"equal-tailed interval. {capital(material.cite('shapley'))}."
+    )
+    columns = ("joint", "pair", "correlation", "90 % interval")
+    title = "Parameters that go together"
+    return [
+        Paragraph(words),
+        Table("correlations", title, caption, columns, tuple(rows), folded=len(rows) > 6),
+        picture_shapley(material),
+    ]
 
 
 def build_design_table(material: Material) -> Table | None:

@@ -27,7 +27,7 @@ def judge(material: Material) -> tuple[Tile, ...]:
     """Judge computation, fit and calibration; a single failed check makes a tile red."""
     computation = check_computation(material)
     only_pareto = {check.name for check in computation if check.passed is False} == {PARETO}
-    bad = "leave-one-out fails" if only_pareto else "not sound"
+    bad = "hangs on trials" if only_pareto else "not sound"
     return (
         judge_checks("Computation", ("sound", bad), computation, "computation"),
         judge_checks(

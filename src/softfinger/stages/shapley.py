@@ -1,0 +1,33 @@
+"""Rule `shapley`: whether parameters go together, and what that does to their shares."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from softfinger.artifacts import open_artifact, open_tree, save_artifact
+from softfinger.artifacts.specs import angles as angles_spec
+from softfinger.artifacts.specs import posterior as posterior_spec
+from softfinger.artifacts.specs import shapley as shapley_spec
+from softfinger.propagation import compute_shapley
+from softfinger.provenance import derive_seed, describe_run
+from softfinger.stages.linear_algebra import on_one_thread
+
+
+@on_one_thread
+def shapley(
+    *, angles: Path, posterior: Path, shapley: Path, config: Mapping[str, Any], seed: int
+) -> None:
+    """Write the Shapley effects over time and the correlations of the parameters."""
+    roles = {"angles": angles, "posterior": posterior}
+    provenance = describe_run("shapley", roles, config, seed)
+    effects = compute_shapley(
+        open_artifact(angles, angles_spec.SPEC),
+        open_tree(posterior, posterior_spec.SPEC),
+        config,
+        np.random.default_rng(derive_seed(seed, "shapley")),
+    )
+    save_artifact(effects, shapley_spec.SPEC, shapley, provenance)
