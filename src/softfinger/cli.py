@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from json import dumps
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,6 +14,7 @@ import typer
 from softfinger.campaign import check_campaign, list_tables, read_campaign
 from softfinger.config import read_config
 from softfinger.faults import Fault
+from softfinger.progress import silence_progress
 from softfinger.provenance import PROJECT
 from softfinger.rig.cli import app as rig_app
 
@@ -29,9 +31,19 @@ FITTED = ["angles", "least_squares", "posterior"]
 
 CampaignFolder = Annotated[Path, typer.Argument(help="Campaign folder.", metavar="CAMPAIGN")]
 Out = Annotated[Path, typer.Option(help="Folder that holds the artifacts.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON document, for programs.")]
 ConfigFile = Annotated[
     Path | None, typer.Option("--config", help="YAML file whose keys replace the defaults.")
 ]
+
+
+@app.callback()
+def options(
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress bars.")] = False,
+) -> None:
+    """From rig videos of a wire-driven soft finger to its posterior, its spread and a report."""
+    if quiet:
+        silence_progress()
 
 
 def main() -> None:
@@ -44,13 +56,36 @@ def main() -> None:
 
 
 @app.command()
-def check(campaign: CampaignFolder) -> None:
+def doctor(out: Out = Path("results"), json: Json = False) -> None:
+    """Look whether this installation can work: packages, video, compiler, disk.
+
+    Exit status 0: all is well. 1: something is not; the advice says what to do.
+    """
+    from softfinger.doctor import check_setup
+
+    findings = list(check_setup(out))
+    if json:
+        typer.echo(_dump_json([finding._asdict() for finding in findings]))
+    else:
+        for what, well, said, advice in findings:
+            typer.echo(f"{'ok  ' if well else 'BAD '} {what}: {said}")
+            if not well:
+                typer.echo(f"     {advice}")
+    raise typer.Exit(code=0 if all(finding.well for finding in findings) else 1)
+
+
+@app.command()
+def check(campaign: CampaignFolder, json: Json = False) -> None:
     """Validate a campaign folder and list every fault; nothing is written.
 
     Exit status 0: every trial can be used. 1: some are set aside, or the campaign is refused.
     """
     reasons = check_campaign(campaign)
     described = read_campaign(campaign)
+    if json:
+        names = [trial.name for trial in described.trials if trial.name not in reasons]
+        typer.echo(_dump_json({"name": described.name, "usable": names, "set_aside": reasons}))
+        raise typer.Exit(code=1 if reasons else 0)
     for name, reason in reasons.items():
         typer.echo(f"set aside {name}: {reason}")
     total = len(described.trials) + len(described.set_aside)
@@ -221,6 +256,20 @@ def sobol(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None
 
 
 @app.command()
+def assumptions(out: Out, config: ConfigFile = None) -> None:
+    """Check what the paper takes for granted, on simulated fingers: OUT/assumptions.nc."""
+    from softfinger.artifacts import open_artifact
+    from softfinger.artifacts.specs.assumptions import SPEC
+    from softfinger.stages.assumptions import assumptions
+
+    settings = read_config(config)
+    path = out / "assumptions.nc"
+    assumptions(assumptions=path, config=settings["virtual_rig"], seed=settings["seed"])
+    for sentence in open_artifact(path, SPEC)["statement"].values:
+        typer.echo(str(sentence))
+
+
+@app.command()
 def diagnose(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None:
     """Find out which physics was left out, from whatever level the campaign has.
 
@@ -269,3 +318,7 @@ def _open_inputs(
     settings = read_config(config)
     files = {name: out / f"{name}.nc" for name in artifacts}
     return files | {"config": settings[block], "seed": settings["seed"]}
+
+
+def _dump_json(content: object) -> str:
+    return dumps(content, indent=2, default=str, ensure_ascii=False)

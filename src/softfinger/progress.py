@@ -14,6 +14,14 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
+_quiet = False
+
+
+def silence_progress() -> None:
+    """Show no bar any more in this process."""
+    global _quiet
+    _quiet = True
+
 
 def track_progress[Item](
     items: Iterable[Item], description: str, total: int | None = None
@@ -45,6 +53,6 @@ def track_progress[Item](
         TimeRemainingColumn(),
     )
     with Progress(
-        *columns, console=console, transient=True, disable=not console.is_terminal
+        *columns, console=console, transient=True, disable=_quiet or not console.is_terminal
     ) as bar:
         yield from bar.track(items, total=total, description=description)

@@ -16,6 +16,7 @@ STAGES = ("tracking", "estimation", "propagation", "mismatch", "virtual_rig", "f
 ALLOWED = {
     "faults": set(),
     "progress": set(),
+    "doctor": EVERYWHERE | {"provenance"},
     "settings": {"faults"},
     "provenance": EVERYWHERE,
     "campaign": EVERYWHERE,

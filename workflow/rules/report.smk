@@ -7,6 +7,7 @@ ARTIFACTS = [
     "densities",
     "sobol",
     "shapley",
+    "assumptions",
 ]
 if VIDEOS:
     ARTIFACTS += ["picture", "tracking_quality"]
@@ -19,6 +20,7 @@ FIGURES = [
     "densities",
 ]
 FIGURES += ["bands", "bands_early", "sobol", "shapley", "hyperparameters", "residuals", "sampling"]
+FIGURES += ["assumptions"]
 
 
 rule report:
@@ -56,9 +58,29 @@ rule figure:
         "../scripts/figure.py"
 
 
+rule document:
+    input:
+        **{name: OUT / f"{name}.nc" for name in ARTIFACTS},
+        markers=expand(OUT / "markers/{batch}.nc", batch=BATCHES),
+    output:
+        document=OUT / "figures/figures.tex",
+        table=OUT / "figures/parameters.tex",
+    log:
+        OUT / "logs/document.log",
+    params:
+        names=FIGURES,
+        config=config,
+        code=code_hash("document"),
+    message:
+        "Write the LaTeX document of the figures"
+    script:
+        "../scripts/document.py"
+
+
 rule figures:
     input:
         expand(OUT / "figures/{name}.pdf", name=FIGURES),
+        OUT / "figures/figures.tex",
 
 
 rule check_artifacts:

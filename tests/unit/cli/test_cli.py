@@ -1,3 +1,4 @@
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -49,4 +50,18 @@ def test_a_verb_without_its_predecessor_says_what_is_missing(verb, tmp_path):
     assert done.returncode == 1
     assert "angles.nc cannot be used" in done.stderr
     assert "the file does not exist; run the rule that makes it" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_check_speaks_to_programs():
+    done = softfinger("check", str(EXAMPLE), "--json")
+    assert json.loads(done.stdout)["set_aside"] == {}
+
+
+def test_a_board_that_no_picture_shows_is_one_sentence(tmp_path):
+    (tmp_path / "one.png").write_bytes(b"no picture")
+    board = ["--columns", "7", "--rows", "5", "--square-m", "0.01"]
+    done = softfinger("calibrate", str(tmp_path), *board)
+    assert done.returncode == 1
+    assert "0 of 1 pictures show the 7 × 5 chessboard; expected at least 5" in done.stderr
     assert "Traceback" not in done.stderr

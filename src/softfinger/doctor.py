@@ -1,0 +1,135 @@
+"""Whether this installation can do its work: what `softfinger doctor` looks at."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import NamedTuple
+
+from softfinger.provenance import PROJECT
+
+LEAST_PYTHON = (3, 12)
+LEAST_SPACE_GB = 5.0  # a campaign of 100 short videos, with its artifacts
+_PIN = re.compile(r"^([A-Za-z0-9_.-]+)==([^ ;\\]+)( ;[^\\]*)?", re.MULTILINE)
+
+
+class Finding(NamedTuple):
+    """One thing that was looked at; `advice` says what to do where it is not well."""
+
+    what: str
+    well: bool
+    said: str
+    advice: str = ""
+
+
+def check_setup(folder: Path) -> Iterator[Finding]:
+    """Look at the interpreter, the packages, the film codec, the sampler and the disk.
+
+    Parameters
+    ----------
+    folder
+        Where results are to be written.
+    """
+    checks: tuple[Callable[[], Finding], ...] = (
+        check_python,
+        check_packages,
+        check_codec,
+        check_sampler,
+        lambda: check_folder(folder),
+    )
+    for check in checks:
+        yield check()
+
+
+def check_python() -> Finding:
+    """Python is new enough."""
+    said = ".".join(map(str, sys.version_info[:3]))
+    advice = (
+        f"make the environment anew with Python {LEAST_PYTHON[0]}.{LEAST_PYTHON[1]}: make setup"
+    )
+    return Finding("Python", sys.version_info[:2] >= LEAST_PYTHON, said, advice)
+
+
+def check_packages() -> Finding:
+    """Packages are those of the lock file."""
+    lock = PROJECT / "environment.lock"
+    if not lock.is_file():
+        return Finding("packages", False, f"{lock} is missing", "clone the project whole")
+    wrong = list_deviations(lock.read_text(encoding="utf-8"))
+    said = "; ".join(wrong) if wrong else "all as in environment.lock"
+    return Finding("packages", not wrong, said, "install what the lock names: make setup")
+
+
+def list_deviations(lock: str) -> list[str]:
+    """List packages that are not at the version of a lock file.
+
+    A package that the lock names under a condition (``; sys_platform == …``) may be missing.
+
+    Examples
+    --------
+    >>> list_deviations("numpy==0.1 --hash=sha256:00")  # doctest: +ELLIPSIS
+    ['numpy ... instead of 0.1']
+    >>> list_deviations("no-such-package==1 ; python_version < '3'")
+    []
+    """
+    wrong = []
+    for name, pinned, condition in _PIN.findall(lock):
+        try:
+            found = version(name)
+        except PackageNotFoundError:
+            if not condition:
+                wrong.append(f"{name} is missing")
+            continue
+        if found != pinned:
+            wrong.append(f"{name} {found} instead of {pinned}")
+    return wrong
+
+
+def check_codec() -> Finding:
+    """OpenCV writes and reads the virtual rig's videos."""
+    import cv2
+    import numpy as np
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = f"{folder}/one.avi"
+        codec = cv2.VideoWriter.fourcc(*"MJPG")
+        writer = cv2.VideoWriter(path, cv2.CAP_FFMPEG, codec, 30.0, (64, 48))
+        writer.write(np.full((48, 64, 3), 128, np.uint8))
+        writer.release()
+        capture = cv2.VideoCapture(path)
+        read, picture = capture.read()
+        capture.release()
+    well = bool(read) and picture.shape == (48, 64, 3)
+    said = f"OpenCV {cv2.__version__} {'writes and reads' if well else 'fails on'} Motion JPEG"
+    return Finding("video", well, said, "install opencv-python-headless as locked: make setup")
+
+
+def check_sampler() -> Finding:
+    """The compiler of the sampler's density compiles."""
+    from numba import njit
+    from numba.core.errors import NumbaError
+
+    try:
+        well = njit(lambda x: x + 1)(1) == 2
+        said = "numba compiles"
+    except (NumbaError, OSError) as error:
+        well, said = False, f"numba fails: {error}"
+    return Finding("compiler", well, said, "install numba as locked: make setup")
+
+
+def check_folder(folder: Path) -> Finding:
+    """Results can be written, and there is room for them."""
+    there = next(place for place in (folder, *folder.absolute().parents) if place.is_dir())
+    try:
+        with tempfile.TemporaryFile(dir=there):
+            free = shutil.disk_usage(there).free / 1e9
+    except OSError as error:
+        said = f"{there}: {error.strerror}"
+        return Finding("disk", False, said, "choose another folder, or ask for its permission")
+    said = f"{there}: {free:.0f} GB free"
+    return Finding("disk", free >= LEAST_SPACE_GB, said, f"make room: {LEAST_SPACE_GB:g} GB")

@@ -1,0 +1,23 @@
+from importlib.metadata import version
+
+from softfinger.doctor import check_folder, check_setup, list_deviations
+
+
+def test_a_sound_installation_has_no_complaint(tmp_path):
+    findings = list(check_setup(tmp_path))
+    assert [finding.what for finding in findings if not finding.well] == []
+    assert {"Python", "packages", "video", "compiler", "disk"} == {f.what for f in findings}
+
+
+def test_packages_that_deviate_from_the_lock_are_named():
+    here = version("numpy")
+    lock = f"numpy=={here} \\\n    --hash=sha256:00\nscipy==0.1 \\\nnot-there==1.0 \\\n"
+    assert list_deviations(lock) == [
+        f"scipy {version('scipy')} instead of 0.1",
+        "not-there is missing",
+    ]
+
+
+def test_the_disk_is_judged_where_the_results_are_to_come(tmp_path):
+    finding = check_folder(tmp_path / "not/yet/there")
+    assert finding.said.startswith(str(tmp_path))
