@@ -18,6 +18,7 @@ include: "workflow/rules/angles.smk"
 include: "workflow/rules/fit.smk"
 include: "workflow/rules/propagate.smk"
 include: "workflow/rules/sobol.smk"
+include: "workflow/rules/assumptions.smk"
 include: "workflow/rules/diagnose.smk"
 include: "workflow/rules/report.smk"
 

@@ -19,7 +19,15 @@ FIGURES = [
     "initial_angles",
     "densities",
 ]
-FIGURES += ["bands", "bands_early", "sobol", "shapley", "hyperparameters", "residuals", "sampling"]
+FIGURES += [
+    "bands",
+    "bands_early",
+    "sobol",
+    "shapley",
+    "hyperparameters",
+    "residuals",
+    "sampling",
+]
 FIGURES += ["assumptions"]
 
 

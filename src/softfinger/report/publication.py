@@ -11,6 +11,7 @@ from typing import Any
 from softfinger.faults import Fault
 from softfinger.figures.style import label_parameter_unit, save_figure
 from softfinger.report import pictures
+from softfinger.report.assumptions import picture_assumptions
 from softfinger.report.blocks import Picture
 from softfinger.report.config import read_config
 from softfinger.report.formatting import format_measure, format_number, format_percent
@@ -33,6 +34,7 @@ PICTURES: dict[str, Callable[[Material], Picture | None]] = {
     "residuals": pictures.picture_residuals,
     "prior_predictive": pictures.picture_prior,
     "sampling": pictures.picture_sampling,
+    "assumptions": picture_assumptions,
 }
 """Every figure by name, in the order of the paper, then ours."""
 

@@ -12,6 +12,7 @@ import xarray as xr
 from softfinger.artifacts import open_artifact, open_tree, write_atomically
 from softfinger.artifacts.specs import (
     angles,
+    assumptions,
     bands,
     densities,
     least_squares,
@@ -30,7 +31,17 @@ from softfinger.report import write_report
 
 SPECS = {
     spec.SPEC.name: spec.SPEC
-    for spec in (angles, least_squares, posterior, sampling, bands, densities, sobol, shapley)
+    for spec in (
+        angles,
+        least_squares,
+        posterior,
+        sampling,
+        bands,
+        densities,
+        sobol,
+        shapley,
+        assumptions,
+    )
 }
 FILMED = {spec.SPEC.name: spec.SPEC for spec in (picture, tracking_quality)}
 

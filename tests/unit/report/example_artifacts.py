@@ -279,6 +279,32 @@ def make_sobol(joints, n_time=31):
     )
 
 
+def make_assumptions(joints, n_time=21):
+    time = np.geomspace(1e-4, 30, n_time)
+    gap = np.stack([1e-2 * np.exp(-time / 0.1), 0.1 * (1 - np.exp(-time))])
+    gap = gap[:, None] * np.ones((joints.size, 1))
+    angle, reached = np.linspace(0, 1.6, 9), np.full((4, joints.size), 0.5)
+    return xr.Dataset(
+        {
+            "gap_largest_at": (("cause", "joint", "time"), gap),
+            "gap_rms_at": (("cause", "joint", "time"), gap / 2),
+            "arm_growth": ("angle", 0.8 * np.sin(angle / 2) + np.cos(angle / 2) - 1),
+            "angle_reached": (("trial", "joint"), reached),
+            "torque_growth": (("trial", "joint"), reached / 3),
+            "fitted_change": (("trial", "joint", "parameter"), np.full((*reached.shape, 4), -0.2)),
+            "statement": ("sentence", ["Inertia lasts 0.5 s.", "The torque grows by 17 %."]),
+        },
+        coords={
+            "cause": ["inertia", "moment_arm"],
+            "joint": joints.values,
+            "time": time,
+            "angle": angle,
+            "parameter": PARAMETERS,
+        },
+        attrs={"tension_n": 8.0},
+    )
+
+
 def make_shapley(joints, n_time=31):
     time = np.linspace(0, 30, n_time)
     weight = np.stack([0.3 + 0 * time, np.exp(-2 * time), time / 30, 0.02 + np.exp(-5 * time)], -1)
@@ -319,6 +345,7 @@ def make_artifacts(**options):
         "densities": make_densities(angles["joint"]),
         "sobol": make_sobol(angles["joint"]),
         "shapley": make_shapley(angles["joint"]),
+        "assumptions": make_assumptions(angles["joint"]),
     }
     for artifact in artifacts.values():
         artifact.attrs |= {

@@ -115,7 +115,7 @@ def test_the_page_needs_no_other_file_and_no_network(page, parsed):
 
 def test_every_figure_is_an_svg_with_words_for_those_who_do_not_see_it(parsed):
     images = parsed.find("img")
-    assert len(images) == 15
+    assert len(images) == 16
     for image in images:
         head, code = image["src"].split(",")
         assert head == "data:image/svg+xml;base64"

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from softfinger.report.blocks import Block, Listing, Paragraph, Section
+from softfinger.report.assumptions import picture_assumptions
+from softfinger.report.blocks import Listing, Paragraph, Section
 from softfinger.report.checks import PARETO, check_calibration, check_computation, check_fit
 from softfinger.report.formatting import count_things, format_number, format_percent
 from softfinger.report.material import Material
@@ -29,8 +30,9 @@ def build_outlook(material: Material) -> Section:
         *list_assumptions(material),
     ]
     lead = Paragraph("The conclusion hangs on the following; each would change it if it fell.")
-    blocks: tuple[Block, ...] = (lead, Listing(tuple(items)))
-    return Section("outlook", "What would change the conclusion?", blocks)
+    blocks = (lead, Listing(tuple(items)), picture_assumptions(material))
+    found = tuple(block for block in blocks if block)
+    return Section("outlook", "What would change the conclusion?", found)
 
 
 def list_failed(material: Material) -> list[str]:
@@ -117,9 +119,7 @@ def list_assumptions(material: Material) -> list[str]:
         model,
         "Trials are taken as exchangeable: no trend with trial number, temperature or rest.",
     ]
-    if material.load_unit == "N m":
-        items.append(
-            "The moment arm is taken as constant. A finger whose arm grows as it bends would "
-            "bias k_v and c_p low by some 10 to 25 %, without showing in any single trial."
-        )
+    if "assumptions" in material:
+        sentences = material.artifacts["assumptions"]["statement"].values
+        items += [f"Simulated fingers of the paper's table: {sentence}" for sentence in sentences]
     return items

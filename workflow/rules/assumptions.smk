@@ -1,0 +1,14 @@
+# Simulated fingers of the paper's table, whatever campaign is looked at.
+rule assumptions:
+    output:
+        assumptions=OUT / "assumptions.nc",
+    log:
+        OUT / "logs/assumptions.log",
+    params:
+        config=config["virtual_rig"],
+        seed=config["seed"],
+        code=code_hash("assumptions"),
+    message:
+        "Check the paper's assumptions against the full equations of motion"
+    script:
+        "../scripts/assumptions.py"
