@@ -86,28 +86,59 @@ def test_response_is_boltzmanns_superposition(name):
         np.testing.assert_allclose(found, expected, rtol=1e-8)
 
 
+def integrate(rate, angle, size):
+    """Step x' = rate(x, torque) by Radau from knot to knot; the angles at TIME."""
+    state, angles = np.zeros(size), []
+    for start, end in ((0.5, 2.0), (2.0, 3.0), (3.0, 5.0), (5.0, 9.0)):
+        inside = TIME[(start <= TIME) & (end > TIME)]
+        solution = solve_ivp(
+            lambda t, x: rate(x, evaluate_load_array([t], *LOAD)[0]),
+            (start, end - 1e-12), state, "Radau", np.r_[inside, end - 1e-12],
+            rtol=1e-10, atol=1e-12,
+        )  # fmt: skip
+        torque = evaluate_load_array(inside, *LOAD)
+        angles.append(angle(solution.y[:, : inside.size], torque))
+        state = solution.y[:, -1]
+    return np.concatenate(angles)
+
+
+TIME = np.linspace(0.5, 8.0, 16)
+K, C = np.array([1.0, 2.0, 3.0]), np.array([0.1, 1.0, 30.0])
+# The models written out anew: rate of the inner states, angle, number of states.
+EQUATIONS = {
+    "maxwell": (lambda x, u: [u / 3.0], lambda x, u: u / 2.0 + x[0], 1),
+    "kelvin_voigt": (lambda x, u: [(u - 2.0 * x[0]) / 3.0], lambda x, u: x[0], 1),
+    "zener": (lambda x, u: [(u - 2.0 * x[0]) / 3.0], lambda x, u: u / 1.0 + x[0], 1),
+    "three_element": (
+        lambda x, u: [(u - 0.1 * x[0]) / 0.02, u / 20.0], lambda x, u: x[0] + x[1], 2,
+    ),
+    "burgers": (
+        lambda x, u: [(u - 2.0 * x[0]) / 3.0, u / 4.0], lambda x, u: u / 1.0 + x[0] + x[1], 2,
+    ),
+    "generalised_maxwell": (
+        lambda x, u: K * ((u + K @ x) / (1.0 + K.sum()) - x) / C,
+        lambda x, u: (u + K @ x) / (1.0 + K.sum()), 3,
+    ),
+    "generalised_voigt": (lambda x, u: (u - K * x) / C, lambda x, u: u / 1.0 + x.sum(axis=0), 3),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", EQUATIONS)
+def test_response_solves_the_models_equations(name):
+    found = compute_response_array(EXACT[name], TIME, *LOAD)
+    np.testing.assert_allclose(found, integrate(*EQUATIONS[name]), atol=1e-8)
+
+
 def test_the_papers_joint_solves_its_differential_equation():
     """c_v c_p q̇ + c_p k_v q = (c_v + c_p) τ + k_v ∫τ dt, as printed."""
     k_v, c_v, c_p = 0.1, 0.02, 20.0
-    time = np.linspace(0.5, 8.0, 16)
 
-    def rate(t, state):
-        angle, impulse = state
-        torque = evaluate_load_array([t], *LOAD)[0]
-        push = (c_v + c_p) * torque + k_v * impulse - c_p * k_v * angle
+    def rate(x, torque):
+        push = (c_v + c_p) * torque + k_v * x[1] - c_p * k_v * x[0]
         return [push / (c_v * c_p), torque]
 
-    state, angles = [0.0, 0.0], []
-    for start, end in ((0.5, 2.0), (2.0, 3.0), (3.0, 5.0), (5.0, 9.0)):
-        inside = time[(time >= start) & (time < end)]
-        solution = solve_ivp(
-            rate, (start, end - 1e-12), state, "Radau", np.r_[inside, end - 1e-12],
-            rtol=1e-10, atol=1e-12,
-        )  # fmt: skip
-        angles.append(solution.y[0, : inside.size])
-        state = solution.y[:, -1]
-    found = compute_response_array(three_element(k_v, c_v, c_p), time, *LOAD)
-    np.testing.assert_allclose(found, np.concatenate(angles), atol=1e-7)
+    found = compute_response_array(three_element(k_v, c_v, c_p), TIME, *LOAD)
+    np.testing.assert_allclose(found, integrate(rate, lambda x, _: x[0], 2), atol=1e-7)
 
 
 @pytest.mark.parametrize("name", ["maxwell", "zener", "burgers", "generalised_maxwell"])
