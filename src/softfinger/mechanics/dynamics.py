@@ -170,11 +170,8 @@ def _integrate_trial(
     state[:n] = q_ini
     stages, bends = np.zeros((3 * n, rodas.STAGES)), np.zeros((3, 3 * n))
     squares, rows = np.zeros((4, n, n)), np.zeros(9 * n)
-    frame, steps = 0, 0
-    while frame < time.size and time[frame] <= load_time[0]:
-        motion[frame] = state
-        frame += 1
-    step = 0.0
+    step, steps, frame = 0.0, 0, np.searchsorted(time, load_time[0], "right")
+    motion[:frame] = state
     for knot in range(load_time.size):
         now, tension, climb, end = load_time[knot], load_tension[knot], 0.0, time[-1]
         if knot + 1 < load_time.size:
@@ -195,22 +192,28 @@ def _integrate_trial(
                 state, after, stages, squares, rows,
             )  # fmt: skip
             error = _measure_error(stages[:, rodas.STAGES - 1], length, tolerance)
-            if not error <= 1.0:
-                step = length * max(0.1, 0.9 * error**-0.2) if error < 1e30 else length * 0.1
+            step = _propose_step(error, length, step, last)
+            if error > 1.0:
                 continue
             ahead = end if last else now + length
             if time[frame] <= ahead:
                 _fill_bends(stages, bends)
             while frame < time.size and time[frame] <= ahead:
-                share = (time[frame] - now) / length
-                _interpolate(share, state, after, bends, motion[frame])
+                _interpolate((time[frame] - now) / length, state, after, bends, motion[frame])
                 frame += 1
-            growth = min(8.0, 0.9 * max(error, 1e-10) ** -0.2)
-            step = max(step, length * growth) if last else length * growth
             state[:] = after
             tension += climb * length
             now = ahead
     return True
+
+
+@compiled
+def _propose_step(error: float, length: float, step: float, last: bool) -> float:
+    """Propose the step after one of `length`, which the next knot may have cut short of `step`."""
+    if error > 1.0:
+        return length * (max(0.1, 0.9 * error**-0.2) if error < 1e30 else 0.1)
+    grown = length * min(8.0, 0.9 * max(error, 1e-10) ** -0.2)
+    return max(step, grown) if last else grown
 
 
 @compiled

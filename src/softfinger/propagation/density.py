@@ -7,6 +7,9 @@ is log-normal in closed form; Q is normal. Each of E and C is laid out as point 
 smoothed by one third of Q's variance on to a lattice; both are convolved by FFT, and the last third
 reads the density off at any angle (`lattice`). All of it converges exponentially.
 
+Misprint: the paper's log-normal density lacks the minus sign of its exponent; it is
+exp(−(log x − μ)²/(2σ²)) / (x σ √(2π)).
+
 ASSUME: k_v, c_v, c_p and q_ini are independent of each other within a population. A normal Q
 narrower than 1e-3 of the spread of E + C is widened to that, which costs 5e-7 of the peak; so is
 one narrower than 1e-5 of the angles asked for, where only a far tail can be meant.

@@ -17,16 +17,9 @@ def _build_forms(setting: Setting) -> list[Form]:
     exponent = Parameter("exponent", 0.5, 0.2, low=0.05, high=0.95, starts=(0.25, 0.5, 0.75))
     share = positive("springpot_share", 0.3, per="joint", floor=0.01)
     bent = Parameter(
-        "exponent_loss",
-        0.0,
-        0.3,
-        low=0.0,
-        high=0.9,
-        amplitude=True,
-        floor=0.02,
-        starts=(0.003,),
+        "exponent_loss", 0.0, 0.3, low=0.0, high=0.9, amplitude=True, floor=0.02, starts=(0.003,),
         report=("exponent", lambda loss, _: 1.0 - loss),
-    )
+    )  # fmt: skip
 
     def scale(values: Values) -> float:
         a = float(values["exponent"])

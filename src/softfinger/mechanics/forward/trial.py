@@ -128,10 +128,9 @@ def _run_segment(
 ) -> int:
     """Go from one knot to the next; the next frame, or −1 where that failed."""
     delay, tangents = model.chain[_DELAY], model.d_chain.shape[0] > 0
-    straight, start, steps = not _is_curved(model), now, 0
+    straight, start, steps, opened = not _is_curved(model), now, 0, False
     work.curved[0] = not straight
     step = end - now if straight else min(longest, _first_step(model, work, tolerance))
-    opened = False
     while now < end:
         steps += 1
         if steps > _MAX_STEPS or not step > 1e-12:

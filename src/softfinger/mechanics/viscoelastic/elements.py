@@ -5,8 +5,8 @@
     springpot  τ = V d^a q/dt^a S(s) = V s^a,  0 < a < 1
     parallel   stiffnesses S add        series   compliances C = 1/S add
 
-The paper prints the transfer function of its own joint (three_element) with c₂ k_v s in the
-denominator; it is q/τ = ((c_v + c_p) s + k_v) / (s (c_v c_p s + c_p k_v)).
+Misprint: the paper prints the transfer function of its own joint (three_element) with c₂ k_v s in
+the denominator; it is q/τ = ((c_v + c_p) s + k_v) / (s (c_v c_p s + c_p k_v)).
 """
 
 from collections.abc import Iterator, Mapping, Sequence
