@@ -147,6 +147,8 @@ def _load_yaml(path: Path) -> CommentedMap:
         content = YAML(typ="rt").load(text)
     except UnicodeDecodeError as error:
         raise CampaignFault(str(path), [f"byte {error.start} is not UTF-8 text"]) from None
+    except RecursionError:
+        raise CampaignFault(str(path), ["it nests keys or lists without end"]) from None
     except YAMLError as error:
         raise CampaignFault(
             str(path), [f"it is not YAML: {' '.join(str(error).split())}"]

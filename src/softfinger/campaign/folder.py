@@ -196,7 +196,11 @@ def _read_row(
 
 def _resolve(folder: Path, text: str, place: str) -> Path:
     path = folder / text
-    if "\0" in text or not path.resolve().is_relative_to(folder.resolve()):
+    try:
+        outside = "\0" in text or not path.resolve().is_relative_to(folder.resolve())
+    except RuntimeError:
+        raise TrialFault(f"{place}: '{text}' is a link that leads in a circle") from None
+    if outside:
         raise TrialFault(f"{place}: '{text}' leads out of the campaign folder; move it inside")
     if not path.is_file():
         raise TrialFault(f"{place}: the file '{text}' does not exist")
