@@ -46,6 +46,12 @@ def options(
         silence_progress()
 
 
+PhysicsFile = Annotated[
+    Path | None,
+    typer.Option("--model", help="Model file (model.yaml) that replaces the base model."),
+]
+
+
 def main() -> None:
     """Run the command line; a fault of the input is one sentence and exit status 1."""
     try:
@@ -115,6 +121,7 @@ def run(
 def virtual_rig(
     out: Out,
     config: ConfigFile = None,
+    model: PhysicsFile = None,
     example: Annotated[
         bool, typer.Option("--example", help="Write the small example campaign, and nothing else.")
     ] = False,
@@ -132,7 +139,8 @@ def virtual_rig(
     settings = read_config(config)
     knobs, seed = settings["virtual_rig"], settings["seed"]
     folder, truth = out / "campaign", out / "truth.nc"
-    virtual_rig(truth=truth, folder=folder, config=knobs, seed=seed)
+    physics = _choose_model(settings, model)
+    virtual_rig(truth=truth, folder=folder, config=knobs, seed=seed, model=physics)
     if knobs["level"] == "video":
         names = build_trial_names(knobs["n_trials"])
         videos = [folder / f"video/{name}.avi" for name in names]
@@ -224,14 +232,17 @@ def angles(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> Non
 
 
 @app.command()
-def fit(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None:
+def fit(
+    campaign: CampaignFolder, out: Out, config: ConfigFile = None, model: PhysicsFile = None
+) -> None:
     """Fit every trial by least squares and sample the hierarchical posterior (after `angles`)."""
     from softfinger.stages.fit import fit
     from softfinger.stages.least_squares import least_squares
 
     inputs = _open_inputs(campaign, out, config, ["angles"], "estimation")
     least_squares(least_squares=out / "least_squares.nc", **inputs)
-    fit(posterior=out / "posterior.nc", sampling=out / "sampling.nc", **inputs)
+    physics = _choose_model(read_config(config), model)
+    fit(posterior=out / "posterior.nc", sampling=out / "sampling.nc", model=physics, **inputs)
 
 
 @app.command()
@@ -270,7 +281,9 @@ def assumptions(out: Out, config: ConfigFile = None) -> None:
 
 
 @app.command()
-def diagnose(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None:
+def diagnose(
+    campaign: CampaignFolder, out: Out, config: ConfigFile = None, model: PhysicsFile = None
+) -> None:
     """Find out which physics was left out, from whatever level the campaign has.
 
     Writes OUT/verdict.json, OUT/model.yaml (the repaired model) and the artifacts behind them.
@@ -287,6 +300,7 @@ def diagnose(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> N
         repaired=out / "model.yaml",
         config=settings["mismatch"],
         seed=settings["seed"],
+        model=_choose_model(settings, model),
         **{name: out / f"{name}.nc" for name in SPECS},
     )
     verdict = read_verdict(out / "verdict.json")
@@ -298,16 +312,25 @@ def diagnose(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> N
 @app.command()
 def report(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None:
     """Write OUT/report.html from the artifacts in OUT (after all the other verbs)."""
-    from softfinger.stages.report import FILMED, SPECS, report
+    from softfinger.stages.report import DIAGNOSED, FILMED, SPECS, report
 
     read_campaign(campaign)
-    filmed = [name for name in FILMED if (out / f"{name}.nc").exists()]
+    made = [name for name in [*FILMED, *DIAGNOSED] if (out / f"{name}.nc").exists()]
+    verdict = out / "verdict.json"
     report(
         report=out / "report.html",
         markers=sorted((out / "markers").glob("*.nc")),
         config=read_config(config),
-        **{name: out / f"{name}.nc" for name in [*SPECS, *filmed]},
+        **({"verdict": verdict} if verdict.exists() else {}),
+        **{name: out / f"{name}.nc" for name in [*SPECS, *made]},
     )
+
+
+def _choose_model(settings: dict[str, Any], given: Path | None) -> Path | None:
+    """Model file that was given, else the configuration's, else none."""
+    if given is not None or settings["model"] is None:
+        return given
+    return Path(settings["model"])
 
 
 def _open_inputs(

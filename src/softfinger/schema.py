@@ -27,6 +27,7 @@ class Configuration(Settings):
     """Every knob, once."""
 
     campaign: str | None
+    model: str | None
     out: Annotated[str, Field(min_length=1)]
     seed: Annotated[int, Field(ge=0)]
     trials_per_job: Annotated[int, Field(ge=1)]

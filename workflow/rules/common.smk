@@ -9,6 +9,7 @@ from softfinger.provenance import code_hash
 
 OUT = Path(config["out"])
 SIMULATED = config["campaign"] is None
+MODEL = {} if config["model"] is None else {"model": config["model"]}
 CAMPAIGN = OUT / "campaign" if SIMULATED else Path(config["campaign"])
 
 

@@ -3,6 +3,7 @@ DIAGNOSIS = ["ranking", "location", "masking", "repair", "free_form"]
 
 rule diagnose:
     input:
+        **MODEL,
         angles=OUT / "angles.nc",
     output:
         **{name: OUT / f"{name}.nc" for name in DIAGNOSIS},

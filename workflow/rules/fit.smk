@@ -17,6 +17,7 @@ rule least_squares:
 
 rule fit:
     input:
+        **MODEL,
         angles=OUT / "angles.nc",
     output:
         posterior=OUT / "posterior.nc",

@@ -9,6 +9,7 @@ ARTIFACTS = [
     "shapley",
     "assumptions",
 ]
+ARTIFACTS += DIAGNOSIS
 if VIDEOS:
     ARTIFACTS += ["picture", "tracking_quality"]
 FIGURES = [
@@ -28,12 +29,13 @@ FIGURES += [
     "residuals",
     "sampling",
 ]
-FIGURES += ["assumptions"]
+FIGURES += ["assumptions", "repair", "ranking", "location", "masking"]
 
 
 rule report:
     input:
         **{name: OUT / f"{name}.nc" for name in ARTIFACTS},
+        verdict=OUT / "verdict.json",
         markers=expand(OUT / "markers/{batch}.nc", batch=BATCHES),
     output:
         report=report(OUT / "report.html", caption="../report/report.rst"),
@@ -51,6 +53,7 @@ rule report:
 rule figure:
     input:
         **{name: OUT / f"{name}.nc" for name in ARTIFACTS},
+        verdict=OUT / "verdict.json",
         markers=expand(OUT / "markers/{batch}.nc", batch=BATCHES),
     output:
         figures=[OUT / f"figures/{{name}}.{form}" for form in ("pdf", "png", "svg")],
@@ -69,6 +72,7 @@ rule figure:
 rule document:
     input:
         **{name: OUT / f"{name}.nc" for name in ARTIFACTS},
+        verdict=OUT / "verdict.json",
         markers=expand(OUT / "markers/{batch}.nc", batch=BATCHES),
     output:
         document=OUT / "figures/figures.tex",
@@ -93,7 +97,7 @@ rule figures:
 
 rule check_artifacts:
     input:
-        artifacts=[OUT / f"{name}.nc" for name in ARTIFACTS + DIAGNOSIS],
+        artifacts=[OUT / f"{name}.nc" for name in ARTIFACTS],
         markers=expand(OUT / "markers/{batch}.nc", batch=BATCHES),
     output:
         receipt=OUT / "receipt.csv",

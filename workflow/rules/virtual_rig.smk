@@ -2,6 +2,8 @@
 if SIMULATED:
 
     rule virtual_rig:
+        input:
+            **MODEL,
         output:
             TABLES,
             truth=OUT / "truth.nc",

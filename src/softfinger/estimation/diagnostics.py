@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-HYPERPARAMETERS = ("mu", "sigma", "noise")
+HYPERPARAMETERS = ("mu", "sigma", "noise", "effect")
 
 
 def diagnose_sampling(tree: xr.DataTree, config: Mapping[str, Any]) -> xr.Dataset:
@@ -47,6 +47,8 @@ def diagnose_sampling(tree: xr.DataTree, config: Mapping[str, Any]) -> xr.Datase
 def list_quantities(posterior: xr.Dataset) -> Iterator[tuple[str, NDArray[np.float64]]]:
     """List name and draws (chain, draw) of every hyperparameter; correlations below the diagonal.
 
+    What is held at one value was not sampled, and is left out.
+
     >>> draws = xr.DataArray(np.zeros((2, 5, 1)), {"joint": [7]}, ("chain", "draw", "joint"))
     >>> [name for name, _ in list_quantities(draws.to_dataset(name="mu_q_ini"))]
     ['mu_q_ini[7]']
@@ -58,6 +60,8 @@ def list_quantities(posterior: xr.Dataset) -> Iterator[tuple[str, NDArray[np.flo
         axes = [ordered[dim].values for dim in ordered.dims[2:]]
         for index in np.ndindex(*ordered.shape[2:]):
             if len(index) == 2 and index[1] >= index[0]:
+                continue
+            if ordered.size and np.ptp(ordered.values[(..., *index)]) == 0:
                 continue
             label = ", ".join(str(axis[i]) for axis, i in zip(axes, index, strict=True))
             yield f"{name}[{label}]", ordered.values[(..., *index)]

@@ -36,8 +36,9 @@ def tabulate_ranking(
     gain = {label: candidate.log_evidence - base for label, candidate in ordered}
     alone: dict[str, float] = {}
     for label, candidate in ordered:
-        if len(candidate.model.ids) == 1:
-            alone.setdefault(next(iter(candidate.model.ids)), gain[label])
+        added = candidate.model.ids - search.base.model.ids
+        if len(added) == 1:
+            alone.setdefault(next(iter(added)), gain[label])
     sets = {join_ids(ids): p for ids, p in posterior.sets.items()}
     inclusion = {name: posterior.inclusion.get(name, 0.0) for name in alone}
     return xr.Dataset(

@@ -10,7 +10,7 @@ from typing import Any
 
 from softfinger.faults import Fault
 from softfinger.figures.style import label_parameter_unit, save_figure
-from softfinger.report import pictures
+from softfinger.report import mismatch_pictures, pictures
 from softfinger.report.assumptions import picture_assumptions
 from softfinger.report.blocks import Picture
 from softfinger.report.config import read_config
@@ -32,6 +32,10 @@ PICTURES: dict[str, Callable[[Material], Picture | None]] = {
     "shapley": pictures.picture_shapley,
     "hyperparameters": pictures.picture_hyperparameters,
     "residuals": pictures.picture_residuals,
+    "repair": mismatch_pictures.picture_repair,
+    "ranking": mismatch_pictures.picture_ranking,
+    "location": mismatch_pictures.picture_location,
+    "masking": mismatch_pictures.picture_masking,
     "prior_predictive": pictures.picture_prior,
     "sampling": pictures.picture_sampling,
     "assumptions": picture_assumptions,

@@ -13,7 +13,7 @@ from softfinger.artifacts.specs import location as location_spec
 from softfinger.artifacts.specs import masking as masking_spec
 from softfinger.artifacts.specs import ranking as ranking_spec
 from softfinger.artifacts.specs import repair as repair_spec
-from softfinger.mechanics.effects.model_file import FittedTo, write_model_file
+from softfinger.mechanics.effects.model_file import FittedTo, read_model_file, write_model_file
 from softfinger.mismatch.diagnose import diagnose as find_left_out
 from softfinger.mismatch.outcome import describe_repair, tabulate_diagnosis
 from softfinger.mismatch.verdict import write_verdict
@@ -34,6 +34,7 @@ def diagnose(
     repaired: Path,
     config: Mapping[str, Any],
     seed: int,
+    model: Path | None = None,
     **artifacts: Path,
 ) -> None:
     """Write the verdict of a campaign, the repaired model and everything behind them.
@@ -46,19 +47,24 @@ def diagnose(
         The verdict (JSON) and the model file (YAML) that are written.
     config
         The `mismatch` block of the configuration.
+    model
+        A model file whose model is diagnosed in place of the base.
     **artifacts
         Name → file, for every name in ``SPECS``.
     """
-    provenance = describe_run("diagnose", {"angles": angles}, config, seed)
+    roles = {"angles": angles} if model is None else {"angles": angles, "model": model}
+    provenance = describe_run("diagnose", roles, config, seed)
     recorded = open_artifact(angles, angles_spec.SPEC)
     stream = derive_seed(seed, "diagnose")
-    found = find_left_out(recorded, config, stream)
-    tables = tabulate_diagnosis(found, recorded, config, stream)
-    for name, path in artifacts.items():
-        save_artifact(tables[name], SPECS[name], path, provenance)
+    content = None if model is None else read_model_file(model)
     fitted_to = FittedTo(
         campaign=str(recorded.attrs["campaign"]), sha256=provenance.inputs["angles"]
     )
+    priors = content is None or not content.was_fitted_to(fitted_to.sha256)
+    found = find_left_out(recorded, config, stream, content=content, priors=priors)
+    tables = tabulate_diagnosis(found, recorded, config, stream)
+    for name, path in artifacts.items():
+        save_artifact(tables[name], SPECS[name], path, provenance)
     with write_atomically(repaired) as temporary:
         write_model_file(describe_repair(found, fitted_to), temporary)
     with write_atomically(verdict) as temporary:

@@ -15,9 +15,14 @@ from softfinger.artifacts.specs import (
     assumptions,
     bands,
     densities,
+    free_form,
     least_squares,
+    location,
+    masking,
     picture,
     posterior,
+    ranking,
+    repair,
     sampling,
     shapley,
     sobol,
@@ -26,6 +31,7 @@ from softfinger.artifacts.specs import (
 from softfinger.artifacts.specs import (
     markers as markers_spec,
 )
+from softfinger.mismatch.verdict import read_verdict
 from softfinger.provenance import PROJECT
 from softfinger.report import write_report
 
@@ -43,6 +49,7 @@ SPECS = {
         assumptions,
     )
 }
+DIAGNOSED = {spec.SPEC.name: spec.SPEC for spec in (ranking, location, masking, repair, free_form)}
 FILMED = {spec.SPEC.name: spec.SPEC for spec in (picture, tracking_quality)}
 
 
@@ -60,7 +67,8 @@ def report(
     config
         The whole configuration.
     **artifacts
-        Name → file, for every name in ``SPECS``, and those in ``FILMED`` if there are videos.
+        Name → file, for every name in ``SPECS``, those in ``FILMED`` if there are videos, and
+        those in ``DIAGNOSED`` and `verdict` if there is a diagnosis.
     """
     with write_atomically(report) as temporary:
         write_report(open_artifacts(artifacts, markers), config, temporary, _find_commit())
@@ -70,11 +78,14 @@ def open_artifacts(
     artifacts: Mapping[str, Path], markers: Sequence[Path]
 ) -> dict[str, xr.Dataset | xr.DataTree]:
     """Open artifacts by name, and of the markers' files the first."""
-    specs = SPECS | FILMED
+    specs = SPECS | FILMED | DIAGNOSED
     opened = {
         name: (open_tree if specs[name].groups else open_artifact)(path, specs[name])
         for name, path in artifacts.items()
+        if name != "verdict"
     }
+    if "verdict" in artifacts:
+        opened["verdict"] = read_verdict(artifacts["verdict"]).model_dump(mode="json")
     if markers:
         opened["markers"] = open_artifact(markers[0], markers_spec.SPEC)
     return opened

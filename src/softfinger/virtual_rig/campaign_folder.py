@@ -102,13 +102,18 @@ def draw_angle_noise_array(
     return np.diff(error, axis=0)
 
 
+def draw_temperature(room: np.random.Generator) -> float:
+    """Draw the room's temperature [°C] during a trial, to the tenth that is logged."""
+    return round(room.normal(*ROOM_TEMPERATURE_C), 1)
+
+
 def _build_trial_table(
     names: list[str], config: VirtualRigConfig, seed: int
 ) -> tuple[list[str], list[list[str]]]:
     rows, started_at = [], FIRST_TRIAL_AT
     for index, name in enumerate(names):
         room = build_generator(seed, index, Purpose.ROOM)
-        temperature = room.normal(*ROOM_TEMPERATURE_C)
+        temperature = draw_temperature(room)
         recording = RECORDINGS[config.level].format(name)
         moment = started_at.isoformat(timespec="seconds")
         rows.append([name, moment, recording, f"load/{name}.csv", f"{temperature:.1f}"])

@@ -4,12 +4,14 @@ import numpy as np
 import xarray as xr
 
 from softfinger.mechanics.dynamics import simulate_full_dynamics
+from softfinger.mechanics.effects.model_file import ModelFile
 from softfinger.mechanics.geometry import FingerGeometry
 from softfinger.virtual_rig.config import read_config
+from softfinger.virtual_rig.effects import move_with_effects
 from softfinger.virtual_rig.population import draw_parameters
 
 
-def draw_motion(config: dict, seed: int) -> xr.Dataset:
+def draw_motion(config: dict, seed: int, model: ModelFile | None = None) -> xr.Dataset:
     """Draw every trial's parameters and simulate its motion with the full equations of motion.
 
     Parameters
@@ -18,6 +20,8 @@ def draw_motion(config: dict, seed: int) -> xr.Dataset:
         The virtual rig's block of the configuration.
     seed
         Root of the trials' streams; trial k is the same however many trials follow.
+    model
+        Further physics that the finger has.
 
     Returns
     -------
@@ -33,16 +37,19 @@ def draw_motion(config: dict, seed: int) -> xr.Dataset:
     geometry = FingerGeometry.uniform(
         rig.link_length_m, rig.link_mass_kg, rig.joint_length_m, rig.wire_offset_m
     )
-    motion = simulate_full_dynamics(
-        drawn[["k_v", "c_v", "c_p", "q_ini"]],
-        geometry,
-        time,
-        load_time,
-        load_tension,
-        rig.wire_geometry,
-    )
+    if model is None:
+        angle = simulate_full_dynamics(
+            drawn[["k_v", "c_v", "c_p", "q_ini"]],
+            geometry,
+            time,
+            load_time,
+            load_tension,
+            rig.wire_geometry,
+        ).joint_angle
+    else:
+        angle = move_with_effects(model, rig, drawn, time, seed)
     return drawn.assign(
-        joint_angle=motion.joint_angle,
+        joint_angle=angle,
         load_time=("knot", load_time),
         load_tension=("knot", load_tension),
     )

@@ -7,7 +7,7 @@ Where a model was fitted, they are its posterior; a fit to the very same recordi
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -18,7 +18,7 @@ from ruamel.yaml import YAML, YAMLError
 
 from softfinger.faults import Fault, ListedFault
 from softfinger.mechanics.effects import list_effects
-from softfinger.mechanics.effects.effect import Form, Setting
+from softfinger.mechanics.effects.effect import Setting
 from softfinger.mechanics.effects.model import EffectModel, Entry, Known, Piece
 
 DIGITS = 7
@@ -68,6 +68,10 @@ class ModelFile(_Part):
     torque: Literal["constant_arm"]
     effects: list[EffectEntry]
     fitted_to: FittedTo | None = None
+
+    def was_fitted_to(self, sha256: str) -> bool:
+        """Say whether its priors come from the recordings whose `angles` have this hash."""
+        return self.fitted_to is not None and self.fitted_to.sha256 == sha256
 
 
 def read_model_file(path: Path | str) -> ModelFile:
@@ -133,6 +137,27 @@ def build_model(content: ModelFile, setting: Setting, *, priors: bool = True) ->
     return EffectModel(setting, tuple(pieces), known if priors else {})
 
 
+def read_strength(model: EffectModel) -> NDArray[np.float64]:
+    """Middle of φ's priors (p,), on the internal scale: the strength that a simulation has.
+
+    Raises
+    ------
+    Fault
+        An effect has no strength, because its amplitudes have no prior in the file.
+    """
+    middle, _ = model.shared_prior
+    middle = np.clip(middle, model.low, model.high)
+    for number, piece in enumerate(model.pieces):
+        mine = [k for k, e in enumerate(model.entries)
+                if e.piece == number and e.parameter.amplitude]  # fmt: skip
+        if not np.any(middle[mine]):
+            names = ", ".join(model.entries[k].name for k in mine)
+            raise Fault(
+                f"the model file gives {piece.effect.id} no strength: add priors for {names}"
+            )
+    return middle
+
+
 def describe_model(
     model: EffectModel,
     mean: NDArray[np.float64],
@@ -177,21 +202,35 @@ def _build_piece(
         names = ", ".join(form.name for form in forms)
         faults.append(f"{place}: no form {entry.form!r} here; there are {names}")
         return None
-    wanted, words = _describe_places(form)
     given = [joint if isinstance(joint, tuple) else (joint,) for joint in entry.joints]
-    wrong = [g for g in given if len(g) != wanted or max(g) > setting.joints]
-    wrong += [g for g in given if wanted == 2 and len(g) == 2 and abs(g[0] - g[1]) != 1]
-    if wrong or bool(given) != bool(wanted) or len(set(given)) != len(given):
+    kinds = {parameter.per for parameter in form.parameters}
+    words, right = _describe_places(kinds, single=form.local)
+    whole = all(max(g) <= setting.joints for g in given) and len(set(given)) == len(given)
+    if not whole or not right(given):
         faults.append(f"{place}: joints are {entry.joints}; expected {words} of {setting.joints}")
         return None
     return Piece(effects[entry.id], form, tuple(tuple(j - 1 for j in g) for g in given))
 
 
-def _describe_places(form: Form) -> tuple[int, str]:
-    kinds = {parameter.per for parameter in form.parameters}
-    if "pair" in kinds:
-        return 2, "different pairs of neighbouring joints, as [[2, 1]],"
-    return (1, "different joints") if "joint" in kinds else (0, "no joints, [],")
+Places = list[tuple[int, ...]]
+
+
+def _describe_places(kinds: set[str], *, single: bool) -> tuple[str, Callable[[Places], bool]]:
+    """Which joints a form is for: in words, and as a test."""
+
+    def is_joints(places: Places) -> bool:
+        return len(places) > 0 and all(len(place) == 1 for place in places)
+
+    def is_pairs(places: Places) -> bool:
+        return len(places) > 0 and all(len(p) == 2 and abs(p[0] - p[1]) == 1 for p in places)
+
+    if kinds & {"pair", "neighbours"}:
+        return "different pairs of neighbouring joints, as [[2, 1]],", is_pairs
+    if "joint" in kinds:
+        return "different joints", is_joints
+    if single:
+        return "no joints, [], or a single one", lambda p: not p or (is_joints(p) and len(p) == 1)
+    return "no joints, [],", lambda p: not p
 
 
 def _read_priors(entry: EffectEntry, model: EffectModel, place: str, faults: list[str]) -> Known:

@@ -1,0 +1,203 @@
+"""Left-out physics: the fit before and after, the evidence, where it acts, what would show."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+
+from softfinger.figures.style import (
+    BLUE,
+    DOUBLE_COLUMN,
+    GREY,
+    PALE,
+    RECORDED,
+    RED,
+    SKY,
+    get_source,
+    new_figure,
+    styled,
+)
+
+MODEL_STYLES = {"base": (RED, "--", "base model"), "final": (BLUE, "-", "repaired model")}
+MOST_ROWS = 20
+SMALLEST_Q = 1e-6
+SINCE = np.geomspace(0.05, 100.0, 12)
+"""Edges of the time since the last change of load [s]."""
+
+
+@styled
+def draw_repair(repair: xr.Dataset) -> Figure:
+    """Draw the trial that the base model misses most, with both models, and all residuals.
+
+    Columns are joints. Top: the recording and both models at the trial's own mode. Middle: what
+    each leaves of that trial; grey is twice the noise of a bin. Bottom: mean square of what each
+    leaves of all trials over that of the noise, against the time since the load changed; 1 is
+    noise alone.
+
+    Parameters
+    ----------
+    repair
+        The artifact `repair`.
+    """
+    trial = choose_trial(repair)
+    here = repair.sel(trial=trial)
+    joints = repair["joint"].values
+    figure = new_figure(get_source(repair), height=4.4)
+    axes = figure.subplots(3, joints.size, squeeze=False, height_ratios=[1.3, 1, 1])
+    for column, joint in zip(axes.T, joints, strict=True):
+        draw_fit(column[0], here.sel(joint=joint))
+        draw_leftover(column[1], here.sel(joint=joint))
+        draw_misfit(column[2], repair.sel(joint=joint))
+        column[0].set(title=f"joint {joint}")
+        column[1].set(xlabel="time [s]")
+        column[2].set(xlabel="time since the load changed [s]")
+    for row in axes[:2]:
+        for ax in row[1:]:
+            ax.sharex(row[0])
+    axes[0, 0].set_ylabel("joint angle [rad]")
+    axes[1, 0].set_ylabel("recording − model [mrad]")
+    axes[2, 0].set_ylabel("squared residual\nover noise [1]")
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper left", ncols=3)
+    axes[0, 0].set_title(f"joint {joints[0]} ({trial})")
+    return figure
+
+
+def choose_trial(repair: xr.Dataset) -> str:
+    """Name the trial in which the repair takes away most of the misfit, over the noise."""
+    away = (repair["recorded_angle"] - repair["fitted_angle"]) / repair["bin_noise_sd"]
+    gain = (away.sel(model="base") ** 2 - away.sel(model="final") ** 2).sum(("joint", "bin"))
+    return str(repair["trial"].values[int(gain.values.argmax())])
+
+
+def draw_fit(ax: Axes, repair: xr.Dataset) -> None:
+    """Draw one trial and joint with both models (bin)."""
+    time = repair["time"].values
+    ax.plot(time, repair["recorded_angle"].values, ".", color=RECORDED, ms=1.6, label="recording")
+    for model, (colour, line, label) in MODEL_STYLES.items():
+        ax.plot(time, repair["fitted_angle"].sel(model=model).values, line, color=colour,
+                lw=0.9, label=label)  # fmt: skip
+
+
+def draw_leftover(ax: Axes, repair: xr.Dataset) -> None:
+    """Draw what both models leave of one trial and joint [mrad]."""
+    time, noise = repair["time"].values, 2e3 * repair["bin_noise_sd"].values
+    ax.fill_between(time, -noise, noise, color=PALE, alpha=0.6, linewidth=0)
+    for model, (colour, line, _) in MODEL_STYLES.items():
+        left = repair["recorded_angle"] - repair["fitted_angle"].sel(model=model)
+        ax.plot(time, 1e3 * left.values, line, color=colour, lw=0.8)
+
+
+def draw_misfit(ax: Axes, repair: xr.Dataset) -> None:
+    """Draw squared residuals over squared noise of all trials, by time since the load changed."""
+    since = repair["since_change"].values
+    place = np.digitize(since, SINCE)
+    middle = np.sqrt(SINCE[1:] * SINCE[:-1])
+    ax.axhline(1.0, color=GREY, lw=0.7)
+    for model, (colour, line, _) in MODEL_STYLES.items():
+        left = repair["recorded_angle"] - repair["fitted_angle"].sel(model=model)
+        square = ((left / repair["bin_noise_sd"]) ** 2).values
+        known = np.isfinite(square)
+        mean = [
+            square[known & (place == k)].mean() if np.any(known & (place == k)) else np.nan
+            for k in range(1, SINCE.size)
+        ]
+        ax.plot(middle, mean, line, color=colour, marker="o", ms=2.5)
+    ax.set(xscale="log", yscale="log")
+
+
+@styled
+def draw_ranking(ranking: xr.Dataset) -> Figure:
+    """Draw how much every effect alone gains over the base model, and what chance gains.
+
+    Parameters
+    ----------
+    ranking
+        best_gain, inclusion (effect) [nats], needed_gain and chance_gain (replicate).
+    """
+    order = np.argsort(-ranking["best_gain"].values, kind="stable")[:MOST_ROWS]
+    shown = ranking.isel(effect=order[::-1])
+    figure = new_figure(get_source(ranking), 0.7 + 0.17 * max(order.size, 3), DOUBLE_COLUMN * 0.62)
+    ax = figure.subplots()
+    rows = np.arange(order.size)
+    gain, included = shown["best_gain"].values, shown["inclusion"].values > 0.5
+    ax.axvspan(*np.quantile(ranking["chance_gain"].values, (0.0, 1.0)), color=PALE, lw=0,
+               label="chance, over the whole catalogue")  # fmt: skip
+    ax.axvline(float(ranking["needed_gain"]), color=GREY, ls=":", label="believed from here")
+    ax.hlines(rows, 0.0, gain, color=GREY, lw=0.6)
+    ax.plot(gain[~included], rows[~included], "o", mfc="white", color=GREY, label="not needed")
+    ax.plot(gain[included], rows[included], "o", color=BLUE, label="needed (probability > ½)")
+    ax.set_yticks(rows, [str(name).replace("_", " ") for name in shown["effect"].values])
+    ax.set_xscale("symlog", linthresh=1.0)
+    ax.margins(x=0.06)
+    ax.set_xlabel("log evidence over the base model, alone [nats]")
+    ax.grid(axis="y", visible=False)
+    figure.legend(*ax.get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    return figure
+
+
+@styled
+def draw_location(location: xr.Dataset) -> Figure:
+    """Draw where the base and the final model miss: false-discovery rates of cells.
+
+    Each row is a joint; colour is the rate at which a cell counts as missed, 1e-6 or less darkest;
+    empty cells hold too few angles.
+
+    Parameters
+    ----------
+    location
+        q_value (model, joint, phase, window).
+    """
+    models = [str(name) for name in location["model"].values]
+    joints = location["joint"].values
+    figure = new_figure(get_source(location), height=0.8 + 0.75 * joints.size)
+    axes = figure.subplots(joints.size, len(models), squeeze=False, sharex=True, sharey=True)
+    scale = LogNorm(SMALLEST_Q, 1.0)
+    for row, joint in zip(axes, joints, strict=True):
+        for ax, model in zip(row, models, strict=True):
+            value = location["q_value"].sel(joint=joint, model=model).values
+            drawn = ax.pcolormesh(np.maximum(value, SMALLEST_Q), norm=scale, cmap="cividis")
+            ax.set_title(f"{MODEL_STYLES[model][2]}, joint {joint}")
+            ax.set_yticks(np.arange(value.shape[0]) + 0.5, location["phase"].values.tolist())
+            ax.grid(visible=False)
+            ax.spines[["left", "bottom"]].set_visible(False)
+    edges = [f"{w:g}" for w in location["window"].values]
+    for ax in axes[-1]:
+        ax.set_xticks(np.arange(len(edges)), edges)
+        ax.set_xlabel("time since the load changed, from [s]")
+    figure.colorbar(drawn, ax=axes, label="false-discovery rate", extend="min", aspect=30)
+    return figure
+
+
+@styled
+def draw_masking(masking: xr.Dataset) -> Figure:
+    """Draw what is left of every effect's signal, and which effects look alike.
+
+    Parameters
+    ----------
+    masking
+        share_left, expected_gain (effect), likeness (effect, other_effect).
+    """
+    order = np.argsort(-masking["share_left"].values, kind="stable")
+    shown = masking.isel(effect=order, other_effect=order)
+    names = [str(name).replace("_", " ") for name in shown["effect"].values]
+    figure = new_figure(get_source(masking), height=0.9 + 0.19 * max(len(names), 4))
+    left, right = figure.subplots(1, 2, width_ratios=[1, 1.25], sharey=True)
+    rows = np.arange(len(names))
+    left.barh(rows, 100 * shown["share_left"].values, color=SKY, height=0.7)
+    for row, gain in zip(rows, shown["expected_gain"].values, strict=True):
+        left.annotate(f"{gain:.3g}", (1, row), (-2, 0), xycoords=("axes fraction", "data"),
+                      textcoords="offset points", ha="right", va="center", fontsize=6)  # fmt: skip
+    left.set_yticks(rows, names)
+    left.set(xlabel="signal left after refitting [%]", xlim=(0, 100))
+    left.set_title("masking; right: expected gain [nats]")
+    left.grid(axis="y", visible=False)
+    drawn = right.imshow(np.abs(shown["likeness"].values), cmap="cividis", vmin=0, vmax=1,
+                         aspect="auto")  # fmt: skip
+    right.set_xticks(rows, names, rotation=90)
+    right.set_title("likeness of what is left, |cosine|")
+    right.grid(visible=False)
+    figure.colorbar(drawn, ax=right)
+    return figure

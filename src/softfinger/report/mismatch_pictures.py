@@ -1,0 +1,83 @@
+"""The figures of the diagnosis, with alternative text and caption."""
+
+from __future__ import annotations
+
+from softfinger.figures.mismatch import (
+    choose_trial,
+    draw_location,
+    draw_masking,
+    draw_ranking,
+    draw_repair,
+)
+from softfinger.report.blocks import Picture
+from softfinger.report.formatting import count_things
+from softfinger.report.material import Material
+
+
+def picture_repair(material: Material) -> Picture | None:
+    """The one figure that tells it: recording, both models, what each leaves."""
+    if "repair" not in material:
+        return None
+    repair = material.get("repair")
+    return Picture(
+        "repair",
+        "The fit before and after",
+        draw_repair(repair),
+        "Recording, base model and repaired model of one trial; what each leaves over time; and "
+        "the squared residuals of all trials over their noise.",
+        f"Top: recording (dots: means of bins) and both models at the trial's own mode, in the "
+        f"trial where the repair takes away most, {choose_trial(repair)}. Middle: what each model "
+        "leaves of it; grey: twice the standard deviation of the noise of a bin. Bottom: mean "
+        f"square of the residuals of n = {count_things(repair['trial'].size, 'trial')} over that "
+        "of the noise, which was estimated without a model; 1 is noise alone. Rule diagnose, "
+        "artifact repair.",
+    )
+
+
+def picture_ranking(material: Material) -> Picture | None:
+    """The evidence of every effect."""
+    if "ranking" not in material:
+        return None
+    ranking = material.get("ranking")
+    return Picture(
+        "ranking",
+        "The evidence of every effect",
+        draw_ranking(ranking),
+        "Gain of each effect's best form over the base model, against what chance gains.",
+        "Log evidence of the best form of each effect alone, each trial's own parameters "
+        "integrated; logarithmic beyond ± 1. Grey: largest gains over the whole catalogue in "
+        f"{ranking['replicate'].size} campaigns drawn from the base model. Dotted: gain that "
+        "chance exceeds with the stated false-alarm probability. Rule diagnose, artifact ranking.",
+    )
+
+
+def picture_location(material: Material) -> Picture | None:
+    """Where the models miss."""
+    if "location" not in material:
+        return None
+    return Picture(
+        "location",
+        "Where the models miss",
+        draw_location(material.get("location")),
+        "False-discovery rate of every cell of joint, phase and time since the load changed, for "
+        "the base and the repaired model.",
+        "Rate of false discoveries (Benjamini, Hochberg) at which a cell counts as missed, from "
+        "mean and scatter of whitened residuals; empty: too few angles. Rule diagnose, artifact "
+        "location.",
+    )
+
+
+def picture_masking(material: Material) -> Picture | None:
+    """What the protocol could show."""
+    if "masking" not in material:
+        return None
+    return Picture(
+        "masking",
+        "What this protocol could show",
+        draw_masking(material.get("masking")),
+        "Share of each effect's signal that is left after refitting, its expected evidence, and "
+        "which effects look alike.",
+        "Left: share of an effect's signal, at twice its prior standard deviation, that the base "
+        "model does not swallow, and the log evidence to expect. Right: cosine between what is "
+        "left of two effects; 1 cannot be told apart. Rule diagnose, artifact masking.",
+    )
