@@ -1,0 +1,42 @@
+"""Friction along the wire that falls over the first trials, as the grease warms up."""
+
+import numpy as np
+
+from softfinger.mechanics.effects.effect import (
+    Effect,
+    Form,
+    Parameter,
+    Setting,
+    Values,
+    positive,
+    time_constant,
+)
+
+LEAST_TRIALS = 6
+
+
+def _build_forms(setting: Setting) -> list[Form] | str:
+    if setting.trials < LEAST_TRIALS or setting.joints < 2:
+        return "friction that warms up shows over several trials of several joints"
+    friction = positive("cold_friction", 0.2, floor=2e-3)
+    trials = time_constant("warm_up_trials", 1.0, 2.0 * setting.number.max(), starts=2)
+    middle = np.log(0.02 * setting.torque)
+    width = Parameter("turning_width", middle, 1.0, log=True, low=middle - 3, high=middle + 3)
+
+    def slots(values: Values) -> dict:
+        left = np.exp(-setting.number / float(values["warm_up_trials"]))
+        return {
+            "friction_constant": values["cold_friction"] * left,  # one value for each trial
+            "friction_width": values["turning_width"],
+            "friction_driver": 0.0,
+        }
+
+    return [Form("exponential", (friction, trials, width), slots)]
+
+
+EFFECT = Effect(
+    "friction_warm_up",
+    "the wire's friction falls over the first trials",
+    "between_trials",
+    _build_forms,
+)

@@ -1,0 +1,85 @@
+"""The documented example of an effect by entry point, found without being installed."""
+
+import importlib
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from softfinger.faults import Fault
+from softfinger.mechanics.effects import list_effects
+from softfinger.mechanics.effects.effect import Setting
+from softfinger.mechanics.effects.model_file import ModelFile, build_model
+
+EXAMPLE = Path(__file__).parents[3] / "docs/own_effect"
+
+
+def describe_campaign(trials=7, joints=2):
+    return Setting(
+        trials=trials, joints=joints, interval=0.05, duration=10.0, torque=0.04, levels=1,
+        reversals=False, rests=False, load_known=True, tension=True,
+        stiffness=np.array([0.1, 0.2][:joints]), reach=np.array([0.5, 0.3][:joints]),
+        number=np.arange(trials, dtype=float), memory=np.zeros((trials, joints)),
+        rest_time=np.full(trials, np.nan),
+    )  # fmt: skip
+
+
+@pytest.fixture
+def announce(tmp_path, monkeypatch):
+    """Put a distribution with entry points on the path, as an installation would."""
+
+    def write(lines: list[str]) -> None:
+        info = tmp_path / "softfinger_warm_up-1.0.dist-info"
+        info.mkdir()
+        (info / "METADATA").write_text("Metadata-Version: 2.1\nName: x\nVersion: 1.0\n")
+        (info / "entry_points.txt").write_text("\n".join(["[softfinger.effects]", *lines]) + "\n")
+        for folder in (tmp_path, EXAMPLE):
+            monkeypatch.syspath_prepend(str(folder))
+        importlib.invalidate_caches()
+        list_effects.cache_clear()
+
+    yield write
+    sys.modules.pop("softfinger_warm_up", None)
+    monkeypatch.undo()
+    list_effects.cache_clear()
+
+
+def test_the_example_joins_the_catalogue_and_fills_slots(announce):
+    project = tomllib.loads((EXAMPLE / "pyproject.toml").read_text())["project"]
+    points = project["entry-points"]["softfinger.effects"]
+    announce([f"{name} = {value}" for name, value in points.items()])
+    effect = list_effects()["friction_warm_up"]
+    assert isinstance(effect.build_forms(describe_campaign(trials=3)), str)
+    content = ModelFile.model_validate(
+        {
+            "version": 1,
+            "joint": "three_element",
+            "torque": "constant_arm",
+            "effects": [
+                {
+                    "id": "friction_warm_up",
+                    "form": "exponential",
+                    "priors": {"cold_friction": {"mean": 0.3, "sd": 0.1}},
+                }
+            ],
+        }
+    )
+    model = build_model(content, describe_campaign())
+    shared = np.array([0.3, np.log(2.0), np.log(0.001)])
+    slots, absent = model.fill_slots(shared), model.fill_slots(shared * [0.0, 1.0, 1.0])
+    change = (slots.chain - absent.chain)[:, np.any(slots.chain != absent.chain, axis=0)]
+    assert change[:, 0] == pytest.approx(0.3 * np.exp(-np.arange(7) / 2.0))
+
+
+def test_an_entry_point_that_is_no_effect_is_refused(announce):
+    announce(["wrong = math:pi"])
+    with pytest.raises(Fault, match=r"math:pi.*is no Effect"):
+        list_effects()
+
+
+def test_an_id_that_is_taken_is_refused(announce):
+    announce(["again = softfinger.mechanics.effects.gravity:EFFECT"])
+    with pytest.raises(Fault, match=r"'gravity'.*is taken"):
+        list_effects()
