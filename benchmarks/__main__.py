@@ -10,6 +10,7 @@ import importlib
 import json
 import pkgutil
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 import benchmarks
@@ -17,9 +18,16 @@ import benchmarks
 RESULTS = Path(__file__).resolve().parents[1] / "results/benchmarks.json"
 
 
+def merge_figures(measured: Mapping[str, float], without: str | None = None) -> None:
+    """Put figures into results/benchmarks.json; old keys that begin with `without` go."""
+    figures = json.loads(RESULTS.read_text()) if RESULTS.is_file() else {}
+    kept = {k: v for k, v in figures.items() if without is None or not k.startswith(without)}
+    RESULTS.parent.mkdir(exist_ok=True)
+    RESULTS.write_text(json.dumps(kept | dict(measured), indent=2, sort_keys=True) + "\n")
+
+
 def main(entry: str) -> None:
     """Measure with every module of this package that has the entry; write after each."""
-    figures = json.loads(RESULTS.read_text()) if RESULTS.is_file() else {}
     names = sorted(m.name for m in pkgutil.iter_modules(benchmarks.__path__) if m.name[0] != "_")
     for name in names:
         measure = getattr(importlib.import_module(f"benchmarks.{name}"), entry, None)
@@ -29,9 +37,7 @@ def main(entry: str) -> None:
         measured = measure()
         for key, value in measured.items():
             print(f"  {key}: {value:.6g}", flush=True)
-        figures |= measured
-        RESULTS.parent.mkdir(exist_ok=True)
-        RESULTS.write_text(json.dumps(figures, indent=2, sort_keys=True) + "\n")
+        merge_figures(measured)
 
 
 if __name__ == "__main__":

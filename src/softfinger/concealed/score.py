@@ -12,7 +12,7 @@ from softfinger.concealed.effects import LISTED
 from softfinger.concealed.judge import SAME_IN_EVERY_FORM, Judgement, judge
 
 TRUTHS = ("clean", *LISTED, "two effects", "outside")
-ANSWERS = ("adequate", *LISTED, "two effects", "ambiguous", "unlisted")
+ANSWERS = ("adequate", *LISTED, "two effects", "ambiguous", "unlisted", "crashed")
 GAIN_EDGES = np.array([-np.inf, 1.0, 3.0, 7.0, 15.0, 30.0, 100.0, 1000.0, np.inf])
 PROBABILITY_EDGES = np.array([0.0, 0.05, 0.2, 0.5, 0.8, 0.95, 0.99, 1.0])
 BENCHMARKS = {
@@ -43,8 +43,9 @@ def score(
         (statistic): proportions with 95 % Clopper–Pearson intervals, NaN where nothing counts.
         right_by_gain and its bounds and count (gain_bin), with could_by_gain, the probability that
         the oracle itself gives the truth against the base model and the rest of the catalogue.
-        stated_probability, true_share, stated_count (probability_bin). Per case: gain [nats],
-        right, gap_closed, seconds. Attribute gap_closed_median.
+        stated_probability, true_share and its bounds, stated_count (probability_bin). Per case:
+        gain [nats], right, listed (an effect of the catalogue was concealed), gap_closed, seconds.
+        Attribute gap_closed_median.
     """
     cases = [judge(v, t) for v, t in zip(verdicts, truths, strict=True)]
     seconds = np.full(len(cases), np.nan) if seconds is None else np.asarray(seconds, float)
@@ -54,6 +55,7 @@ def score(
             "confusion": (("truth", "answer"), _count_answers(cases)),
             "gain": ("case", [c.gain for c in cases]),
             "right": ("case", [c.right for c in cases]),
+            "listed": ("case", [c.truth not in ("clean", "outside") for c in cases]),
             "gap_closed": ("case", gap),
             "seconds": ("case", seconds),
         },
@@ -63,7 +65,7 @@ def score(
         float(np.nanmedian(gap)) if np.isfinite(gap).any() else np.nan
     )
     return xr.merge(
-        [scored, _count_shares(cases), _trace_curve(cases), _check_probabilities(cases)],
+        [scored, _count_shares(cases, truths), _trace_curve(cases), _check_probabilities(cases)],
         combine_attrs="override",
     )
 
@@ -125,9 +127,10 @@ def _count_answers(cases: list[Judgement]) -> np.ndarray:
     return counts
 
 
-def _count_shares(cases: list[Judgement]) -> xr.Dataset:
+def _count_shares(cases: list[Judgement], truths: Sequence[dict]) -> xr.Dataset:
     clean = [c for c in cases if c.truth == "clean"]
     listed = [c for c in cases if c.truth not in ("clean", "outside")]
+    zero = [c for c, t in zip(cases, truths, strict=True) if -1.0 in t["case"]["quantiles"]]
     covered = [hit for c in cases for key, hit in c.covered.items() if key in SAME_IN_EVERY_FORM]
     any_form = [hit for c in cases for hit in c.covered.values()]
     hits = {
@@ -135,6 +138,8 @@ def _count_shares(cases: list[Judgement]) -> xr.Dataset:
         "named_single": [c.right for c in listed if c.visible and c.truth != "two effects"],
         "named_two": [c.right for c in listed if c.visible and c.truth == "two effects"],
         "false_alarm": [not c.right for c in clean],
+        "strength_zero_adequate": [c.right for c in zero],
+        "crashed": [c.answer == "crashed" for c in cases],
         "buried_wrongly_named": [
             c.answer != "adequate" and not c.contains for c in listed if not c.visible
         ],
@@ -186,10 +191,13 @@ def _check_probabilities(cases: list[Judgement]) -> xr.Dataset:
     at = np.clip(np.digitize(pairs[:, 0], PROBABILITY_EDGES) - 1, 0, PROBABILITY_EDGES.size - 2)
     groups = [pairs[at == b] for b in range(PROBABILITY_EDGES.size - 1)]
     mean = [g.mean(axis=0) if len(g) else np.full(2, np.nan) for g in groups]
+    bounds = [compute_share(int(g[:, 1].sum()), len(g)) for g in groups]
     return xr.Dataset(
         {
             "stated_probability": ("probability_bin", [m[0] for m in mean]),
             "true_share": ("probability_bin", [m[1] for m in mean]),
+            "true_share_lower": ("probability_bin", [b[1] for b in bounds]),
+            "true_share_upper": ("probability_bin", [b[2] for b in bounds]),
             "stated_count": ("probability_bin", [len(g) for g in groups]),
         },
         coords={"probability_bin": PROBABILITY_EDGES[:-1]},

@@ -78,7 +78,12 @@ def build_paper_case(protocol: Protocol, trials: int, seed: int) -> CaseSpec:
 
 
 def draw_suite(
-    seed: int, n: int, *, posterior: int = 0, filmed: int | None = None
+    seed: int,
+    n: int,
+    *,
+    posterior: int = 0,
+    filmed: int | None = None,
+    longest: int = max(TRIALS),
 ) -> list[CaseSpec]:
     """Draw a balanced suite, in random order.
 
@@ -97,6 +102,8 @@ def draw_suite(
         How many, at random, are diagnosed with MCMC.
     filmed : int, optional
         How many are filmed: one in twenty, and at least one, if not said.
+    longest : int
+        Most trials that a campaign has; longer ones are cut to it.
 
     Examples
     --------
@@ -127,6 +134,7 @@ def draw_suite(
         trials = lengths[k] if lengths[k] >= fewest else int(rng.choice([10, 40]))
         if k in on_film:
             trials = int(rng.choice(FILMED_TRIALS)) if fewest <= 4 else 10
+        trials = min(trials, longest)
         suite.append(
             CaseSpec(
                 seed=int(rng.integers(2**63)),

@@ -5,13 +5,14 @@ from __future__ import annotations
 import base64
 import hashlib
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import jinja2
 from markupsafe import Markup, escape
 
+from softfinger.report.blocks import Section, Tile
 from softfinger.report.config import read_config
 from softfinger.report.material import Artifact, Material
 from softfinger.report.sections.data import build_data
@@ -80,7 +81,38 @@ def write_report(
 
 
 def render_report(material: Material) -> str:
-    """Render the page; every word that is not ours is escaped."""
+    """Render the report's page."""
+    return render_page(
+        title=material.campaign,
+        kind="Soft finger report",
+        ask="How do the joints of this finger move, how much do they vary from trial to trial, "
+        "which parameter causes it, and does the model hold?",
+        source=material.source,
+        tiles=judge(material),
+        sections=[build(material) for build in SECTIONS],
+        load_unit=material.load_unit,
+    )
+
+
+def render_page(
+    *,
+    title: str,
+    kind: str,
+    ask: str,
+    source: str,
+    tiles: Sequence[Tile],
+    sections: Sequence[Section],
+    load_unit: str = "N m",
+) -> str:
+    """Render a page; every word that is not ours is escaped.
+
+    Parameters
+    ----------
+    kind, ask
+        What sort of page it is, and the question that it answers.
+    source
+        `synthetic` or `measured`.
+    """
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(HERE),
         autoescape=True,
@@ -92,11 +124,13 @@ def render_report(material: Material) -> str:
     script = (HERE / "report.js").read_text(encoding="utf-8")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     return environment.get_template("report.html.j2").render(
-        campaign=material.campaign,
-        source=material.source,
-        load_unit=material.load_unit,
-        tiles=judge(material),
-        sections=[build(material) for build in SECTIONS],
+        title=title,
+        kind=kind,
+        ask=ask,
+        source=source,
+        load_unit=load_unit,
+        tiles=tiles,
+        sections=sections,
         style=Markup((HERE / "report.css").read_text(encoding="utf-8")),
         script=Markup(script),
         script_hash=digest,

@@ -17,6 +17,7 @@ from softfinger.concealed.score import (
 
 def _truth(*effects, gain=40.0, misfit=1.2, elpd=50.0):
     return {
+        "case": {"quantiles": [0.5] * len(effects)},
         "effects": [
             {
                 "id": name,

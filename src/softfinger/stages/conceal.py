@@ -1,0 +1,59 @@
+"""Rule `conceal`: make one campaign of the proof, and seal what is concealed in it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from softfinger.concealed.generate import generate_campaign
+from softfinger.concealed.rig import Rig
+from softfinger.concealed.seal import seal_file
+from softfinger.concealed.suite import draw_suite
+from softfinger.config import read_config
+from softfinger.stages.linear_algebra import on_one_thread
+from softfinger.virtual_rig.film import film_trial
+
+
+@on_one_thread
+def conceal(
+    *,
+    campaign: Path,
+    truth: Path,
+    salt: Path,
+    seal: Path,
+    place: int,
+    suite: Mapping[str, int],
+    seed: int,
+) -> None:
+    """Write a campaign, its truth beside it, and the truth's seal.
+
+    Parameters
+    ----------
+    place
+        Which of the suite's cases, from 0.
+    suite
+        How many `campaigns`; how many of them `filmed` and `sampled`; the `longest` in trials.
+    seed
+        Of the suite.
+    """
+    spec = draw_suite(
+        seed,
+        suite["campaigns"],
+        posterior=suite["sampled"],
+        filmed=suite["filmed"],
+        longest=suite["longest"],
+    )[place]
+    generate_campaign(spec, Path(campaign), Path(truth), film)
+    digest = seal_file(Path(truth), Path(salt))
+    Path(seal).write_text(digest + "\n", encoding="utf-8")
+    print(f"sealed: SHA-256 of truth and salt is {digest}")
+
+
+def film(angle: np.ndarray, rig: Rig, path: Path, seed: int) -> None:
+    """Film a trial (frame, joint) [rad] with the virtual rig's camera and its noise."""
+    config = read_config()["virtual_rig"] | {"fps": rig.fps}
+    motion = xr.Dataset({"joint_angle": (("trial", "frame", "joint"), angle[None])})
+    film_trial(motion, config, 0, path, seed)

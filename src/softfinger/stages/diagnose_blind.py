@@ -1,0 +1,18 @@
+"""Rule `diagnose_blind`: what a process that gets only the campaign makes of it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from softfinger.concealed.blind import diagnose_blind as run_blind
+from softfinger.concealed.blind import write_answer
+
+
+def diagnose_blind(
+    *, campaign: Path, seal: Path, diagnosis: Path, answer: Path, digest: Path, patience_s: float
+) -> None:
+    """Diagnose a campaign whose truth is sealed; write the answer and its digest."""
+    print(f"sealed before: {Path(seal).read_text(encoding='utf-8').strip()}")
+    found = run_blind(Path(campaign), Path(diagnosis), patience_s)
+    written = write_answer(found, Path(answer), Path(digest))
+    print(f"answered: SHA-256 of the answer is {written}")

@@ -1,0 +1,100 @@
+"""Rule `score`: open the seals, score the answers, write the page."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from softfinger.artifacts import open_artifact
+from softfinger.artifacts.specs.repair import SPEC as REPAIR
+from softfinger.concealed.blind import read_answer
+from softfinger.concealed.score import collect_benchmarks, shuffle_truths
+from softfinger.concealed.score import score as score_verdicts
+from softfinger.concealed.seal import open_seal
+from softfinger.concealed.table import tabulate_cases
+from softfinger.report.concealed import Proof, render_proof
+
+Paths = Sequence[Path]
+
+
+def score(
+    *,
+    truth: Paths,
+    salt: Paths,
+    seal: Paths,
+    answer: Paths,
+    digest: Paths,
+    diagnoses: Paths,
+    score: Path,
+    table: Path,
+    figures: Path,
+    seed: int,
+) -> None:
+    """Write the page of the proof, its table and its benchmark figures.
+
+    Parameters
+    ----------
+    truth, salt, seal, answer, digest, diagnoses
+        Files and folders of every campaign, in one order.
+    score, table, figures
+        The page, the table of campaigns (CSV) and key → number (JSON), which are written.
+    """
+    names = [Path(path).stem for path in truth]
+    seals, digests = [_read_line(path) for path in seal], [_read_line(path) for path in digest]
+    answers = [read_answer(Path(p), d) for p, d in zip(answer, digests, strict=True)]
+    truths = [open_seal(Path(t), Path(s), d) for t, s, d in zip(truth, salt, seals, strict=True)]
+    verdicts = [found["verdict"] for found in answers]
+    scored = _score(verdicts, truths, answers, seed)
+    cases = tabulate_cases(names, truths, answers)
+    pd.DataFrame(cases).to_csv(table, index=False)
+    found = collect_benchmarks(scored) | {"concealed_campaigns": len(cases)}
+    Path(figures).write_text(json.dumps(found, indent=2, sort_keys=True) + "\n", encoding="utf-8")
+    page = render_proof(
+        Proof(
+            seed=seed,
+            score=scored,
+            rivals={},
+            cases=cases,
+            seals=list(zip(names, seals, digests, strict=True)),
+            measured="No real recordings were diagnosed in this run.",
+            buried=_find_buried(cases, verdicts, diagnoses),
+        )
+    )
+    Path(score).write_text(page, encoding="utf-8")
+
+
+def _score(
+    verdicts: Sequence[dict], truths: Sequence[dict], answers: Sequence[dict], seed: int
+) -> xr.Dataset:
+    scored = score_verdicts(verdicts, truths, [found["seconds"] for found in answers])
+    spent = ("case", [found["cpu_seconds"] for found in answers])
+    chance = shuffle_truths(verdicts, truths, np.random.default_rng(seed))
+    return scored.assign(cpu_seconds=spent).assign_attrs(source="synthetic", chance=chance)
+
+
+def _find_buried(
+    cases: Sequence[Mapping], verdicts: Sequence[dict], diagnoses: Paths
+) -> tuple[str, str, xr.Dataset] | None:
+    """Return the named case with the most evidence of those whose residual is at the noise."""
+    masked = [k for k, case in enumerate(cases) if case["masked"] and case["right"]]
+    if not masked:
+        return None
+    k = max(masked, key=lambda k: cases[k]["oracle_nats"])
+    case = cases[k]
+    said = " ".join(effect["statement"] for effect in verdicts[k]["effects"])
+    sentence = (
+        f"Campaign {case['campaign']} ({case['trials']} trials, {case['protocol']}) concealed "
+        f"{case['truth']}. The base model's residual is at the noise: its parameters have "
+        f"swallowed the effect. The oracle gains {case['oracle_nats']:.0f} nats. The verdict: "
+        f"{said}"
+    )
+    return case["campaign"], sentence, open_artifact(Path(diagnoses[k]) / "repair.nc", REPAIR)
+
+
+def _read_line(path: Path) -> str:
+    return Path(path).read_text(encoding="utf-8").strip()

@@ -1,0 +1,45 @@
+# The proof: conceal physics in campaigns, seal what was concealed, diagnose blind, open, score.
+import hashlib
+from pathlib import Path
+
+from snakemake.utils import min_version, validate
+
+from softfinger.provenance import code_hash
+
+min_version("9.0")
+
+
+configfile: Path(workflow.basedir).parent / "config/concealed.yaml"
+
+
+validate(config, "schemas/concealed.schema.yaml")
+
+OUT = Path(config["out"]) / f"seed_{config['seed']}"
+SUITE = {key: config[key] for key in ("campaigns", "filmed", "sampled", "longest")}
+# Names that tell nothing, of neither the seed nor the place in the suite.
+CASES = {
+    hashlib.sha256(f"{config['seed']}/{k}".encode()).hexdigest()[:10]: k
+    for k in range(config["campaigns"])
+}
+TEXTS = ("salt", "seal", "digest")
+
+
+def find_place(wildcards):
+    return CASES[wildcards.case]
+
+
+wildcard_constraints:
+    case="[0-9a-f]{10}",
+
+
+localrules:
+    all,
+
+
+rule all:
+    default_target: True
+    input:
+        OUT / "score.html",
+
+
+include: "rules/concealed.smk"
