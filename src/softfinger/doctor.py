@@ -77,16 +77,19 @@ def list_deviations(lock: str) -> list[str]:
     >>> list_deviations("no-such-package==1 ; python_version < '3'")
     []
     """
-    wrong = []
+    pins: dict[str, dict[str, str]] = {}  # a lock for several Pythons may pin a package twice
     for name, pinned, condition in _PIN.findall(lock):
+        pins.setdefault(name, {})[pinned] = condition
+    wrong = []
+    for name, allowed in pins.items():
         try:
             found = version(name)
         except PackageNotFoundError:
-            if not condition:
+            if not all(allowed.values()):
                 wrong.append(f"{name} is missing")
             continue
-        if found != pinned:
-            wrong.append(f"{name} {found} instead of {pinned}")
+        if found not in allowed:
+            wrong.append(f"{name} {found} instead of {' or '.join(allowed)}")
     return wrong
 
 

@@ -18,6 +18,16 @@ def test_packages_that_deviate_from_the_lock_are_named():
     ]
 
 
+def test_a_package_pinned_twice_is_well_at_either_version():
+    here = version("numpy")
+    lock = (
+        f"numpy==0.1 ; python_full_version < '3' \\\n"
+        f"numpy=={here} ; python_full_version >= '3' \\\n"
+    )
+    assert list_deviations(lock) == []
+    assert list_deviations(lock.replace(here, "0.2")) == [f"numpy {here} instead of 0.1 or 0.2"]
+
+
 def test_the_disk_is_judged_where_the_results_are_to_come(tmp_path):
     finding = check_folder(tmp_path / "not/yet/there")
     assert finding.said.startswith(str(tmp_path))
