@@ -246,24 +246,31 @@ def fit(
 
 
 @app.command()
-def propagate(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None:
+def propagate(
+    campaign: CampaignFolder, out: Out, config: ConfigFile = None, model: PhysicsFile = None
+) -> None:
     """Propagate the spread to bands and densities of the joint angles (after `fit`)."""
     from softfinger.stages.propagate import propagate
 
     inputs = _open_inputs(campaign, out, config, FITTED, "propagation")
-    propagate(bands=out / "bands.nc", densities=out / "densities.nc", **inputs)
+    physics = _choose_model(read_config(config), model)
+    propagate(bands=out / "bands.nc", densities=out / "densities.nc", model=physics, **inputs)
 
 
 @app.command()
-def sobol(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None:
+def sobol(
+    campaign: CampaignFolder, out: Out, config: ConfigFile = None, model: PhysicsFile = None
+) -> None:
     """Split the spread of the joint angles among the parameters (after `fit`)."""
     from softfinger.stages.shapley import shapley
     from softfinger.stages.sobol import sobol
 
     inputs = _open_inputs(campaign, out, config, FITTED, "propagation")
-    sobol(sobol=out / "sobol.nc", **inputs)
-    inputs.pop("least_squares")
-    shapley(shapley=out / "shapley.nc", **inputs)
+    physics = _choose_model(read_config(config), model)
+    sobol(sobol=out / "sobol.nc", model=physics, **inputs)
+    if physics is None:  # Shapley effects know the base model alone
+        inputs.pop("least_squares")
+        shapley(shapley=out / "shapley.nc", **inputs)
 
 
 @app.command()

@@ -1,5 +1,6 @@
 rule propagate:
     input:
+        **MODEL,
         angles=OUT / "angles.nc",
         least_squares=OUT / "least_squares.nc",
         posterior=OUT / "posterior.nc",

@@ -32,6 +32,11 @@ FIGURES += [
 FIGURES += ["assumptions", "repair", "ranking", "location", "masking"]
 
 
+if MODEL:  # Shapley effects and these residuals know the base model alone
+    ARTIFACTS.remove("shapley")
+    FIGURES = [name for name in FIGURES if name not in ("shapley", "residuals")]
+
+
 rule report:
     input:
         **{name: OUT / f"{name}.nc" for name in ARTIFACTS},

@@ -37,6 +37,8 @@ from softfinger.population.mixed_effects_laplace import centre_gram
 from softfinger.progress import track_progress
 
 REACHES = (1.0, 0.6, 0.2, 0.07)  # √(1 − ρ²) of proposals: bold, and timid where it is bent
+FLOW = 2  # place of log c_p among a joint's own parameters
+SHARED_MOVES = 3  # of (μ, φ) in a sweep: they move least
 RECENTRES = 3  # times that the model is linearised anew while the chains settle
 NOISE_WEIGHT = 2.0 / NOISE_VARIANCE_SD**2  # numbers that the noise's estimate is worth
 DISPERSION = 2.0  # of the starts, in posterior standard deviations
@@ -154,7 +156,8 @@ class Sampler:
     def sweep(self, state: State) -> NDArray[np.float64]:
         """Move everything once; the share of trials (chain,) whose proposal was accepted."""
         linear = [self.linearise(v, s) for v, s in zip(state.variance, state.scale, strict=True)]
-        self.move_shared(state, linear)
+        for _ in range(SHARED_MOVES):
+            self.move_shared(state, linear)
         share = self.move_own(state, linear)
         self.move_population(state)
         return share
@@ -184,10 +187,13 @@ class Sampler:
             else:
                 away = state.shared[c] - lin.mean
                 shared[c] = lin.mean + np.sqrt(1 - reach**2) * away + step
-            own[c] += self.expect(state, c, lin, shared[c])
-            own[c] -= self.expect(state, c, lin, state.shared[c])
+            shift = self.expect(state, c, lin, shared[c])
+            shift -= self.expect(state, c, lin, state.shared[c])
+            own[c] = self.follow(own[c], shift) if walks else own[c] + shift
         effect = shared[:, self.d :]
         inside = ((effect >= self.model.low) & (effect <= self.model.high)).all(axis=1)
+        inside &= np.isfinite(own).all(axis=(1, 2))
+        own = np.where(inside[:, None, None], own, state.own)
         effect = np.where(inside[:, None], effect, state.shared[:, self.d :])
         chi_square = self.measure(own, effect)
         measure = self.weigh if walks else self.exceed
@@ -197,9 +203,22 @@ class Sampler:
             centre, precision = self.prior.mean, self.prior.precision
             log_ratio += 0.5 * np.sum(precision * (state.shared - centre) ** 2, axis=1)
             log_ratio -= 0.5 * np.sum(precision * (shared - centre) ** 2, axis=1)
+            log_ratio += (own - state.own)[..., FLOW::OWN].sum(axis=(1, 2))  # of `follow`
         taken = inside & (np.log(self.rng.uniform(size=len(linear))) < log_ratio)
         state.shared[taken], state.own[taken] = shared[taken], own[taken]
         state.chi_square[taken] = chi_square[taken]
+
+    def follow(self, own: NDArray, shift: NDArray) -> NDArray[np.float64]:
+        """Shift η (trial, d), its log c_p along 1/c_p, in which the model is linear; NaN beyond 0.
+
+        The volume changes by c_p after over c_p before.
+        """
+        followed = own + shift
+        flow = np.exp(-own[:, FLOW::OWN])
+        flow = flow - np.exp(-self.fit.own[:, FLOW::OWN]) * shift[:, FLOW::OWN]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            followed[:, FLOW::OWN] = -np.log(np.where(flow > 0, flow, np.nan))
+        return followed
 
     def move_own(self, state: State, linear: list["Linear"]) -> NDArray[np.float64]:
         """Move η of every trial by itself."""

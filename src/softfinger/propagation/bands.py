@@ -1,6 +1,7 @@
 """Bands of the joint angle over time, beside the recordings, with a score of their agreement."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from softfinger.propagation.left_out import (
     build_posterior_weights,
     build_two_stage_weights,
 )
+from softfinger.propagation.moved import Move, predict_moved
 from softfinger.propagation.predictions import (
     NewTrials,
     predict_new_trials,
@@ -33,6 +35,7 @@ from softfinger.propagation.recordings import (
 )
 from softfinger.propagation.scores import PROBABILITIES, score_recordings
 
+Predict = Callable[..., tuple[xr.Dataset, list[NewTrials | None]]]
 ORDER = ("estimate", "protocol", "window", "joint", "time")
 HONESTY = (
     "made by all trials; each trial is scored against the bands of the others, its own part taken "
@@ -46,6 +49,7 @@ def compute_bands(
     posterior: xr.DataTree,
     config: Mapping[str, Any],
     rng: np.random.Generator,
+    move: Move | None = None,
 ) -> xr.Dataset:
     """Compute the bands of new trials' angles beside the recorded ones, for every protocol.
 
@@ -55,6 +59,8 @@ def compute_bands(
         The artifacts of these names. Trials with the same load history are one protocol.
     config
         The propagation's block, see `PropagationConfig`.
+    move
+        Moves new trials of the posterior by another model than the base.
 
     Returns
     -------
@@ -76,7 +82,8 @@ def compute_bands(
         build_two_stage_weights(least_squares, angles["trial"]),
         build_posterior_weights(posterior, populations[1], angles["trial"]),
     ]
-    sources = list(zip(populations, weights, strict=True))
+    predict = predict_new_trials if move is None else partial(predict_moved, move)
+    sources = list(zip(populations, weights, (predict_new_trials, predict), strict=True))
     recordings = extract_recordings(angles)
     protocols = group_protocols(angles)
     parts = [
@@ -96,7 +103,7 @@ def compute_bands(
 
 def _compute_protocol(
     protocol: Protocol,
-    sources: list[tuple[xr.Dataset, Weigh]],
+    sources: list[tuple[xr.Dataset, Weigh, Predict]],
     recordings: tuple[NDArray, NDArray],
     grid: NDArray,
     knobs: PropagationConfig,
@@ -105,8 +112,8 @@ def _compute_protocol(
     time, angle = (array[protocol.trials] for array in recordings)
     reached = grid[grid <= protocol.duration * (1 + 1e-9)]
     parts = []
-    for population, weigh in sources:
-        model, samples = predict_new_trials(population, protocol, reached, knobs, rng)
+    for population, weigh, predict in sources:
+        model, samples = predict(population, protocol, reached, knobs, rng)
         left_out = (_predict_left_out(place, samples, weigh, reached) for place in protocol.trials)
         scores = score_recordings(time, angle, reached, left_out, rng)
         parts.append(xr.merge([model.reindex(time=grid), scores]))

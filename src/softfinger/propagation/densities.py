@@ -11,6 +11,14 @@ from softfinger.progress import track_progress
 from softfinger.propagation.config import PropagationConfig, read_config
 from softfinger.propagation.density import compute_density_array, refine_density_array
 from softfinger.propagation.hyperparameters import ESTIMATES, select_posterior, select_two_stage
+from softfinger.propagation.moved import (
+    DRAWS,
+    Move,
+    choose_draws,
+    draw_normal_array,
+    estimate_densities_array,
+    move_population,
+)
 from softfinger.propagation.predictions import BOUNDS
 from softfinger.propagation.protocols import (
     Protocol,
@@ -21,6 +29,7 @@ from softfinger.propagation.protocols import (
 from softfinger.propagation.quantiles import compute_quantiles_array
 
 EDGES = (0.001, 0.25, 0.5, 0.75, 0.999)
+DENSITY_FINGERS = 1024  # new trials for each draw, where densities are estimated
 FARTHEST = 5.0  # interquartile ranges from the median; a heavy tail is drawn no farther
 
 
@@ -29,6 +38,7 @@ def compute_densities(
     least_squares: xr.Dataset,
     posterior: xr.DataTree,
     config: Mapping[str, Any],
+    move: Move | None = None,
 ) -> xr.Dataset:
     """Compute the densities of a new trial's joint angles at the chosen times.
 
@@ -38,6 +48,9 @@ def compute_densities(
         The artifacts of these names; the load is that of the protocol with most trials.
     config
         The propagation's block, see `PropagationConfig`.
+    move
+        Moves new trials of the posterior by another model than the base: their densities are then
+        kernel estimates.
 
     Returns
     -------
@@ -56,10 +69,14 @@ def compute_densities(
     two_stage = select_two_stage(least_squares)
     draws = select_posterior(posterior, knobs.draws)
     joints = track_progress(range(draws.sizes["joint"]), "densities")
+    moved = None if move is None else _move_draws(move, draws, protocol, time, knobs)
     parts = [
-        _compute_joint(two_stage.isel(joint=joint), draws.isel(joint=joint), time, protocol, knobs)
+        _compute_joint(
+            two_stage.isel(joint=joint), draws.isel(joint=joint), time, protocol, knobs,
+            None if moved is None else moved[:, :, joint],
+        )
         for joint in joints
-    ]
+    ]  # fmt: skip
     dataset = xr.concat(parts, xr.IndexVariable("joint", draws["joint"].to_numpy()))
     dataset = dataset.transpose("estimate", "joint", "time", "angle", "bound")
     dataset.attrs = {
@@ -76,19 +93,22 @@ def _compute_joint(
     time: NDArray,
     protocol: Protocol,
     knobs: PropagationConfig,
+    moved: NDArray | None,
 ) -> xr.Dataset:
     load, cut = (protocol.load_time, protocol.load_torque), knobs.c_p_truncation_sd
     point = tuple(two_stage[name].to_numpy()[0] for name in ("mu", "sigma"))
     centre = tuple(draws[name].median("draw").to_numpy() for name in ("mu", "sigma"))
-    edges = [
-        compute_quantiles_array(*population, time, *load, EDGES, cut)
-        for population in (point, centre)
-    ]
-    angle = _space_angles(edges, knobs.density_angles)
-    sets = zip(draws["mu"].to_numpy(), draws["sigma"].to_numpy(), strict=True)
-    of_draws = np.stack(
-        [compute_density_array(*population, time, *load, angle, cut) for population in sets]
-    )
+    edges = [compute_quantiles_array(*point, time, *load, EDGES, cut)]
+    if moved is None:
+        edges.append(compute_quantiles_array(*centre, time, *load, EDGES, cut))
+        angle = _space_angles(edges, knobs.density_angles)
+        sets = zip(draws["mu"].to_numpy(), draws["sigma"].to_numpy(), strict=True)
+        each = [compute_density_array(*population, time, *load, angle, cut) for population in sets]
+        of_draws = np.stack(each)
+    else:
+        edges.append(np.nanquantile(moved, EDGES, axis=(0, 1)).T)
+        angle = _space_angles(edges, knobs.density_angles)
+        of_draws = estimate_densities_array(moved, angle)
     density, error = refine_density_array(*point, time, *load, angle, cut)
     both = np.stack([density, of_draws.mean(axis=0)])
     bound = np.quantile(of_draws, list(BOUNDS.values()), axis=0)
@@ -102,6 +122,16 @@ def _compute_joint(
         },
         coords={"estimate": list(ESTIMATES), "time": time, "bound": list(BOUNDS)},
     )
+
+
+def _move_draws(
+    move: Move, draws: xr.Dataset, protocol: Protocol, time: NDArray, knobs: PropagationConfig
+) -> NDArray[np.float64]:
+    """Angles (draw, n, joint, time) of new trials, the same standard numbers on every run."""
+    shape = (1, DENSITY_FINGERS, draws.sizes["joint"])
+    normal = draw_normal_array(shape, np.random.default_rng(0), knobs.c_p_truncation_sd)[0]
+    chosen = choose_draws(draws, DRAWS)
+    return move_population(draws, chosen, normal, move, protocol, time).angle
 
 
 def _space_angles(edges: list[NDArray], n: int) -> NDArray[np.float64]:

@@ -24,6 +24,7 @@ def compute_design(
     running_times: Sequence[float],
     quantiles: Sequence[float],
     c_p_truncation_sd: float | None,
+    estimated: xr.Dataset | None = None,
 ) -> xr.Dataset:
     """Compute by how much the angle's spread shrinks when one parameter's spread is reduced.
 
@@ -35,6 +36,8 @@ def compute_design(
         [s]
     quantiles
         Over draws of the posterior.
+    estimated
+        Spread and shrinkage of the posterior's draws, where they are known already.
 
     Returns
     -------
@@ -45,8 +48,10 @@ def compute_design(
     """
     parts = [
         _compute_shrinkage(population, protocol, running_times, c_p_truncation_sd)
-        for population in populations
+        for population in (populations if estimated is None else populations[:1])
     ]
+    if estimated is not None:
+        parts.append(estimated)
     central = xr.concat(
         [part.median("draw") for part in parts], xr.IndexVariable("estimate", list(ESTIMATES))
     )

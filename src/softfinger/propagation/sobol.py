@@ -12,6 +12,7 @@ from softfinger.propagation.design import compute_design
 from softfinger.propagation.hyperparameters import ESTIMATES, select_posterior, select_two_stage
 from softfinger.propagation.indices import PAIR_NAMES, compute_sobol_array
 from softfinger.propagation.moments import compute_moments_array
+from softfinger.propagation.moved import Move, estimate_indices, estimate_shrinkage
 from softfinger.propagation.protocols import (
     Protocol,
     describe_truncation,
@@ -31,6 +32,8 @@ def compute_sobol(
     least_squares: xr.Dataset,
     posterior: xr.DataTree,
     config: Mapping[str, Any],
+    rng: np.random.Generator | None = None,
+    move: Move | None = None,
 ) -> xr.Dataset:
     """Compute which parameter's spread causes the spread of the joint angle, over time.
 
@@ -40,6 +43,9 @@ def compute_sobol(
         The artifacts of these names; the load is that of the protocol with most trials.
     config
         The propagation's block, see `PropagationConfig`.
+    rng, move
+        Moves new trials of the posterior by another model than the base: indices and spread are
+        then estimated from samples, and a parameter's index is that of all joints together.
 
     Returns
     -------
@@ -55,7 +61,14 @@ def compute_sobol(
     time = build_sobol_times(protocol, knobs)
     populations = [select_two_stage(least_squares), select_posterior(posterior, knobs.draws)]
     cut = knobs.c_p_truncation_sd
-    parts = [_compute_indices(population, time, protocol, cut) for population in populations]
+    parts = [_compute_indices(populations[0], time, protocol, cut)]
+    shrinkage = None
+    if move is None:
+        parts.append(_compute_indices(populations[1], time, protocol, cut))
+    else:
+        parts.append(estimate_indices(populations[1], move, protocol, time, rng, cut))
+        times = knobs.running_times_s
+        shrinkage = estimate_shrinkage(populations[1], move, protocol, times, rng, cut)
     means = [part.mean("draw") for part in parts]
     means = [
         mean.assign(angle_sd=part["angle_sd"].median("draw"))
@@ -63,7 +76,7 @@ def compute_sobol(
     ]
     central = xr.concat(means, xr.IndexVariable("estimate", list(ESTIMATES)))
     bounds = _compute_quantiles(parts[1])
-    design = compute_design(populations, protocol, knobs.running_times_s, QUANTILES, cut)
+    design = compute_design(populations, protocol, knobs.running_times_s, QUANTILES, cut, shrinkage)
     dataset = xr.merge([central, bounds, design])
     dataset.attrs = {
         "definition": DEFINITION,

@@ -88,8 +88,8 @@ class Material:
 
     @cached_property
     def residuals(self) -> xr.Dataset | None:
-        """What the fit leaves, at each trial's posterior mean parameters."""
-        if self.posterior is None:
+        """What the base model's fit leaves, at each trial's posterior mean parameters."""
+        if self.posterior is None or "effect" in self.posterior:
             return None
         return compute_residuals(self.angles, summarise_trial_parameters(self.posterior))
 

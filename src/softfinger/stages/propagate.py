@@ -16,6 +16,7 @@ from softfinger.artifacts.specs import least_squares as least_squares_spec
 from softfinger.artifacts.specs import posterior as posterior_spec
 from softfinger.propagation import compute_bands, compute_densities
 from softfinger.provenance import derive_seed, describe_run
+from softfinger.stages.forward import open_mover
 from softfinger.stages.linear_algebra import on_one_thread
 
 
@@ -29,9 +30,17 @@ def propagate(
     densities: Path,
     config: Mapping[str, Any],
     seed: int,
+    model: Path | None = None,
 ) -> None:
-    """Write bands and densities of the joint angles of new trials."""
+    """Write bands and densities of the joint angles of new trials.
+
+    Parameters
+    ----------
+    model
+        The model file that the posterior was fitted with, in place of the base model.
+    """
     roles = {"angles": angles, "least_squares": least_squares, "posterior": posterior}
+    roles |= {} if model is None else {"model": model}
     provenance = describe_run("propagate", roles, config, seed)
     inputs = (
         open_artifact(angles, angles_spec.SPEC),
@@ -39,5 +48,7 @@ def propagate(
         open_tree(posterior, posterior_spec.SPEC),
     )
     rng = np.random.default_rng(derive_seed(seed, "propagate"))
-    save_artifact(compute_bands(*inputs, config, rng), bands_spec.SPEC, bands, provenance)
-    save_artifact(compute_densities(*inputs, config), densities_spec.SPEC, densities, provenance)
+    move = open_mover(inputs[0], inputs[2], config, model)
+    save_artifact(compute_bands(*inputs, config, rng, move), bands_spec.SPEC, bands, provenance)
+    found = compute_densities(*inputs, config, move)
+    save_artifact(found, densities_spec.SPEC, densities, provenance)

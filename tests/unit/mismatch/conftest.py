@@ -3,9 +3,15 @@ import pytest
 import xarray as xr
 
 from softfinger.mechanics.three_element import compute_joint_angle_array
+from softfinger.mismatch import diagnose
 from softfinger.population.simulate import build_recording, draw_noise_array
 
 TRIALS, FRAMES = 7, 160
+CONFIG = {"bootstrap_replicates": 99, "false_alarm_probability": 0.01}
+
+
+def quiet(items, _):
+    return items
 
 
 @pytest.fixture(scope="session")
@@ -52,3 +58,19 @@ def draw_campaign():
         ).assign_attrs(campaign="drawn")
 
     return draw
+
+
+@pytest.fixture(scope="session")
+def recorded(draw_campaign):
+    """A campaign with a second retardation."""
+    return draw_campaign(1, 0.15)
+
+
+@pytest.fixture(scope="session")
+def named(recorded):
+    return diagnose(recorded, CONFIG, 5, quiet)
+
+
+@pytest.fixture(scope="session")
+def clean(draw_campaign):
+    return diagnose(draw_campaign(2, 0.0), CONFIG, 5, quiet)

@@ -13,16 +13,6 @@ def quiet(items, _):
     return items
 
 
-@pytest.fixture(scope="module")
-def named(draw_campaign):
-    return diagnose(draw_campaign(1, 0.15), CONFIG, 5, quiet)
-
-
-@pytest.fixture(scope="module")
-def clean(draw_campaign):
-    return diagnose(draw_campaign(2, 0.0), CONFIG, 5, quiet)
-
-
 def test_a_clean_campaign_is_adequate(clean):
     verdict = clean.verdict
     assert verdict.decision == "adequate"
