@@ -1,7 +1,9 @@
 """How often the 90 % intervals of the quick run's hyperparameters hold the virtual rig's truth.
 
 ``python -m benchmarks._coverage N`` films, tracks and fits the quick configuration under N seeds
-and prints the share of intervals that hold the truth, by kind of hyperparameter.
+and prints the share of intervals that hold the truth, by kind of hyperparameter. Beside it stands
+the share of the textbook intervals (Student's t, χ²) of somebody who knows every trial's true
+parameters: what falls short of that is the fit's, the rest is the luck of the draw.
 """
 
 from __future__ import annotations
@@ -11,6 +13,8 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
+from scipy.stats import chi2, t
 
 from softfinger.artifacts import open_artifact, open_tree
 from softfinger.artifacts.specs import posterior as posterior_spec
@@ -30,17 +34,18 @@ PARAMETERS = ("log_k_v", "log_c_v", "log_c_p", "q_ini")
 def main(seeds: int) -> None:
     """Run the quick configuration under so many seeds and print the coverage."""
     config = read_config(PROJECT / "config/quick.yaml")
-    held = np.array([run_once(config, seed) for seed in range(1, seeds + 1)])
+    held, ideal = np.moveaxis([run_once(config, seed) for seed in range(1, seeds + 1)], 1, 0)
     for k, statistic in enumerate(("mu", "sigma")):
         for p, parameter in enumerate(PARAMETERS):
             inside = held[:, k, :, p]
             print(f"{statistic}_{parameter:8s} {inside.sum():3d} of {inside.size}")
     n, total = held.size, int(held.sum())
     print(f"all              {total} of {n}: {total / n:.3f} of the 90 % intervals hold the truth")
+    print(f"true parameters  {ideal.sum()} of {n}: {ideal.mean():.3f} of the textbook intervals do")
 
 
 def run_once(config: dict, seed: int) -> np.ndarray:
-    """Whether each 90 % interval holds the truth: (mu and sigma, joint, parameter)."""
+    """Whether each 90 % interval holds the truth: (fit and textbook, μ and σ, joint, parameter)."""
     with tempfile.TemporaryDirectory() as name:
         out = Path(name)
         folder, truth = out / "campaign", out / "truth.nc"
@@ -70,8 +75,22 @@ def run_once(config: dict, seed: int) -> np.ndarray:
             for q in (0.05, 0.95)
         )
         held.append((low <= true.to_numpy()) & (true.to_numpy() <= high))
-    print(f"seed {seed}: {np.sum(held)} of {np.size(held)}", flush=True)
-    return np.array(held)
+    ideal = judge_textbook(motion)
+    print(f"seed {seed}: {np.sum(held)} of {np.size(held)}, textbook {ideal.sum()}", flush=True)
+    return np.array([held, ideal])
+
+
+def judge_textbook(motion: xr.Dataset) -> np.ndarray:
+    """Whether Student's and the χ² interval of the true parameters hold the truth."""
+    natural = [motion[name].to_numpy() for name in ("k_v", "c_v", "c_p", "q_ini")]
+    true = np.stack([*np.log(natural[:3]), natural[3]], axis=-1)
+    n, mean, sd = len(true), motion["population_mean"], motion["population_sd"]
+    spread = true.std(axis=0, ddof=1)
+    rank = [
+        t.cdf((mean.to_numpy() - true.mean(axis=0)) / spread * np.sqrt(n), n - 1),
+        chi2.cdf((n - 1) * (spread / sd.to_numpy()) ** 2, n - 1),
+    ]
+    return np.abs(np.array(rank) - 0.5) <= 0.45
 
 
 if __name__ == "__main__":

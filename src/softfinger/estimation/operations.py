@@ -27,7 +27,7 @@ from softfinger.population.likelihood import sum_log_likelihood
 from softfinger.population.whitening import colour_trials, pull_colours_back
 
 
-@njit(cache=True, error_model="numpy")
+@njit(error_model="numpy")  # numba's own cache would not see what changes in other modules
 def evaluate_likelihood(
     eta: NDArray,
     sd: NDArray,

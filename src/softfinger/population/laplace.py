@@ -127,7 +127,10 @@ def _expand(eta: NDArray, table: tuple, data: tuple) -> tuple[float, NDArray, ND
     for a in range(count):
         for b in range(count):
             gram[a, b] = initial[a // 5, b // 5] * start[a] * start[b]
+    one = first.size - joints - 1
     for g in range(pair.shape[0]):
+        if products[g, 0, one, one] == 0.0:  # no such gap in this trial
+            continue
         now = vectors @ products[g, 0] @ vectors.T
         before = vectors @ products[g, 1] @ vectors.T
         cross = vectors @ products[g, 2] @ vectors.T

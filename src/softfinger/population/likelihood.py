@@ -76,7 +76,8 @@ def fill_squares(
             _fill_weight(eta[i, j], j, place, table_value, table_slope, weight[j], bent[j])
         quadratic[i] = _start_pull(weight, first[i], initial[here], pull, unused)
         for g in range(pair.shape[1]):
-            quadratic[i] += _square_pairs(weight, products[i, g], pair[here, g])
+            if products[i, g, 0, size - joints - 1, size - joints - 1] != 0.0:  # such gaps occur
+                quadratic[i] += _square_pairs(weight, products[i, g], pair[here, g])
 
 
 @njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
@@ -164,6 +165,8 @@ def fill_quadratics(
             _fill_weight(eta[i, j], j, place, table_value, table_slope, weight[j], bent[j])
         quadratic[i] = _start_pull(weight, first[i], initial[here], pull, first_sums[here])
         for g in range(pair.shape[1]):
+            if products[i, g, 0, modes + 1, modes + 1] == 0.0:  # no such gap in this trial
+                continue
             _move(weight, products[i, g], moved)
             quadratic[i] += _add_pairs(weight, moved, pair[here, g], pull, sums[here, g])
         for j in range(joints):

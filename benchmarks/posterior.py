@@ -1,0 +1,224 @@
+"""The hierarchical posterior: seconds, effective draws beside PyMC's own NUTS, coverage, size.
+
+The paper's population, joint 3's c_p from log-normal(3.3, 0.9), under its step of 30 s, 30 frames a
+second, white noise of 3 mrad unless said. The rival is PyMC's own NUTS on the plain model: every
+frame in it, centred, white noise, started at the truth, its tuning not counted; one chain within
+`RIVAL_CPU_S` of CPU. Ours has AR(1) noise and correlated joints in the model, its tuning counted.
+"""
+
+import resource
+import time
+from collections.abc import Mapping
+
+import arviz as az
+import numpy as np
+import pymc as pm
+import pytensor.tensor as pt
+import xarray as xr
+from numpy.typing import NDArray
+
+from softfinger.estimation.diagnostics import diagnose_sampling
+from softfinger.estimation.posterior import prepare_fit, sample_posterior
+from softfinger.population.simulate import (
+    build_recording,
+    describe_noise,
+    draw_angles,
+    draw_parameters,
+)
+from softfinger.stages.linear_algebra import on_one_thread
+
+MU = np.array(
+    [
+        [-2.4441, -3.6635, 2.8538, 0.02],
+        [-2.2986, -3.6476, 3.1129, 0.02],
+        [-1.8800, -3.8777, 3.3, 0.02],
+    ]
+)
+SIGMA = np.array(
+    [[0.1973, 0.5232, 0.7011, 0.01], [0.2238, 0.4838, 0.8496, 0.01], [0.3957, 0.8223, 0.9, 0.01]]
+)
+TORQUE, FPS, DURATION_S, NOISE_RAD = 0.04, 30.0, 30.0, 0.003
+LIMITS = {"r_hat_max": 1.01, "ess_min": 400.0, "divergences_max": 0}
+SHORT = {"chains": 4, "tune": 200, "draws": 250, "cores": 2, **LIMITS}
+LARGE_TRIALS = 10_000
+RIVAL_CPU_S = 300.0
+RIVAL_TUNE = 150
+COVERED_CAMPAIGNS, COVERED_TRIALS = 8, 40
+CASES = {
+    "white": {"rho": 0.0},
+    "AR(1) 0.3": {"rho": 0.3},
+    "AR(1) 0.9": {"rho": 0.9},
+    "AR(1) 0.98": {"rho": 0.98},
+    "outliers": {"rho": 0.3, "outliers": 0.005},
+    "gaps": {"rho": 0.3, "gaps": 0.2},
+}
+
+
+@on_one_thread
+def measure() -> dict[str, float]:
+    """Seconds of wall time to a posterior that passes its diagnosis; compiled before."""
+    angles, _ = build_campaign(100, 1)
+    fit_once(angles, SHORT | {"tune": 10, "draws": 10}, 1)
+    start = time.perf_counter()
+    posterior, stats = fit_once(angles, SHORT, 2)
+    seconds = time.perf_counter() - start
+    found = diagnose(posterior, stats)
+    print(f"  verdict {found.attrs['verdict']}: {describe(found)}", flush=True)
+    passed = found.attrs["verdict"] == "green"
+    return {"posterior_seconds_to_ess_400": seconds} if passed else {}
+
+
+@on_one_thread
+def measure_long() -> dict[str, float]:
+    """Effective draws per CPU second over the rival's; coverage; 10000 trials."""
+    return {
+        "posterior_ess_per_cpu_ratio_to_pymc_default": compare_with_rival(),
+        "posterior_coverage_90": measure_coverage(),
+        **measure_large(),
+    }
+
+
+def compare_with_rival() -> float:
+    """Smallest bulk ESS of μ, σ and the noise's sd per CPU second, ours over the rival's."""
+    angles, true = build_campaign(100, 1)
+    fit_once(angles, SHORT | {"tune": 10, "draws": 10}, 1)
+    start = time.process_time()
+    posterior, stats = fit_once(angles, SHORT | {"draws": 1000, "cores": 1}, 2)
+    cpu = time.process_time() - start
+    found = diagnose(posterior, stats)
+    shared = [not str(name).startswith("noise_auto") for name in found["quantity"].to_numpy()]
+    ours = float(found["ess_bulk"][shared].min()) / cpu
+    print(f"  ours: {ours:.4g} effective draws per CPU second in {cpu:.0f} s", flush=True)
+    ess, r_hat, draws, cpu = run_rival(angles, true)
+    print(
+        f"  rival: smallest bulk ESS {ess:.4g}, R-hat {r_hat:.3f}, of {draws} draws in {cpu:.0f} s"
+        f" after {RIVAL_TUNE} of tuning, {'' if r_hat < 1.01 else 'not '}converged",
+        flush=True,
+    )
+    return ours / (ess / cpu)
+
+
+def run_rival(angles: xr.Dataset, true: xr.Dataset) -> tuple[float, float, int, float]:
+    """Sample the plain model by PyMC's own NUTS: smallest ESS, largest R-hat, draws, CPU s."""
+    begin, clock = time.process_time(), []
+
+    def watch(trace: object, draw: object) -> None:
+        clock.append(time.process_time())
+        if clock[-1] - begin > RIVAL_CPU_S and len(clock) > RIVAL_TUNE + 20:
+            raise KeyboardInterrupt
+
+    with build_plain_model(angles):
+        trace = pm.sample(
+            draws=10_000, tune=RIVAL_TUNE, chains=1, cores=1, nuts_sampler="pymc",
+            initvals=true, callback=watch, random_seed=1, progressbar=False,
+            compute_convergence_checks=False, discard_tuned_samples=True,
+        )  # fmt: skip
+    kept = trace["posterior"].to_dataset()[["mu", "sigma", "noise_sd"]]
+    ess = min(float(x.min()) for x in az.ess(kept, method="bulk").data_vars.values())
+    r_hat = max(float(x.max()) for x in az.rhat(kept).data_vars.values())
+    return ess, r_hat, kept.sizes["draw"], clock[-1] - clock[RIVAL_TUNE - 1]
+
+
+def build_plain_model(angles: xr.Dataset) -> pm.Model:
+    """Every frame of every trial, centred, white noise; the step solution as the paper has it."""
+    trials, joints, _ = angles["joint_angle"].shape
+    moment = angles["time"].to_numpy()[0]
+    with pm.Model() as model:
+        mu = pm.Normal("mu", [-2.5, -3.5, 3.0, 0.0], [1.5, 2.0, 2.0, 0.5], shape=(joints, 4))
+        sigma = pm.LogNormal("sigma", np.log([0.3, 0.3, 0.3, 0.02]), 1.0, shape=(joints, 4))
+        eta = pm.Normal("eta", mu, sigma, shape=(trials, joints, 4))
+        noise = pm.LogNormal("noise_sd", np.log(0.005), 1.5, shape=joints)
+        k_v, c_v, c_p = (pt.exp(eta[..., k])[..., None] for k in range(3))
+        motion = TORQUE / k_v * (1 - pt.exp(-k_v / c_v * moment)) + TORQUE / c_p * moment
+        pm.Normal(
+            "y", motion + eta[..., 3:], noise[:, None], observed=angles["joint_angle"].to_numpy()
+        )
+    return model
+
+
+def measure_coverage() -> float:
+    """Share of 90 % intervals of μ and σ that hold the truth, in the worst of the noise cases."""
+    shares = {}
+    for name, case in CASES.items():
+        held = [
+            judge_intervals(*build_campaign(COVERED_TRIALS, seed, **case), seed)
+            for seed in range(COVERED_CAMPAIGNS)
+        ]
+        shares[name] = float(np.mean(held))
+        print(
+            f"  {name}: {shares[name]:.3f} of {np.size(held)} intervals hold the truth", flush=True
+        )
+    return max(shares.values(), key=lambda share: abs(share - 0.9))
+
+
+def judge_intervals(angles: xr.Dataset, true: Mapping[str, NDArray], seed: int) -> NDArray:
+    """Whether each 90 % interval holds the truth: (mu and sigma, joint, parameter)."""
+    posterior, _ = fit_once(angles, SHORT | {"chains": 2, "draws": 400}, seed)
+    held = []
+    for level in ("mu", "sigma"):
+        names = [f"{level}_{name}" for name in ("log_k_v", "log_c_v", "log_c_p", "q_ini")]
+        draws = np.stack([posterior[name].to_numpy() for name in names], axis=-1)
+        rank = (draws < true[level]).mean(axis=(0, 1))
+        held.append((rank > 0.05) & (rank < 0.95))
+    return np.array(held)
+
+
+def measure_large() -> dict[str, float]:
+    """Seconds of wall time and the process's largest memory [GiB] for 10000 trials."""
+    angles, _ = build_campaign(LARGE_TRIALS, 3)
+    start = time.perf_counter()
+    posterior, stats = fit_once(angles, SHORT | {"tune": 150, "draws": 150}, 4)
+    seconds = time.perf_counter() - start
+    print(f"  {LARGE_TRIALS} trials: {describe(diagnose(posterior, stats))}", flush=True)
+    return {
+        "posterior_10000_trials_seconds": seconds,
+        "posterior_10000_trials_gib": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20,
+    }
+
+
+def fit_once(angles: xr.Dataset, config: dict, seed: int) -> tuple[xr.Dataset, xr.Dataset]:
+    """Prepare and sample: the posterior and the sampler's statistics."""
+    return sample_posterior(prepare_fit(angles), config, np.random.default_rng(seed))
+
+
+def diagnose(posterior: xr.Dataset, stats: xr.Dataset) -> xr.Dataset:
+    """Diagnose the sampling against the usual limits."""
+    tree = xr.DataTree.from_dict({"posterior": posterior, "sample_stats": stats})
+    return diagnose_sampling(tree, LIMITS)
+
+
+def describe(found: xr.Dataset) -> str:
+    """Worst R-hat and effective draws in words."""
+    worst = float(found["r_hat"].max())
+    bulk, tail = (float(found[f"ess_{kind}"].min()) for kind in ("bulk", "tail"))
+    return (
+        f"R-hat at most {worst:.4f}, effective draws at least {bulk:.0f} (bulk), {tail:.0f} (tail)"
+    )
+
+
+def build_campaign(
+    trials: int, seed: int, rho: float = 0.0, outliers: float = 0.0, gaps: float = 0.0
+) -> tuple[xr.Dataset, dict[str, NDArray]]:
+    """Draw a campaign; what is true of it, as the plain model's variables.
+
+    Parameters
+    ----------
+    outliers, gaps
+        Share of frames of a trial that a wrong value (30 times the noise) or nothing stands in.
+    """
+    rng = np.random.default_rng(seed)
+    moment = np.arange(0.0, DURATION_S, 1 / FPS)
+    names = [f"trial_{i + 1:05d}" for i in range(trials)]
+    recording = build_recording(moment, [0.0, DURATION_S], [TORQUE] * 2, len(MU), names)
+    own = draw_parameters(MU, SIGMA, recording, rng)
+    noise = describe_noise(np.full(len(MU), NOISE_RAD), np.full(len(MU), rho))
+    angles = draw_angles(recording, own, noise, rng)
+    value = angles["joint_angle"].to_numpy().copy()
+    shape = (trials, 1, len(moment))
+    struck = (rng.uniform(size=shape) < outliers) & (rng.uniform(size=value.shape) < 0.5)
+    value += struck * 30 * NOISE_RAD * rng.standard_normal(value.shape)
+    value[np.broadcast_to(rng.uniform(size=shape) < gaps, value.shape)] = np.nan
+    logs = [np.log(own[name].to_numpy()) for name in ("k_v", "c_v", "c_p")]
+    eta = np.stack([*logs, own["q_ini"].to_numpy()], axis=-1)
+    true = {"mu": MU, "sigma": SIGMA, "eta": eta, "noise_sd": np.full(len(MU), NOISE_RAD)}
+    return angles.assign(joint_angle=(("trial", "joint", "frame"), value)), true
