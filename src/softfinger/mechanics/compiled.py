@@ -25,7 +25,7 @@ for _folder in _FOLDERS:
 
 def compiled(function: Callable) -> Callable:
     """Compile a function at its first call, and remember it on disk."""
-    dispatcher = njit(cache=True)(function)
+    dispatcher = njit(cache=True, nogil=True)(function)  # trials can run side by side
     if dispatcher is not function:  # it is, where NUMBA_DISABLE_JIT is set
         cache = dispatcher._cache
         name = f"{_DIGEST}.{cache._impl.filename_base}"

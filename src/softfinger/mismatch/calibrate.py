@@ -11,11 +11,11 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+from scipy.linalg.lapack import dpstrf
 from scipy.stats import norm
 
-from softfinger.mismatch.problem import Problem
-from softfinger.mismatch.rank import Candidate, Piece
-from softfinger.mismatch.reduce import reduce_trials
+from softfinger.mismatch.columns import ScoreColumns
+from softfinger.mismatch.problem import Candidate, Problem
 from softfinger.population.mixed_effects import _climb, _solve
 
 REPLICATES = 199
@@ -52,31 +52,6 @@ class FalseAlarms(NamedTuple):
         return float(edge + max(beyond.mean(), 0.5) * np.log(share / probability))
 
 
-class ScoreColumns(NamedTuple):
-    """Whitened columns of every form at every start: amplitudes only.
-
-    Attributes
-    ----------
-    gram
-        (trial, d + c, d + c) of [∂F/∂η | all columns].
-    label
-        (form,) id of its effect.
-    first, count
-        (form,) where a form's columns stand among the c, and how many.
-    sd
-        (c,) prior sd of each column's amplitude.
-    positive
-        (c,) amplitudes that cannot be negative.
-    """
-
-    gram: NDArray[np.float64]
-    label: list[str]
-    first: NDArray[np.int64]
-    count: NDArray[np.int64]
-    sd: NDArray[np.float64]
-    positive: NDArray[np.bool_]
-
-
 def calibrate_false_alarms(
     columns: ScoreColumns,
     problem: Problem,
@@ -86,15 +61,17 @@ def calibrate_false_alarms(
 ) -> FalseAlarms:
     """Draw replicates of the base model and find the largest gain in each."""
     d = len(base.fit.omega)
-    factor = np.stack([_root(gram) for gram in columns.gram])
+    whole = columns.bare
+    factor = np.stack([_root(gram) for gram in whole])
     own_factor = np.linalg.cholesky(base.fit.omega)
     prior = problem.build_prior(base.model)
+    prior = prior._replace(mean=prior.mean[:d], precision=prior.precision[:d])
     largest = np.empty(replicates)
     for k in range(replicates):
         noise = rng.standard_normal((len(factor), factor.shape[2]))
         own = rng.standard_normal((len(factor), d)) @ own_factor.T
         product = np.einsum("tcr,tr->tc", factor, noise)
-        product += np.einsum("tcd,td->tc", columns.gram[:, :, :d], base.fit.mean + own)
+        product += np.einsum("tcd,td->tc", whole[:, :, :d], base.fit.mean + own)
         gains = score_columns_array(columns, product, prior, base.fit.omega)
         largest[k] = gains.max(initial=0.0)
     return FalseAlarms(largest)
@@ -105,7 +82,7 @@ def score_columns_array(
 ) -> NDArray[np.float64]:
     """Gain [nats] of each form (form,) from Cᵀz (trial, d + c), Ω fitted under the base model."""
     gain, mean, sd = _score(
-        columns.gram, product, columns.first, columns.count, columns.sd, *prior, omega
+        columns.bare, product, columns.first, columns.count, columns.sd, *prior, omega
     )
     inside = norm.logcdf(mean / sd) + np.log(2.0)
     cut = np.where(columns.positive, inside, 0.0)
@@ -114,11 +91,12 @@ def score_columns_array(
 
 
 def _root(gram: NDArray) -> NDArray:
-    value, vector = np.linalg.eigh(gram)
-    keep = value > 1e-12 * value[-1]
+    """Root R of a Gram matrix of any rank, R Rᵀ = G: a pivoted Cholesky factor."""
+    size = np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    factor, pivot, rank, _ = dpstrf(gram / np.outer(size, size), lower=1)
     root = np.zeros_like(gram)
-    root[:, : keep.sum()] = vector[:, keep] * np.sqrt(value[keep])
-    return root
+    root[pivot - 1, :rank] = np.tril(factor)[:, :rank]
+    return root * size[:, None]
 
 
 @njit(cache=True)
@@ -173,39 +151,6 @@ def _score(
         volume = np.linalg.slogdet(hessian)[1] + 2.0 * np.sum(np.log(amplitude_sd[part]))
         gain[form] = 0.5 * (place @ direct[part] - volume)
     return gain, location, sd
-
-
-def collect_columns(problem: Problem, base: Candidate, pieces: list[Piece]) -> ScoreColumns:
-    """Collect the whitened columns of all forms at all their starts."""
-    slopes, label, first, count, sd, positive = [], [], [], [], [], []
-    for piece in pieces:
-        model = base.model.extend(piece)
-        number = len(base.model.pieces)
-        known = len(base.fit.shared)
-        new = np.flatnonzero(model.amplitudes[known:])
-        for start in model.list_starts(number):
-            shared = np.concatenate([base.fit.shared, model.place_start(number, start)])
-            _, slope = problem.simulate(model, base.fit.own, shared)
-            column = slope[..., base.fit.own.shape[1] + known + new]
-            if not np.isfinite(column).all():
-                continue
-            slopes.append(column.astype(np.float32))
-            label.append(piece.effect.id)
-            first.append(sum(count))
-            count.append(len(new))
-            sd.append(model.shared_prior[1][known + new])
-            positive.append(model.low[known + new] == 0.0)
-    angle, own = problem.simulate(base.model, base.fit.own, base.fit.shared)
-    wide = np.concatenate([own, *slopes], axis=3)
-    gram = reduce_trials(problem.trials, angle, wide)[:, :-1, :-1]
-    return ScoreColumns(
-        gram,
-        label,
-        np.array(first, int),
-        np.array(count, int),
-        np.concatenate(sd),
-        np.concatenate(positive),
-    )
 
 
 def project_columns_array(

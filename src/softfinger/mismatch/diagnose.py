@@ -6,17 +6,15 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from softfinger.mismatch.calibrate import (
-    FalseAlarms,
-    calibrate_false_alarms,
-    collect_columns,
-)
+from softfinger.mechanics.effects.model_file import ModelFile
+from softfinger.mismatch.calibrate import FalseAlarms, calibrate_false_alarms
+from softfinger.mismatch.columns import collect_columns
 from softfinger.mismatch.conclude import Findings, conclude, examine
 from softfinger.mismatch.config import MismatchSettings
 from softfinger.mismatch.decide import Posterior, weigh_models
 from softfinger.mismatch.masking import list_invisible, tabulate_masking
-from softfinger.mismatch.problem import Problem, pose_problem
-from softfinger.mismatch.rank import Candidate, list_pieces
+from softfinger.mismatch.problem import Candidate, Problem, pose_problem
+from softfinger.mismatch.rank import list_pieces
 from softfinger.mismatch.search import Search, search_effects
 from softfinger.mismatch.verdict import Verdict
 from softfinger.progress import track_progress
@@ -38,7 +36,13 @@ class Diagnosis(NamedTuple):
 
 
 def diagnose(
-    angles: xr.Dataset, config: Mapping[str, Any], seed: int, progress: Progress = track_progress
+    angles: xr.Dataset,
+    config: Mapping[str, Any],
+    seed: int,
+    progress: Progress = track_progress,
+    content: ModelFile | None = None,
+    *,
+    priors: bool = True,
 ) -> Diagnosis:
     """Diagnose a campaign.
 
@@ -52,17 +56,22 @@ def diagnose(
         Of the bootstrap.
     progress
         Wraps the long loops: (items, description) → items.
+    content
+        A model file whose model takes the place of the base.
+    priors
+        Whether the file's priors count; they do not where they come from these recordings.
     """
     settings = read_settings(MismatchSettings, config, "mismatch")
-    problem, fit = pose_problem(angles)
+    problem, fit = pose_problem(angles, content, priors=priors)
     base = Candidate(problem.base, fit, fit.log_evidence)
     pieces, refused = list_pieces(problem.setting)
-    columns = collect_columns(problem, base, pieces)
+    pieces = [piece for piece in pieces if piece.effect.id not in base.model.ids]
+    columns = collect_columns(problem, base, progress(pieces, "trying effects"))
     alarms = calibrate_false_alarms(
         columns, problem, base, np.random.default_rng(seed), settings.bootstrap_replicates
     )
     needed = alarms.threshold(settings.false_alarm_probability)
-    search = search_effects(problem, base, needed, progress)
+    search = search_effects(problem, base, (pieces, refused), columns, needed, progress)
     posterior = weigh_models(base, search.candidates)
     findings = examine(problem, search, angles, needed=needed)
     masking = tabulate_masking(columns, problem, base)

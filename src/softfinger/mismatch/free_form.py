@@ -150,7 +150,7 @@ def _weigh(
     for size in sizes:
         precision = np.concatenate([wide.precision[:start], np.full(count, size**-2.0)])
         wider = wide._replace(precision=precision)
-        fits.append(fit_linear(moved, wider, candidate.fit.omega, rounds=6, tolerance=0.1))
+        fits.append(fit_linear(moved, wider, candidate.fit.omega, rounds=2, tolerance=0.1))
         gains.append(fits[-1].log_evidence - base)
     best = fits[int(np.argmax(gains))]
     gain = np.logaddexp.reduce(gains) - np.log(len(gains))

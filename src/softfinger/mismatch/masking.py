@@ -9,10 +9,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from softfinger.mismatch.calibrate import ScoreColumns, project_columns_array
+from softfinger.mismatch.calibrate import project_columns_array
+from softfinger.mismatch.columns import ScoreColumns
 from softfinger.mismatch.locate import PARAMETERS
-from softfinger.mismatch.problem import OWN, Problem
-from softfinger.mismatch.rank import Candidate
+from softfinger.mismatch.problem import OWN, Candidate, Problem
 
 PLAUSIBLE = 2.0  # prior sd of every amplitude: the strength that tables speak of
 
@@ -36,8 +36,9 @@ def tabulate_masking(columns: ScoreColumns, problem: Problem, base: Candidate) -
     """
     d = len(base.fit.omega)
     precision = problem.build_prior(base.model).precision[:d]
-    left, shift = project_columns_array(columns.gram, d, precision, base.fit.omega)
-    total = columns.gram[:, d:, d:].sum(axis=0)
+    gram = columns.bare
+    left, shift = project_columns_array(gram, d, precision, base.fit.omega)
+    total = gram[:, d:, d:].sum(axis=0)
     chosen: dict[str, tuple[float, NDArray]] = {}
     for label, first, count in zip(columns.label, columns.first, columns.count, strict=True):
         direction = np.zeros(len(columns.sd))

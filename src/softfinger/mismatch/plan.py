@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from softfinger.mismatch.calibrate import collect_columns
+from softfinger.mismatch.columns import collect_columns
 from softfinger.mismatch.masking import tabulate_masking
 from softfinger.mismatch.problem import Problem
 from softfinger.mismatch.rank import Candidate, list_pieces
@@ -68,7 +68,7 @@ def build_design(
         joint_angle=(angles["joint_angle"].dims, np.zeros((trials, joints, len(time))))
     )
     planned, _ = prepare_trials(angles, problem.noise)
-    design = replace(problem, trials=planned)
+    design = replace(problem, trials=planned, repaired=None)
     setting = _describe(design, problem, own, angles)
     design = replace(design, setting=setting)
     angle, _ = design.simulate(design.base, own, np.zeros(0))

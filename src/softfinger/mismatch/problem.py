@@ -1,6 +1,10 @@
 """A campaign as a mixed-effects problem: recordings, priors, forward model; and its fits."""
 
+import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -9,14 +13,16 @@ from numpy.typing import NDArray
 from softfinger.faults import Fault
 from softfinger.mechanics.chain import compute_inertia_coefficients
 from softfinger.mechanics.effects.effect import Setting
+from softfinger.mechanics.effects.model import LONGEST_STEP, EffectModel
+from softfinger.mechanics.effects.model_file import ModelFile, build_model
 from softfinger.mechanics.forward.simulate import (
     Finger,
     describe_finger,
     describe_unknown_finger,
     simulate_joint_angle_array,
 )
+from softfinger.mechanics.forward.slots import SlotArrays
 from softfinger.mechanics.geometry import FingerGeometry
-from softfinger.mechanics.effects.model import LONGEST_STEP, EffectModel
 from softfinger.mismatch.pilot import guess_own
 from softfinger.mismatch.reduce import reduce_trials
 from softfinger.mismatch.setting import build_setting, read_geometry
@@ -32,6 +38,22 @@ MOST_STEPS, FEW_TRIALS_STEPS = 25, 100  # linearisations: a few trials are quick
 TOLERANCE = 1e-5  # [rad] of the forward model, a hundredth of a good camera's noise
 LONGEST_OWN_STEP = (0.7, 0.7, 1.0, 0.5)
 START_SPREAD = (0.4, 0.6, 0.8, 0.02)
+LAYOUT = ("trial", "joint", "frame")
+PARTS = 4  # into which trials are cut to move side by side; the same on every machine
+
+
+@cache
+def _open_pool(_process: int) -> ThreadPoolExecutor:
+    """Threads for the forward model, which lets go of the interpreter; a fork gets its own."""
+    return ThreadPoolExecutor(PARTS)
+
+
+class Candidate(NamedTuple):
+    """A model, its fit and its log evidence [nats]; `fit` is None where only its score is known."""
+
+    model: EffectModel
+    fit: Fit | None
+    log_evidence: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,27 +65,37 @@ class Problem:
     finger: Finger
     guess: NDArray[np.float64]
     setting: Setting
+    repaired: EffectModel | None = None
 
     @property
     def base(self) -> EffectModel:
-        """The model without any effect."""
-        return EffectModel(self.setting)
+        """The model that is diagnosed: without any effect, or as repaired before."""
+        return EffectModel(self.setting) if self.repaired is None else self.repaired
 
     def simulate(
         self, model: EffectModel, own: NDArray[np.float64], shared: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Angles (trial, joint, node) and derivatives (trial, joint, node, 4 · joint + p)."""
         trials = self.trials
-        return simulate_joint_angle_array(
-            own.reshape(len(own), trials.joints, OWN),
-            model.fill_slots(shared),
-            model.fill_tangents(shared),
-            self.finger,
-            trials.node.reshape(len(own), -1),
-            trials.load_time,
-            trials.load_torque,
-            tolerance=TOLERANCE,
-        )
+        own = own.reshape(len(own), trials.joints, OWN)
+        slots, tangents = model.fill_slots(shared), model.fill_tangents(shared)
+        node = trials.node.reshape(len(own), -1)
+
+        def run(part: NDArray[np.int64]) -> tuple[NDArray, NDArray]:
+            return simulate_joint_angle_array(
+                own[part],
+                SlotArrays(*(slot[part] for slot in slots)),
+                [SlotArrays(*(slot[part] for slot in tangent)) for tangent in tangents],
+                self.finger,
+                node[part],
+                trials.load_time[part],
+                trials.load_torque[part],
+                tolerance=TOLERANCE,
+            )
+
+        parts = np.array_split(np.arange(len(own)), min(PARTS, len(own)))
+        angle, slope = zip(*_open_pool(os.getpid()).map(run, parts), strict=True)
+        return np.concatenate(angle), np.concatenate(slope)
 
     def linearise(
         self, model: EffectModel, own: NDArray[np.float64], shared: NDArray[np.float64]
@@ -116,24 +148,65 @@ class Problem:
             return None
 
 
-def pose_problem(angles: xr.Dataset) -> tuple[Problem, Fit]:
+def pose_problem(
+    angles: xr.Dataset, content: ModelFile | None = None, *, priors: bool = True
+) -> tuple[Problem, Fit]:
     """Prepare a campaign and fit the base model to it.
+
+    The base model is fitted as if the noise were white; the noise is then estimated from what it
+    leaves, which is smoother than the motion, so that quiet windows show nothing but noise.
 
     Parameters
     ----------
     angles
         The `angles` artifact.
+    content
+        A model file whose model takes the place of the base.
+    priors
+        Whether the file's priors count; they do not where they come from these recordings.
+
+    Raises
+    ------
+    Fault
+        The base model cannot be fitted.
     """
-    trials, noise = prepare_trials(angles)
+    noise = prepare_trials(angles)[1]
+    white = noise.assign(noise_autocorrelation=0.0 * noise["noise_autocorrelation"])
+    problem, fit = _fit_base(angles, *prepare_trials(angles, white), None)
+    left = predict_frames(problem, Candidate(problem.base, fit, fit.log_evidence), angles)
+    left = angles["joint_angle"].sel(trial=problem.trials.name).transpose(*LAYOUT) - left
+    noise = prepare_trials(angles.sel(trial=problem.trials.name).assign(joint_angle=left))[1]
+    problem, fit = _fit_base(angles, *prepare_trials(angles, noise), fit)
+    return (problem, fit) if content is None else _repair_base(problem, fit, content, priors=priors)
+
+
+def _repair_base(
+    problem: Problem, fit: Fit, content: ModelFile, *, priors: bool
+) -> tuple[Problem, Fit]:
+    known = build_model(content, problem.setting)
+    model = known if priors else build_model(content, problem.setting, priors=False)
+    start = np.clip(known.shared_prior[0], model.low, model.high)
+    again = problem.fit(model, (fit.own, start, fit.omega), steps=60)
+    if again is None:
+        raise Fault("the model of the model file cannot be fitted to these recordings")
+    return replace(problem, repaired=model), again
+
+
+def _fit_base(
+    angles: xr.Dataset, trials: Trials, noise: xr.Dataset, before: Fit | None
+) -> tuple[Problem, Fit]:
     guess = guess_own(trials)
     own = np.tile(guess.ravel(), (len(trials.name), 1))
     own[:, OWN - 1 :: OWN] = _first_angle(trials, guess)
+    omega = np.diag(np.tile(START_SPREAD, trials.joints) * np.ones(own.shape[1])) ** 2
+    start = (own, np.zeros(0), omega) if before is None else (before.own, np.zeros(0), before.omega)
     geometry = read_geometry(angles)
     unknown = describe_unknown_finger(trials.joints)
-    finger = unknown if geometry is None else describe_finger(geometry)
+    middle = (0.0 if geometry is None else geometry.link_length.sum() / 2, 0.0)
+    # ASSUME: the camera looks at the middle of the straight finger
+    finger = unknown if geometry is None else describe_finger(geometry, optical_centre=middle)
     problem = Problem(trials, noise, finger, guess, build_setting(angles, trials, own))
-    omega = np.diag(np.tile(START_SPREAD, trials.joints) * np.ones(own.shape[1])) ** 2
-    fit = problem.fit(problem.base, (own, np.zeros(0), omega), steps=60)
+    fit = problem.fit(problem.base, start, steps=60)
     if fit is None:
         raise Fault(
             "the base model cannot be fitted to these recordings: check that load and angles "
@@ -143,6 +216,27 @@ def pose_problem(angles: xr.Dataset) -> tuple[Problem, Fit]:
     if geometry is None:
         finger = finger._replace(inertia=compute_usual_inertia(setting))
     return replace(problem, setting=setting, finger=finger), fit
+
+
+def predict_frames(
+    problem: Problem, candidate: Candidate, angles: xr.Dataset
+) -> NDArray[np.float64]:
+    """Angles (trial, joint, frame) [rad] at every frame, each trial at its own mode."""
+    trials = problem.trials
+    own = candidate.fit.own.reshape(len(trials.name), trials.joints, OWN)
+    time = angles.sel(trial=trials.name)["time"].transpose("trial", "frame").values
+    forward = np.maximum.accumulate(np.where(np.isfinite(time), time, -np.inf), axis=1)
+    return simulate_joint_angle_array(
+        own,
+        candidate.model.fill_slots(candidate.fit.shared),
+        [],
+        problem.finger,
+        np.where(np.isfinite(time), forward, np.nan),
+        trials.load_time,
+        trials.load_torque,
+        gradient=False,
+        tolerance=TOLERANCE,
+    )[0]
 
 
 def compute_usual_inertia(setting: Setting) -> NDArray[np.float64]:

@@ -1,10 +1,10 @@
 """Every effect in every form, ranked by evidence.
 
-A form is scored by one linearisation from each of its starts; the promising ones are fitted, from
+A form is scored by one linearisation at each of its starts; the promising ones are fitted, from
 the best start, and freed of joints that they do not need.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -13,20 +13,17 @@ from numpy.typing import NDArray
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.effect import Setting
 from softfinger.mechanics.effects.model import EffectModel, Piece
-from softfinger.mismatch.problem import Problem
-from softfinger.population.mixed_effects_laplace import Fit, solve_linearised
+from softfinger.mismatch.columns import Block, ScoreColumns
+from softfinger.mismatch.problem import Candidate, Problem
+from softfinger.population.mixed_effects_laplace import solve_linearised
 
 FIRST_STEPS = 4  # linearisations before candidates are compared
+LEADING = 4  # effects whose best form is fitted however far it lies behind
+NEAR, NEAR_SHARE = 2.0, 0.7  # nats, or share of the best gain, within which a form is fitted
 REACH, REACH_SHARE = 20.0, 0.5  # nats, or share of the best gain, within which a fit goes on
-HOPELESS = -2.0  # nats: forms whose linearised gain is lower are not fitted; their score counts
+HOPELESS = -2.0  # nats: no form whose linearised gain is lower is fitted
 
-
-class Candidate(NamedTuple):
-    """A model, its fit and its log evidence [nats]; `fit` is None where only its score is known."""
-
-    model: EffectModel
-    fit: Fit | None
-    log_evidence: float
+Progress = Callable[[Iterable, str], Iterable]
 
 
 class Score(NamedTuple):
@@ -35,6 +32,11 @@ class Score(NamedTuple):
     model: EffectModel
     gain: float
     shared: NDArray[np.float64]
+
+    @property
+    def effect(self) -> str:
+        """Id of the effect that is scored."""
+        return self.model.pieces[-1].effect.id
 
 
 def list_pieces(setting: Setting) -> tuple[list[Piece], dict[str, str]]:
@@ -51,7 +53,10 @@ def list_pieces(setting: Setting) -> tuple[list[Piece], dict[str, str]]:
         if isinstance(forms, str):
             refused[effect.id] = forms
             continue
-        pieces += [Piece(effect, form, _places(form.parameters, setting)) for form in forms]
+        for form in forms:
+            pieces.append(Piece(effect, form, _places(form.parameters, setting)))
+            if form.local and setting.joints > 1:
+                pieces += [Piece(effect, form, ((j,),)) for j in range(setting.joints)]
     return pieces, refused
 
 
@@ -60,28 +65,34 @@ def _places(parameters: Iterable, setting: Setting) -> tuple[tuple[int, ...], ..
     joints = range(setting.joints)
     if "pair" in kinds:
         return tuple((j, k) for j in joints for k in (j - 1, j + 1) if 0 <= k < setting.joints)
+    if "neighbours" in kinds:
+        return tuple((j, j + 1) for j in joints[:-1])
     return tuple((j,) for j in joints) if "joint" in kinds else ()
 
 
-def score_piece(problem: Problem, origin: Candidate, piece: Piece) -> Score | None:
-    """Score one more piece: the best linearised gain over its starts; None if it has no motion.
+def score_pieces(problem: Problem, origin: Candidate, columns: ScoreColumns) -> list[Score]:
+    """Score every form that was collected, best first: the linearised gain from its best start.
 
     Places that the linearised model does not need are dropped.
     """
-    model = origin.model.extend(piece)
-    number = len(origin.model.pieces)
-    best = None
-    for start in model.list_starts(number):
-        shared = np.concatenate([origin.fit.shared, model.place_start(number, start)])
-        gram = problem.linearise(model, origin.fit.own, shared)
-        if not np.isfinite(gram).all():
-            continue
-        there = Linearised(gram, origin.fit.own, shared, origin.fit.omega)
-        smaller, evidence = drop_places(problem, model, there, rounds=0)
-        gain = evidence - origin.log_evidence
-        if best is None or gain > best.gain:
-            best = Score(smaller, gain, shared[model.match(smaller)])
-    return best
+    best: dict[Piece, tuple[float, Block]] = {}
+    for block in columns.blocks:
+        gain = _evaluate(problem, block.model, _stand(origin, columns, block), 0)
+        piece = block.model.pieces[-1]
+        if piece not in best or gain > best[piece][0]:
+            best[piece] = gain, block
+    scores = []
+    for _, block in best.values():
+        there = _stand(origin, columns, block)
+        smaller, evidence = drop_places(problem, block.model, there, rounds=0)
+        shared = block.shared[block.model.match(smaller)]
+        scores.append(Score(smaller, evidence - origin.log_evidence, shared))
+    return sorted(scores, key=lambda score: -score.gain)
+
+
+def _stand(origin: Candidate, columns: ScoreColumns, block: Block) -> "Linearised":
+    gram = columns.linearise(block)
+    return Linearised(gram, origin.fit.own, block.shared, origin.fit.omega)
 
 
 class Linearised(NamedTuple):
@@ -97,7 +108,7 @@ def drop_places(
     problem: Problem, model: EffectModel, there: Linearised, *, rounds: int
 ) -> tuple[EffectModel, float]:
     """Drop places of the last piece one by one while the linearised evidence rises."""
-    now, evidence = model, evaluate_without(problem, model, there, model, rounds)
+    now, evidence = model, _evaluate(problem, model, there, rounds)
     while True:
         last = len(now.pieces) - 1
         smaller = [
@@ -122,15 +133,19 @@ def evaluate_without(
     shift[d + absent, -1] = there.shared[absent]
     columns = np.concatenate([np.arange(d), d + kept, [len(shift) - 1]])
     gram = (shift.T @ there.gram @ shift)[:, columns[:, None], columns]
-    _, evidence = solve_linearised(
-        gram,
-        problem.build_prior(smaller),
-        problem.build_bounds(smaller),
-        (there.own, there.shared[kept]),
+    there = there._replace(gram=gram, shared=there.shared[kept])
+    return _evaluate(problem, smaller, there, rounds)
+
+
+def _evaluate(problem: Problem, model: EffectModel, there: Linearised, rounds: int) -> float:
+    return solve_linearised(
+        there.gram,
+        problem.build_prior(model),
+        problem.build_bounds(model),
+        (there.own, there.shared),
         there.omega,
         rounds=rounds,
-    )
-    return evidence
+    )[1]
 
 
 def prune(problem: Problem, candidate: Candidate) -> Candidate:
@@ -147,25 +162,32 @@ def prune(problem: Problem, candidate: Candidate) -> Candidate:
 
 
 def rank_pieces(
-    problem: Problem, origin: Candidate, pieces: Iterable[Piece]
+    problem: Problem, origin: Candidate, columns: ScoreColumns, progress: Progress
 ) -> tuple[list[Candidate], list[Score]]:
-    """Fit every promising piece on top of a fitted model, best first; and all scores.
+    """Fit every promising form on top of a fitted model, best first; and all scores.
 
-    Each gets a few linearisations; those that then stand within reach of the best go on until they
-    come to rest. One that does not come to rest is missing, not evidence against it.
+    Promising are the best forms of the leading effects, and every form whose score is near the best
+    fit so far. Each gets a few linearisations; those that then stand within reach of the best go on
+    until they come to rest. One that does not come to rest is missing, not evidence against it.
+    Forms that are not fitted count by their score.
     """
-    scores = [score_piece(problem, origin, piece) for piece in pieces]
-    scores = sorted((s for s in scores if s is not None), key=lambda s: -s.gain)
-    candidates = [
-        Candidate(s.model, None, origin.log_evidence + s.gain) for s in scores if s.gain < HOPELESS
-    ]
-    begun = []
-    for score in scores[: len(scores) - len(candidates)]:
-        start = origin.fit.own, score.shared, origin.fit.omega
-        fit = problem.fit(score.model, start, steps=FIRST_STEPS)
-        if fit is not None:
+    scores = score_pieces(problem, origin, columns)
+    leading = set(list(dict.fromkeys(s.effect for s in scores))[:LEADING])
+    begun, candidates, best = [], [], origin.log_evidence
+    for score in progress(scores, "fitting effects"):
+        gain = best - origin.log_evidence
+        near = score.gain >= max(0.0, gain - max(NEAR, NEAR_SHARE * gain))
+        fit = None
+        if near or (score.effect in leading and score.gain > HOPELESS):
+            leading.discard(score.effect)
+            start = origin.fit.own, score.shared, origin.fit.omega
+            fit = problem.fit(score.model, start, steps=FIRST_STEPS)
+            if fit is None:
+                continue
+            best = max(best, fit.log_evidence)
             begun.append((score.model, fit))
-    best = max((fit.log_evidence for _, fit in begun), default=origin.log_evidence)
+        else:
+            candidates.append(Candidate(score.model, None, origin.log_evidence + score.gain))
     reach = max(REACH, REACH_SHARE * (best - origin.log_evidence))
     for model, fit in begun:
         if fit.log_evidence < best - reach:

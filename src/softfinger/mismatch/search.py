@@ -1,17 +1,20 @@
 """Which effects together: forward addition, backward elimination, every model kept."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
+from dataclasses import replace
 from typing import NamedTuple
 
-from softfinger.mechanics.effects.model import EffectModel, Piece
-from softfinger.mismatch.problem import Problem
-from softfinger.mismatch.rank import Candidate, Score, list_pieces, prune, rank_pieces
+import numpy as np
+
+from softfinger.mechanics.effects.model import Piece
+from softfinger.mismatch.columns import ScoreColumns, collect_columns
+from softfinger.mismatch.problem import Candidate, Problem
+from softfinger.mismatch.rank import Progress, Score, prune, rank_pieces
 
 MOST_EFFECTS = 3
+FORM_ERROR = 0.02  # of what effects explain: what their textbook forms may leave to others
 RIVALS = 2  # sets of effects from which a further effect is tried
 RIVAL_NATS = 10.0  # behind the best, at most
-
-Progress = Callable[[Iterable, str], Iterable]
 
 
 class Search(NamedTuple):
@@ -44,16 +47,27 @@ class Search(NamedTuple):
     scores: list[Score]
 
 
-def search_effects(problem: Problem, base: Candidate, needed: float, progress: Progress) -> Search:
+def search_effects(
+    problem: Problem,
+    base: Candidate,
+    catalogue: tuple[list[Piece], dict[str, str]],
+    columns: ScoreColumns,
+    needed: float,
+    progress: Progress,
+) -> Search:
     """Add effects while the best addition gains more than `needed` nats; then eliminate.
 
     Parameters
     ----------
+    catalogue
+        Every form that the campaign allows, and why it refuses the other effects.
+    columns
+        Of the catalogue, on top of the base model.
     needed
         Gain [nats] that chance exceeds in 1 % of campaigns, over the whole catalogue.
     """
-    pieces, refused = list_pieces(problem.setting)
-    singles, scores = rank_pieces(problem, base, progress(pieces, "trying effects"))
+    pieces, refused = catalogue
+    singles, scores = rank_pieces(problem, base, columns, progress)
     found, larger = list(singles), []
     fitted = [c for c in singles if c.fit is not None]
     best = max(fitted, key=lambda c: c.log_evidence, default=base)
@@ -64,17 +78,29 @@ def search_effects(problem: Problem, base: Candidate, needed: float, progress: P
         larger = []
         for rival in _list_rivals(found, len(best.model.ids)):
             more = [p for p in pieces if p.effect.id not in rival.model.ids]
-            added, _ = rank_pieces(problem, rival, progress(_compatible(rival, more), "adding"))
-            larger += added
+            more = progress(_compatible(rival, more), "trying effects")
+            columns = collect_columns(problem, rival, more)
+            larger += rank_pieces(problem, rival, columns, progress)[0]
         fitted = [c for c in larger if c.fit is not None]
         top = max(fitted, key=lambda c: c.log_evidence, default=best)
-        if top.log_evidence - best.log_evidence <= needed:
+        more = require_gain(needed, best.log_evidence - base.log_evidence, pieces)
+        if top.log_evidence - best.log_evidence <= more:
             break
         found += larger
         larger = []
-        best = _eliminate(problem, top, needed, found)
+        best = _eliminate(problem, top, more, found)
     found.sort(key=lambda c: -c.log_evidence)
     return Search(base, found, larger, best, first_gain, refused, scores)
+
+
+def require_gain(needed: float, explained: float, pieces: list[Piece]) -> float:
+    """Gain [nats] that a further effect must bring to be believed.
+
+    As much as a first one, and what it costs that there are so many more pairs than effects; and
+    more than the error that the textbook forms of the effects before may have.
+    """
+    effects = len({piece.effect.id for piece in pieces})
+    return needed + float(np.log(max(effects, 1))) + FORM_ERROR * max(explained, 0.0)
 
 
 def _list_rivals(found: list[Candidate], size: int) -> list[Candidate]:
@@ -104,11 +130,12 @@ def _eliminate(
     problem: Problem, candidate: Candidate, needed: float, found: list[Candidate]
 ) -> Candidate:
     """Drop effects whose absence costs less than `needed` nats; each smaller model is kept."""
-    while len(candidate.model.pieces) > 1:
+    fixed = problem.base.ids
+    while len(candidate.model.ids - fixed) > 1:
         smaller = []
-        for piece in candidate.model.pieces:
+        for piece in (p for p in candidate.model.pieces if p.effect.id not in fixed):
             kept = tuple(p for p in candidate.model.pieces if p is not piece)
-            model = EffectModel(problem.setting, kept)
+            model = replace(candidate.model, pieces=kept)
             shared = candidate.fit.shared[candidate.model.match(model)]
             fit = problem.fit(model, (candidate.fit.own, shared, candidate.fit.omega))
             if fit is not None and fit.converged:

@@ -5,37 +5,12 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import norm
 
-from softfinger.mechanics.forward.simulate import simulate_joint_angle_array
 from softfinger.mismatch.locate import PARAMETERS
-from softfinger.mismatch.problem import OWN, TOLERANCE, Problem
-from softfinger.mismatch.rank import Candidate
+from softfinger.mismatch.problem import OWN, Candidate, Problem, predict_frames
 from softfinger.mismatch.verdict import Elpd
 from softfinger.population.mixed_effects_loo import compute_left_out
 
 NOISE_VARIANCE_SD = 0.02  # how well a bin's noise variance is known, relatively
-
-
-def predict_frames(
-    problem: Problem, candidate: Candidate, angles: xr.Dataset
-) -> NDArray[np.float64]:
-    """Angles (trial, joint, frame) [rad] at every frame, each trial at its own mode."""
-    trials = problem.trials
-    own = candidate.fit.own.reshape(len(trials.name), trials.joints, OWN)
-    time = angles.sel(trial=trials.name)["time"].transpose("trial", "frame").values
-    forward = np.maximum.accumulate(np.where(np.isfinite(time), time, -np.inf), axis=1)
-    time = np.where(np.isfinite(time), forward, np.nan)
-    angle, _ = simulate_joint_angle_array(
-        own,
-        candidate.model.fill_slots(candidate.fit.shared),
-        [],
-        problem.finger,
-        time,
-        trials.load_time,
-        trials.load_torque,
-        gradient=False,
-        tolerance=TOLERANCE,
-    )
-    return angle
 
 
 def compute_residual(

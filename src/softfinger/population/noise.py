@@ -13,6 +13,7 @@ References
 Patterson, Thompson (1971), Biometrika 58, 545, doi:10.1093/biomet/58.3.545.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -26,6 +27,7 @@ from softfinger.population.frames import select_frames
 WINDOW_FRAMES = 200
 LEAST_WINDOW_FRAMES = 25
 DEGREE = 4
+DIFFERENT = 9.0  # of −2 log L for each further ρ (3 sd) from which joints do not share one
 SHARE_UNSETTLED = 0.2  # of the time between two changes of load, counted from the first
 
 
@@ -51,15 +53,17 @@ def estimate_noise(angles: xr.Dataset, frames: xr.Dataset | None = None) -> xr.D
     joints = angles.sizes["joint"]
     declared = float(angles.attrs.get("noise_sd_rad", np.nan))
     windows = [_cut_windows(angles, frames, joint) for joint in range(joints)]
-    fits = [_fit_joint(joint_windows, declared) for joint_windows in windows]
-    correlation = _correlate_joints(windows, [fit[1] for fit in fits])
+    fits = _share_autocorrelation(
+        [_fit_joint(joint_windows, declared) for joint_windows in windows], declared
+    )
+    correlation = _correlate_joints([fit[2] for fit in fits], [fit[1] for fit in fits])
     coords = {"joint": angles["joint"].values, "other_joint": angles["joint"].values}
     return xr.Dataset(
         {
             "noise_sd": ("joint", np.array([fit[0] for fit in fits])),
             "noise_autocorrelation": ("joint", np.array([fit[1] for fit in fits])),
             "noise_correlation": (("joint", "other_joint"), correlation),
-            "window_count": ("joint", np.array([fit[2] for fit in fits])),
+            "window_count": ("joint", np.array([len(fit[2].start) - 1 for fit in fits])),
         },
         coords=coords,
     )
@@ -223,31 +227,57 @@ def _split_quiet(index: NDArray, quiet: NDArray[np.bool_]) -> list[NDArray]:
     return [window for window in windows if len(window) >= LEAST_WINDOW_FRAMES]
 
 
-def _fit_joint(windows: _Windows, declared: float) -> tuple[float, float, int]:
-    """Fit σ and ρ, then once more without the windows that move three times as much as most."""
+def _fit_joint(windows: _Windows, declared: float) -> tuple[float, float, _Windows]:
+    """Fit σ and ρ, then once more in the calm windows: not three times as lively as most."""
     if windows.dof <= 0:
-        return declared, np.nan, 0
+        return declared, np.nan, windows
     sd, rho = _maximise_reml(windows, declared)
     rss, _ = _profile_windows(rho, *windows[:3], np.empty(len(windows.rows)))
     variance = rss / (np.diff(windows.start) - DEGREE - 1)
     calm = windows.keep(variance <= 3 * np.median(variance))
     sd, rho = _maximise_reml(calm, declared)
-    return sd, rho, len(calm.start) - 1
+    return sd, rho, calm
+
+
+def _share_autocorrelation(
+    fits: list[tuple[float, float, _Windows]], declared: float
+) -> list[tuple[float, float, _Windows]]:
+    """Let joints share one ρ, as what one camera sees would, unless the windows say otherwise."""
+    known = [fit[2] for fit in fits if fit[2].dof > 0]
+    if len(known) < 2:
+        return fits
+
+    def deviance(logit: float) -> float:
+        return sum(_evaluate_reml(windows, _squash(logit), declared)[0] for windows in known)
+
+    rho = _squash(_minimise(deviance))
+    shared = [
+        (_evaluate_reml(fit[2], rho, declared)[1], rho, fit[2]) if fit[2].dof > 0 else fit
+        for fit in fits
+    ]
+    apart, together = (
+        sum(_evaluate_reml(fit[2], fit[1], declared)[0] for fit in some if fit[2].dof > 0)
+        for some in (fits, shared)
+    )
+    return fits if together - apart > DIFFERENT * (len(known) - 1) else shared
 
 
 def _maximise_reml(windows: _Windows, declared: float) -> tuple[float, float]:
-    residual = np.empty(len(windows.rows))
+    rho = _squash(_minimise(lambda logit: _evaluate_reml(windows, _squash(logit), declared)[0]))
+    return _evaluate_reml(windows, rho, declared)[1], rho
 
-    def deviance(logit: float) -> float:
-        rss, logdet = _profile_windows(_squash(logit), *windows[:3], residual)
-        variance = declared**2 if np.isfinite(declared) else rss.sum() / windows.dof
-        return windows.dof * np.log(variance) + logdet + rss.sum() / variance
 
-    best = minimize_scalar(deviance, bounds=(-7.0, 7.6), method="bounded", options={"xatol": 1e-3})
-    rho = _squash(best.x)
-    rss, _ = _profile_windows(rho, *windows[:3], residual)
-    sd = declared if np.isfinite(declared) else float(np.sqrt(rss.sum() / windows.dof))
-    return sd, rho
+def _evaluate_reml(windows: _Windows, rho: float, declared: float) -> tuple[float, float]:
+    """−2 log L at ρ and the best σ, and that σ."""
+    rss, logdet = _profile_windows(rho, *windows[:3], np.empty(len(windows.rows)))
+    variance = declared**2 if np.isfinite(declared) else rss.sum() / windows.dof
+    return windows.dof * np.log(variance) + logdet + rss.sum() / variance, float(np.sqrt(variance))
+
+
+def _minimise(deviance: Callable[[float], float]) -> float:
+    return float(
+        minimize_scalar(deviance, bounds=(-7.0, 7.6), method="bounded", options={"xatol": 1e-3}).x
+    )
 
 
 def _squash(logit: float) -> float:
@@ -255,7 +285,7 @@ def _squash(logit: float) -> float:
 
 
 def _correlate_joints(windows: list[_Windows], autocorrelation: list[float]) -> NDArray:
-    """Correlation of the whitened leftovers of each pair of joints over frames they share."""
+    """Correlation of the whitened leftovers of two joints over the calm frames that they share."""
     leftover = []
     for part, rho in zip(windows, autocorrelation, strict=True):
         residual = np.empty(len(part.rows))

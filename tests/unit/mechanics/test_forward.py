@@ -122,6 +122,16 @@ def test_what_cannot_be_integrated_is_nan_and_the_other_trials_stay(parameters, 
     assert np.isfinite(angles.isel(trial=[0, 1, 3, 4])).all()
 
 
+def test_knots_that_rounding_keeps_apart_are_a_jump(parameters, geometry):
+    both = [
+        simulate_joint_angle(
+            parameters, describe_finger(geometry), TIME, [0.0, 5.0, 5.0 + gap], [0.0, 0.0, 0.04]
+        ).joint_angle
+        for gap in (0.0, 1e-15)
+    ]
+    assert both[1].to_numpy() == pytest.approx(both[0].to_numpy(), abs=1e-12)
+
+
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [

@@ -30,6 +30,7 @@ def test_a_window_that_jumps_is_left_out(make_campaign, rng):
     angles["joint_angle"][3, :, 400:] += 0.2
     found = estimate_noise(angles)
     assert found["noise_sd"].values == pytest.approx(noise["noise_sd"].values, rel=0.08)
+    assert found["noise_correlation"].values[0, 1] == pytest.approx(-0.5, abs=0.05)
     assert (
         found["window_count"] < estimate_noise(angles.isel(trial=[0]))["window_count"] * 12
     ).all()
@@ -66,3 +67,10 @@ def test_whitened_rows_give_the_inverse_correlation():
     white, logdet = whiten_array(np.eye(4), gap, 0.7)
     assert white.T @ white == pytest.approx(np.linalg.inv(correlation))
     assert logdet == pytest.approx(np.linalg.slogdet(correlation)[1])
+
+
+def test_joints_share_one_autocorrelation_unless_it_plainly_differs(make_campaign, rng):
+    alike, _, _ = make_campaign(rng, trials=6, time=np.arange(500) / 30, rho=0.0)
+    assert np.ptp(estimate_noise(alike)["noise_autocorrelation"].values) == 0.0
+    apart, _, _ = make_campaign(rng, trials=6, time=np.arange(500) / 30, rho=0.9)
+    assert np.ptp(estimate_noise(apart)["noise_autocorrelation"].values) > 0.1

@@ -28,7 +28,8 @@ class Parameter:
     mean, sd
         Prior on the internal scale.
     per
-        One for the chain, for each joint, or for each ordered pair of neighbouring joints.
+        One for the chain, for each joint, for each ordered pair of neighbouring joints, or for each
+        two neighbours alike.
     log
         The internal scale is the natural logarithm.
     low, high
@@ -48,7 +49,7 @@ class Parameter:
     name: str
     mean: float = 0.0
     sd: float = 1.0
-    per: Literal["chain", "joint", "pair"] = "chain"
+    per: Literal["chain", "joint", "pair", "neighbours"] = "chain"
     log: bool = False
     low: float = -np.inf
     high: float = np.inf
@@ -145,20 +146,19 @@ class Form:
         In the order in which they are fitted.
     slots
         Physical values → slots: a chain parameter comes as (), a joint parameter as (joint,), a
-        pair parameter as (joint, other joint); joints outside the fitted set hold 0.
+        pair parameter as (joint, other joint), one of neighbours with the lower joint first; joints
+        outside the fitted set hold 0.
     covariate
         The covariate it depends on.
+    local
+        Chain parameters that may act on a single joint instead of all alike.
     """
 
     name: str
     parameters: tuple[Parameter, ...]
     slots: Callable[[Values], dict[str, NDArray[np.float64]]]
     covariate: str | None = None
-
-    @property
-    def by_joint(self) -> bool:
-        """Whether the form can be tied to single joints."""
-        return any(p.per == "joint" for p in self.parameters)
+    local: bool = False
 
 
 @dataclass(frozen=True)

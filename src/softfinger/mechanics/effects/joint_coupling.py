@@ -10,8 +10,7 @@ def _build_forms(setting: Setting) -> list[Form] | str:
         return "there is only one joint"
     stiffness = float(np.median(setting.stiffness))
     share = signed("coupling", 0.1, per="pair", floor=2e-3)
-    mutual = signed("coupling_mutual", 0.1, floor=2e-3)
-    near = np.eye(setting.joints, k=1) + np.eye(setting.joints, k=-1)
+    mutual = signed("coupling", 0.1, per="neighbours", floor=2e-3)
 
     def torque(values: Values) -> dict:
         return {"coupling_stiffness": values["coupling"] * stiffness}
@@ -23,7 +22,8 @@ def _build_forms(setting: Setting) -> list[Form] | str:
         return {"coupling_kinematic": values["coupling"]}
 
     def mutual_torque(values: Values) -> dict:
-        return {"coupling_stiffness": values["coupling_mutual"] * near * stiffness}
+        both = values["coupling"] + values["coupling"].T
+        return {"coupling_stiffness": both * stiffness}
 
     return [
         Form("mutual_torque", (mutual,), mutual_torque),

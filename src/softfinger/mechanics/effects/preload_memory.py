@@ -32,16 +32,25 @@ def _build_forms(setting: Setting) -> list[Form]:
     def kept(values: Values) -> dict:
         return {"initial_angle": values["residual_strain_share"] * before}
 
+    def fade(values: Values) -> np.ndarray:
+        return np.exp(-setting.rest_time / float(values["memory_time_s"]))[:, None]
+
     def fading(values: Values) -> dict:
-        decay = np.exp(-setting.rest_time / float(values["memory_time_s"]))
-        return {"initial_angle": values["residual_strain_share"] * before * decay[:, None]}
+        return {"initial_angle": values["residual_strain_share"] * before * fade(values)}
+
+    def fading_usual(values: Values) -> dict:
+        return {"initial_angle": values["residual_strain_share"] * usual * fade(values)}
 
     forms = [Form("same_in_all_joints", (common,), constant), Form("constant", (share,), constant)]
-    if setting.trials > 1 and np.any(np.abs(before) > REMAINS * usual):
+    remembered = setting.trials > 1 and bool(np.any(np.abs(before) > REMAINS * usual))
+    if remembered:
         forms.append(Form("kept_from_trial_before", (share,), kept))
-        if np.isfinite(setting.rest_time).all() and np.ptp(setting.rest_time) > 0:
-            longest = 5 * max(setting.rest_time.max(), setting.duration)
-            memory = time_constant("memory_time_s", setting.duration / 10, longest, starts=2)
+    rest = setting.rest_time[1:]
+    if rest.size > 1 and np.isfinite(rest).all() and np.ptp(rest) > 0:
+        longest = 5 * max(rest.max(), setting.duration)
+        memory = time_constant("memory_time_s", setting.duration / 10, longest, starts=2)
+        forms.append(Form("usual_fading_with_rest", (share, memory), fading_usual))
+        if remembered:
             forms.append(Form("fading_with_rest", (share, memory), fading))
     return forms
 

@@ -30,7 +30,10 @@ def _build_forms(setting: Setting) -> list[Form] | str:
     def power_law(values: Values) -> dict:
         return {"flow_power": values["extra_power"], "flow_reference": setting.torque}
 
-    return [Form("sinh", (bend,), sinh), Form("power", (power,), power_law)]
+    return [
+        Form("sinh", (bend,), sinh, local=True),
+        Form("power", (power,), power_law, local=True),
+    ]
 
 
 EFFECT = Effect(

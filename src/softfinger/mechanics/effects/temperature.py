@@ -27,7 +27,7 @@ def _build_form(name: str, target: str, setting: Setting) -> Form:
         shift = -values[slope.name] * centred[:, None] * np.ones(setting.joints)
         return dict.fromkeys(TARGETS[target], shift)
 
-    return Form(f"{target}_with_{name}", (slope,), slots, covariate=name)
+    return Form(f"{target}_with_{name}", (slope,), slots, covariate=name, local=True)
 
 
 def _build_forms(setting: Setting) -> list[Form] | str:

@@ -18,7 +18,7 @@ def _build_form(kind: str, setting: Setting) -> Form:
             "yield_jump": float(kind == "whole_torque"),
         }
 
-    return Form(kind, (threshold,), slots)
+    return Form(kind, (threshold,), slots, local=True)
 
 
 def _build_forms(setting: Setting) -> list[Form] | str:

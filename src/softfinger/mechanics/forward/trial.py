@@ -32,6 +32,7 @@ _DELAY, _LAG = CHAIN_SLOTS.index("delay"), CHAIN_SLOTS.index("lag")
 _WIDTH, _DRIVER = CHAIN_SLOTS.index("friction_width"), CHAIN_SLOTS.index("friction_driver")
 _INERTIA = CHAIN_SLOTS.index("inertia_scale")
 _MAX_STEPS = 20_000
+_INSTANT = 1e-12  # [s] knots that rounding alone keeps apart are a jump
 _VALUE, _SLOPE, _ACTING = range(3)
 
 
@@ -62,12 +63,12 @@ def run_trial(
         if knot >= 0:
             jump = load_torque[knot] - load[_VALUE]
             load[_VALUE], load[_SLOPE] = load_torque[knot], 0.0
-            if knot < last and end > now:
+            if knot < last and end - now > _INSTANT:
                 load[_SLOPE] = (load_torque[knot + 1] - load_torque[knot]) / (end - now)
             _jump(model, work, load, jump)
         if frame >= frames:
             break
-        if end > now:
+        if end - now > _INSTANT:
             frame = _run_segment(
                 model, work, time[:frames], frame, now, end, load, d_acting,
                 tolerance, longest, angle, gradient,
@@ -133,7 +134,7 @@ def _run_segment(
     step = end - now if straight else min(longest, _first_step(model, work, tolerance))
     while now < end:
         steps += 1
-        if steps > _MAX_STEPS or not step > 1e-12:
+        if steps > _MAX_STEPS or not step > _INSTANT:
             return -1
         final = now + step * 1.001 >= end
         length = end - now if final else step
