@@ -1,5 +1,6 @@
 # The proof: conceal physics in campaigns, seal what was concealed, diagnose blind, open, score.
 import hashlib
+import sys
 from pathlib import Path
 
 from snakemake.utils import min_version, validate
@@ -20,6 +21,10 @@ SUITE = {key: config[key] for key in ("campaigns", "filmed", "sampled", "longest
 CASES = {
     hashlib.sha256(f"{config['seed']}/{k}".encode()).hexdigest()[:10]: k
     for k in range(config["campaigns"])
+}
+REAL = Path(config["measured"]["folder"])
+KNOWN = {
+    n: known for n, known in config["measured"]["known"].items() if (REAL / n).is_dir()
 }
 TEXTS = ("salt", "seal", "digest")
 

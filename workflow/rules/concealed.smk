@@ -36,6 +36,39 @@ rule diagnose_blind:
         "../scripts/diagnose_blind.py"
 
 
+rule diagnose_measured:
+    input:
+        campaign=REAL / "{recording}",
+    output:
+        diagnosis=directory(OUT / "measured/{recording}"),
+        answer=OUT / "measured/{recording}.json",
+        digest=OUT / "measured/{recording}.txt",
+    log:
+        OUT / "logs/measured_{recording}.log",
+    params:
+        patience_s=config["patience_s"],
+        code=code_hash("diagnose_blind") + code_hash("diagnose"),
+    message:
+        "Diagnose the real recordings {wildcards.recording}"
+    script:
+        "../scripts/diagnose_blind.py"
+
+
+rule rivals:
+    input:
+        OUT / "diagnosis/{case}",
+    output:
+        OUT / "rivals/{case}.json",
+    log:
+        OUT / "logs/rivals_{case}.log",
+    params:
+        python=sys.executable,
+    message:
+        "Ask two rivals about campaign {wildcards.case}"
+    shell:
+        "{params.python} -m benchmarks._rivals {input}/angles.nc {output} 2> {log}"
+
+
 rule score:
     input:
         **{
@@ -45,6 +78,8 @@ rule score:
             ]
             for part in (*TEXTS, "truth", "answer")
         },
+        rivals=[OUT / f"rivals/{case}.json" for case in CASES],
+        measured=[OUT / f"measured/{name}.json" for name in KNOWN],
         diagnoses=[OUT / f"diagnosis/{case}" for case in CASES],
     output:
         score=OUT / "score.html",
@@ -54,6 +89,7 @@ rule score:
         OUT / "logs/score.log",
     params:
         seed=config["seed"],
+        known=config["measured"],
         code=code_hash("score"),
     message:
         "Open the seals and score the answers"

@@ -39,6 +39,23 @@ def _tabulate(name: str, truth: Mapping, answer: Mapping) -> dict:
     }
 
 
+def tabulate_measured(name: str, known: str, answer: Mapping) -> dict:
+    """Row of a real recording: right if exactly what is known is named, or so decided."""
+    verdict = answer["verdict"]
+    ids = {effect["id"] for effect in verdict["effects"]}
+    expected = set(known.split(" + "))
+    return {
+        "campaign": name,
+        "truth": f"{known} (known)",
+        "answer": describe_answer(verdict),
+        "reason": answer["reason"] or "",
+        "right": verdict["decision"] == known
+        or (verdict["decision"] == "named" and ids == expected),
+        "seconds": answer["seconds"],
+        "cpu_seconds": answer["cpu_seconds"],
+    }
+
+
 def describe_truth(truth: Mapping) -> str:
     """Name what was concealed, with its joints."""
     names = [
@@ -59,7 +76,7 @@ def describe_answer(verdict: Mapping) -> str:
         e["id"] + (f" (joint {e['joints'][0]})" if len(e["joints"]) == 1 else "")
         for e in verdict["effects"]
     )
-    sets = "; ".join(" | ".join(group) for group in verdict["equivalent"])
+    sets = "; ".join(" or ".join(group) for group in verdict["equivalent"])
     words = verdict["decision"]
     if verdict["decision"] != "ambiguous" and names:
         words += f": {names}"

@@ -26,7 +26,7 @@ from softfinger.report.blocks import (
     number,
     text,
 )
-from softfinger.report.formatting import format_number, format_percent
+from softfinger.report.formatting import fix, format_number, format_percent
 from softfinger.report.page import render_page
 
 # statistic → (meaning, goal, whether more is better)
@@ -244,9 +244,9 @@ def _tell_buried(proof: Proof) -> list[Section]:
 
 
 COLUMNS = {
-    "campaign": "campaign", "truth": "concealed", "protocol": "protocol", "trials": "trials",
-    "noise": "noise", "oracle_nats": "oracle [nats]", "answer": "answered", "right": "right",
-    "contains": "in the set", "cpu_seconds": "CPU [s]", "seconds": "wall [s]", "reason": "reason",
+    "truth": "concealed", "oracle_nats": "oracle [nats]", "answer": "answered", "right": "right",
+    "contains": "in the set", "campaign": "campaign", "protocol": "protocol", "trials": "trials",
+    "noise": "noise", "cpu_seconds": "CPU [s]", "seconds": "wall [s]", "reason": "reason",
 }  # fmt: skip
 
 
@@ -284,7 +284,7 @@ def _cell(value: object) -> Cell:
     if isinstance(value, bool):
         return text("yes" if value else "no")
     if isinstance(value, int | float):
-        return number(format_number(value), value)
+        return number(fix(value, 0) if abs(value) >= 100 else format_number(value), value)
     return text(value)
 
 

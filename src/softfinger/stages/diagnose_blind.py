@@ -9,10 +9,17 @@ from softfinger.concealed.blind import write_answer
 
 
 def diagnose_blind(
-    *, campaign: Path, seal: Path, diagnosis: Path, answer: Path, digest: Path, patience_s: float
+    *,
+    campaign: Path,
+    diagnosis: Path,
+    answer: Path,
+    digest: Path,
+    patience_s: float,
+    seal: Path | None = None,
 ) -> None:
-    """Diagnose a campaign whose truth is sealed; write the answer and its digest."""
-    print(f"sealed before: {Path(seal).read_text(encoding='utf-8').strip()}")
+    """Diagnose a campaign, whose truth is sealed if it has one; write the hashed answer."""
+    if seal is not None:
+        print(f"sealed before: {Path(seal).read_text(encoding='utf-8').strip()}")
     found = run_blind(Path(campaign), Path(diagnosis), patience_s)
     written = write_answer(found, Path(answer), Path(digest))
     print(f"answered: SHA-256 of the answer is {written}")

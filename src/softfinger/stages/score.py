@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -16,7 +17,7 @@ from softfinger.concealed.blind import read_answer
 from softfinger.concealed.score import collect_benchmarks, shuffle_truths
 from softfinger.concealed.score import score as score_verdicts
 from softfinger.concealed.seal import open_seal
-from softfinger.concealed.table import tabulate_cases
+from softfinger.concealed.table import tabulate_cases, tabulate_measured
 from softfinger.report.concealed import Proof, render_proof
 
 Paths = Sequence[Path]
@@ -29,20 +30,27 @@ def score(
     seal: Paths,
     answer: Paths,
     digest: Paths,
+    rivals: Paths,
+    measured: Paths,
     diagnoses: Paths,
     score: Path,
     table: Path,
     figures: Path,
     seed: int,
+    known: Mapping[str, Any],
 ) -> None:
     """Write the page of the proof, its table and its benchmark figures.
 
     Parameters
     ----------
-    truth, salt, seal, answer, digest, diagnoses
+    truth, salt, seal, answer, digest, rivals, diagnoses
         Files and folders of every campaign, in one order.
+    measured
+        Answers to the real recordings that are there.
     score, table, figures
         The page, the table of campaigns (CSV) and key → number (JSON), which are written.
+    known
+        The `folder` of the real recordings, and what is `known` of each.
     """
     names = [Path(path).stem for path in truth]
     seals, digests = [_read_line(path) for path in seal], [_read_line(path) for path in digest]
@@ -58,10 +66,10 @@ def score(
         Proof(
             seed=seed,
             score=scored,
-            rivals={},
+            rivals=_score_rivals(rivals, truths),
             cases=cases,
             seals=list(zip(names, seals, digests, strict=True)),
-            measured="No real recordings were diagnosed in this run.",
+            measured=_tabulate_measured(measured, known),
             buried=_find_buried(cases, verdicts, diagnoses),
         )
     )
@@ -77,14 +85,30 @@ def _score(
     return scored.assign(cpu_seconds=spent).assign_attrs(source="synthetic", chance=chance)
 
 
+def _score_rivals(rivals: Paths, truths: Sequence[dict]) -> dict[str, xr.Dataset]:
+    said = [json.loads(Path(path).read_text(encoding="utf-8")) for path in rivals]
+    names = {"loo": "frame-wise LOO", "bic": "per-trial BIC"}
+    return {
+        name: score_verdicts([answer[key] for answer in said], truths)
+        for key, name in names.items()
+    }
+
+
+def _tabulate_measured(answers: Paths, known: Mapping[str, Any]) -> list[dict] | str:
+    if not answers:
+        return f"Skipped: the folder {known['folder']} with the real recordings is not there."
+    said = {Path(path).stem: json.loads(Path(path).read_text("utf-8")) for path in answers}
+    return [tabulate_measured(name, known["known"][name], found) for name, found in said.items()]
+
+
 def _find_buried(
     cases: Sequence[Mapping], verdicts: Sequence[dict], diagnoses: Paths
 ) -> tuple[str, str, xr.Dataset] | None:
-    """Return the named case with the most evidence of those whose residual is at the noise."""
-    masked = [k for k, case in enumerate(cases) if case["masked"] and case["right"]]
+    """Return a case that was found although its residual is at the noise: the strongest."""
+    masked = [k for k, case in enumerate(cases) if case["masked"] and case["contains"]]
     if not masked:
         return None
-    k = max(masked, key=lambda k: cases[k]["oracle_nats"])
+    k = max(masked, key=lambda k: (cases[k]["right"], cases[k]["oracle_nats"]))
     case = cases[k]
     said = " ".join(effect["statement"] for effect in verdicts[k]["effects"])
     sentence = (
