@@ -41,6 +41,9 @@ MARGINS = (1.5, 2.5, 4.0)
 LARGEST_WINDOW = 20_000  # pixels: a radius of about 75
 
 _SIZE = len(PARAMETERS)
+# Where noise is strong and the picture sharp, whole steps may go to and fro for ever. Shorter and
+# shorter ones end in the middle, and a spread that still wavers does the centre no harm.
+_WHOLE_STEPS = 8
 _SMALLEST_RADIUS = 1.0
 _MOST_GROWTH = 2.5  # radii of the start: what grows or strays further is no disc of that kind
 _FEWEST_RIM, _FEWEST_FLAT = 12, 8
@@ -89,7 +92,7 @@ def fit_disc_array(
     quality[:] = np.nan
     widest = _MOST_GROWTH * p[RADIUS]
     first_x, first_y = p[X], p[Y]
-    for _ in range(iterations):
+    for k in range(iterations):
         count = linearise_window_array(picture, weight, p, margin, others, own, rows, side)
         if count <= 0:
             return False
@@ -102,14 +105,16 @@ def fit_disc_array(
             step[a] = 0.0
             for b in range(_SIZE):
                 step[a] += inverse[a, b] * products[_SIZE, b]
-        moved = max(math.hypot(step[X], step[Y]), abs(step[RADIUS]), abs(step[SPREAD]))
+        whole = k < _WHOLE_STEPS
+        moved = math.hypot(step[X], step[Y])
+        reshaped = max(abs(step[RADIUS]), abs(step[SPREAD])) if whole else 0.0
         share = min(
-            1.0,
+            1.0 if whole else 1.0 / (k - _WHOLE_STEPS + 2),
             0.5 * p[RADIUS] / max(moved, 1e-9),
             0.3 * p[RADIUS] / max(abs(step[RADIUS]), 1e-9),
             0.5 * p[SPREAD] / max(abs(step[SPREAD]), 1e-9),
         )
-        last = moved < LAST_STEP * p[SPREAD]
+        last = max(moved, reshaped) < LAST_STEP * p[SPREAD]
         _take_step(p, step, share)
         strayed = math.hypot(p[X] - first_x, p[Y] - first_y) > widest
         if strayed or p[RADIUS] > widest or p[SPREAD] > 0.5 * widest:
