@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from softfinger.estimation.predictive import draw_prior, predict_new_trials, predict_trials
 from softfinger.population.covariance import correlate_partials_array
-from softfinger.population.integrate import compute_integrated_log_likelihood
 from softfinger.population.likelihood import PARAMETERS
 
 if TYPE_CHECKING:
@@ -62,14 +61,14 @@ def build_tree(
     prepared: "Preparation",
     posterior: xr.Dataset,
     stats: xr.Dataset,
+    scores: tuple[xr.DataArray, xr.Dataset],
     config: Mapping[str, Any],
     rng: np.random.Generator,
 ) -> xr.DataTree:
-    """Lay the fit out in ArviZ's groups, with predictions and the integrated likelihood."""
-    frames, collapse, prior_constants, pilot, coords = prepared
+    """Lay the fit out in ArviZ's groups, with predictions and the trials' scores."""
+    frames, collapse, prior_constants, _, coords = prepared
     prior = name_draws(draw_prior(prior_constants, len(coords["joint"]), rng), coords)
     draws = config["predictive_draws"]
-    integrated = compute_integrated_log_likelihood(collapse, pilot.modes, posterior, rng)
     observed = angles[["joint_angle", "time"]].transpose("trial", "joint", "frame")
     groups = {
         "posterior": posterior,
@@ -79,7 +78,8 @@ def build_tree(
         "posterior_predictive": predict_trials(angles, frames, posterior, draws, rng).merge(
             predict_new_trials(angles, frames, posterior, draws, rng)
         ),
-        "log_likelihood": integrated.to_dataset(),
+        "log_likelihood": scores[0].to_dataset(name="recording"),
+        "leave_one_out": scores[1],
         "observed_data": observed.reset_coords(drop=True),
         "constant_data": _describe_constants(angles, frames, prior_constants),
     }

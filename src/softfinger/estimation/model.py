@@ -166,13 +166,13 @@ def _draw_partials(joints: int) -> TensorVariable:
 
 def gather_data(collapse: Collapse, pilot: Pilot) -> dict[str, NDArray]:
     """Gather everything that the compiled model reads and that another campaign replaces."""
-    return {
+    data = {
         "place": collapse.table.place,
         "table_value": collapse.table.value,
         "table_slope": collapse.table.slope,
         "products": collapse.products,
         "first_row": collapse.first,
-        "pattern": collapse.pattern,
+        "pattern": collapse.pattern.astype(np.int32),
         "patterns": collapse.patterns,
         "gap": collapse.gap,
         "total": count_patterns(collapse),
@@ -182,6 +182,7 @@ def gather_data(collapse: Collapse, pilot: Pilot) -> dict[str, NDArray]:
         "value": pilot.value.T,
         "variance": pilot.variance.T,
     }
+    return {name: np.array(value, order="C") for name, value in data.items()}
 
 
 def _tile_prior(prior: Prior, joints: int) -> dict[str, NDArray]:

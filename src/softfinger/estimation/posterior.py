@@ -8,8 +8,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from softfinger.estimation.layout import build_tree, name_draws
-from softfinger.estimation.model import build_model
+from softfinger.estimation.leave_out import forget_trial, keep_trial, leave_trials_out
+from softfinger.estimation.model import build_model, gather_data
 from softfinger.estimation.sampling import (
+    Density,
     compile_density,
     draw_starts,
     expand_points,
@@ -17,9 +19,12 @@ from softfinger.estimation.sampling import (
 )
 from softfinger.population.collapse import Collapse, collapse_angles, restrict_collapse
 from softfinger.population.frames import select_frames
+from softfinger.population.integrate import compute_integrated_log_likelihood
 from softfinger.population.outliers import find_outliers
 from softfinger.population.pilot import Pilot, find_plausible_rates, fit_pilot
 from softfinger.population.priors import Prior, build_prior
+
+REFIT = {"chains": 2, "tune": 150, "draws": 200}  # enough for the mean of one trial's likelihood
 
 
 class Preparation(NamedTuple):
@@ -48,8 +53,8 @@ def fit_posterior(angles: xr.Dataset, config: Mapping[str, Any], seed: int) -> x
     -------
     DataTree
         ArviZ groups posterior, sample_stats, prior, prior_predictive, posterior_predictive,
-        log_likelihood (per trial, its own parameters integrated out), observed_data,
-        constant_data. Attribute `note` says what so few data cannot tell.
+        log_likelihood (per trial, its own parameters integrated out), leave_one_out,
+        observed_data, constant_data. Attribute `note` says what so few data cannot tell.
 
     Raises
     ------
@@ -58,8 +63,10 @@ def fit_posterior(angles: xr.Dataset, config: Mapping[str, Any], seed: int) -> x
     """
     rng = np.random.default_rng(seed)
     prepared = prepare_fit(angles)
-    posterior, stats = sample_posterior(prepared, config, rng)
-    return build_tree(angles, prepared, posterior, stats, config, rng)
+    density = compile_fit(prepared)
+    posterior, stats = sample_posterior(prepared, config, rng, density)
+    scores = score_trials(prepared, density, posterior, config, rng)
+    return build_tree(angles, prepared, posterior, stats, scores, config, rng)
 
 
 def prepare_fit(angles: xr.Dataset) -> Preparation:
@@ -83,11 +90,22 @@ def prepare_fit(angles: xr.Dataset) -> Preparation:
 
 
 def sample_posterior(
-    prepared: Preparation, config: Mapping[str, Any], rng: np.random.Generator
+    prepared: Preparation,
+    config: Mapping[str, Any],
+    rng: np.random.Generator,
+    density: Density | None = None,
 ) -> tuple[xr.Dataset, xr.Dataset]:
-    """Sample: the named variables of the posterior and the sampler's statistics."""
-    model = build_model(prepared.collapse, prepared.prior, prepared.pilot, prepared.coords)
-    density = compile_density(model)
+    """Sample: the named variables of the posterior and the sampler's statistics.
+
+    Parameters
+    ----------
+    prepared, config, rng
+        As for `fit_posterior`.
+    density
+        Compiled for a campaign of the same trials and joints.
+    """
+    density = compile_fit(prepared) if density is None else density
+    data = gather_data(prepared.collapse, prepared.pilot)
     points, stats = sample_density(
         density,
         draw_starts(density.shapes, prepared.pilot),
@@ -96,6 +114,36 @@ def sample_posterior(
         draws=config["draws"],
         cores=config["cores"],
         rng=rng,
+        data={name: data[name] for name in density.data if name in data},
     )
     variables = expand_points(points, density.shapes, prepared.prior, prepared.pilot)
     return name_draws(variables, prepared.coords), stats
+
+
+def compile_fit(prepared: Preparation) -> Density:
+    """Compile the model of a campaign."""
+    return compile_density(
+        build_model(prepared.collapse, prepared.prior, prepared.pilot, prepared.coords)
+    )
+
+
+def score_trials(
+    prepared: Preparation,
+    density: Density,
+    posterior: xr.Dataset,
+    config: Mapping[str, Any],
+    rng: np.random.Generator,
+) -> tuple[xr.DataArray, xr.Dataset]:
+    """Compute log p(y_i | population, noise) of every draw, and leave every trial out."""
+    collapse, pilot = prepared.collapse, prepared.pilot
+    recording = compute_integrated_log_likelihood(collapse, pilot.modes, posterior, rng)
+
+    def refit(trial: int) -> NDArray[np.float64]:
+        less, unaware = forget_trial(collapse, pilot, prepared.prior, trial)
+        left = prepared._replace(collapse=less, pilot=unaware)
+        draws, _ = sample_posterior(left, {**config, **REFIT}, rng, density)
+        alone = keep_trial(collapse, pilot.modes, trial)
+        draws = draws.isel(trial=[trial])
+        return compute_integrated_log_likelihood(*alone, draws, rng).values
+
+    return recording, leave_trials_out(recording, posterior, refit)

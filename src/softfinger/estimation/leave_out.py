@@ -1,0 +1,97 @@
+"""Leave-one-trial-out: how well the other trials predict a trial, its own parameters integrated.
+
+    elpd_i = log p(y_i | y_-i) = log ∫ p(y_i | μ, σ, noise) p(μ, σ, noise | y_-i)
+
+By Pareto-smoothed importance sampling from the posterior of all trials (`arviz.loo`) where that
+works. Few trials are no cloud of points: each of them decides some of the many hyperparameters, and
+the weights fail (Pareto k > 0.7) even for a perfect model. Such trials are left out in earnest: the
+same compiled model is sampled once more with the likelihood of that trial taken away.
+
+References
+----------
+Vehtari, Gelman, Gabry (2017), Stat. Comput. 27, 1413, doi:10.1007/s11222-016-9696-4.
+"""
+
+import warnings
+from collections.abc import Callable
+
+import arviz as az
+import numpy as np
+import xarray as xr
+from scipy.special import logsumexp
+
+from softfinger.population.collapse import Collapse
+from softfinger.population.laplace import Modes
+from softfinger.population.pilot import Pilot
+from softfinger.population.priors import Prior
+
+LARGEST_K = 0.7
+UNKNOWN = 1e-9  # information of a trial that was left out, of the prior's
+MOST_REFITS = 12
+
+
+def leave_trials_out(
+    recording: xr.DataArray, posterior: xr.Dataset, refit: Callable[[int], np.ndarray]
+) -> xr.Dataset:
+    """Score every trial by what the others say of it.
+
+    Parameters
+    ----------
+    recording
+        log p(y_i | population, noise) (chain, draw, trial) [nats].
+    posterior
+        Its draws.
+    refit
+        Samples without trial i and gives log p(y_i | population, noise) of every draw.
+
+    Returns
+    -------
+    Dataset
+        elpd, pareto_k, refitted (trial); pareto_k is that of the importance sampling, whose elpd
+        was replaced where `refitted`. At most `MOST_REFITS`, the worst trials first.
+    """
+    tree = xr.DataTree.from_dict(
+        {"posterior": posterior, "log_likelihood": recording.to_dataset(name="recording")}
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # the bad ones are dealt with here
+        estimate = az.loo(tree, pointwise=True, var_name="recording")
+    elpd, pareto_k = np.array(estimate.elpd_i, float), np.array(estimate.pareto_k, float)
+    worst = [i for i in np.argsort(-pareto_k) if pareto_k[i] > LARGEST_K][:MOST_REFITS]
+    for trial in worst:
+        draws = refit(int(trial)).ravel()
+        elpd[trial] = logsumexp(draws) - np.log(draws.size)
+    refitted = np.isin(np.arange(len(elpd)), worst)
+    return xr.Dataset(
+        {
+            "elpd": ("trial", elpd, {"units": "1", "long_name": "leave-one-trial-out elpd [nats]"}),
+            "pareto_k": ("trial", pareto_k, {"units": "1"}),
+            "refitted": ("trial", refitted),
+        },
+        {"trial": recording["trial"]},
+    )
+
+
+def forget_trial(
+    collapse: Collapse, pilot: Pilot, prior: Prior, trial: int
+) -> tuple[Collapse, Pilot]:
+    """Take the recording of one trial out of the likelihood; the trial itself stays, unknown."""
+    products, first, count = (
+        array.copy() for array in (collapse.products, collapse.first, collapse.count)
+    )
+    products[trial], first[trial], count[trial] = 0.0, 0.0, 0.0
+    curvature, pull = pilot.modes.curvature.copy(), pilot.modes.pull.copy()
+    curvature[trial], pull[trial] = UNKNOWN * np.eye(pull.shape[1]), 0.0
+    value, variance = pilot.value.copy(), pilot.variance.copy()
+    value[trial] = np.tile(prior.mu_mean, len(pilot.mu))
+    variance[trial] = np.tile(prior.mu_sd**2, len(pilot.mu)) / UNKNOWN
+    modes = pilot.modes._replace(curvature=curvature, pull=pull)
+    left = pilot._replace(modes=modes, value=value, variance=variance)
+    return collapse._replace(products=products, first=first, count=count), left
+
+
+def keep_trial(collapse: Collapse, modes: Modes, trial: int) -> tuple[Collapse, Modes]:
+    """Reduce a campaign to one trial."""
+    names = ("products", "first", "count", "offset", "pattern")
+    alone = {name: getattr(collapse, name)[trial : trial + 1] for name in names}
+    return collapse._replace(**alone), Modes(*(array[trial : trial + 1] for array in modes))
