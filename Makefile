@@ -7,7 +7,7 @@ CORES ?= 2
 SEED ?= 1
 SNAKEMAKE := $(BIN)/snakemake --cores $(CORES)
 
-.PHONY: help setup run quick figures coverage test calibration lint format benchmark benchmark-long concealed concealed-long lock
+.PHONY: help setup run quick figures docs browser reproduce manifest coverage test calibration lint format benchmark benchmark-long concealed concealed-long lock
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)$$/\1\t\2/' | expand -t 18
@@ -37,6 +37,22 @@ lint: setup ## check style, spelling and the workflow
 
 format: setup ## put code and rules into the project's style
 	$(BIN)/ruff check --fix && $(BIN)/ruff format && $(BIN)/snakefmt Snakefile workflow
+
+docs: setup ## the site of the documentation, into site/index.html
+	$(BIN)/python -m sphinx -W --keep-going -q -b html docs site
+
+browser: setup ## the report in headless Chromium at two widths; pictures into results/browser
+	$(BIN)/python -m pytest -m slow tests/unit/report/test_browser.py
+
+REBUILD = rm -rf results/reproduce && mkdir -p results/reproduce && $(SNAKEMAKE) --snakefile Snakefile --directory results/reproduce --configfile config/default.yaml config/quick.yaml --config out=.
+
+reproduce: setup ## rebuild the quick run from raw video, and compare it with data/manifest.json
+	$(REBUILD)
+	$(BIN)/python -m softfinger.reproduction compare results/reproduce data/manifest.json
+
+manifest: setup ## rebuild the quick run, and write data/manifest.json from it
+	$(REBUILD)
+	$(BIN)/python -m softfinger.reproduction manifest results/reproduce data/manifest.json
 
 benchmark: setup ## time us beside our rivals, into results/benchmarks.json (at most 15 minutes)
 	$(BIN)/python -m benchmarks

@@ -17,6 +17,7 @@ ALLOWED = {
     "faults": set(),
     "progress": set(),
     "doctor": EVERYWHERE | {"provenance"},
+    "reproduction": EVERYWHERE | {"provenance"},
     "settings": {"faults"},
     "provenance": EVERYWHERE,
     "campaign": EVERYWHERE,
