@@ -29,6 +29,7 @@ rule diagnose_blind:
         OUT / "logs/diagnose_{case}.log",
     params:
         patience_s=config["patience_s"],
+        mcmc=is_sampled,
         code=code_hash("diagnose_blind") + code_hash("diagnose"),
     message:
         "Diagnose campaign {wildcards.case}, of which nothing is known"
@@ -47,6 +48,7 @@ rule diagnose_measured:
         OUT / "logs/measured_{recording}.log",
     params:
         patience_s=config["patience_s"],
+        mcmc=False,
         code=code_hash("diagnose_blind") + code_hash("diagnose"),
     message:
         "Diagnose the real recordings {wildcards.recording}"

@@ -18,7 +18,12 @@ CRASHED = {"decision": "crashed", "effects": [], "equivalent": [], "location": N
 
 
 def diagnose_blind(
-    campaign: Path, diagnosis: Path, patience: float, command: Sequence[str] = COMMAND
+    campaign: Path,
+    diagnosis: Path,
+    patience: float,
+    command: Sequence[str] = COMMAND,
+    *,
+    mcmc: bool = False,
 ) -> dict:
     """Diagnose a copy of a campaign, in a folder that leads nowhere.
 
@@ -32,6 +37,8 @@ def diagnose_blind(
         After which it is stopped.
     command
         Takes a campaign folder and ``--out`` folder, and writes ``verdict.json`` there.
+    mcmc
+        Whether it is told to sample the repaired model's parameters, or not to.
 
     Returns
     -------
@@ -46,7 +53,8 @@ def diagnose_blind(
         shutil.copytree(campaign, place / "campaign")
         out = place / "out"
         out.mkdir()
-        reason = _run([*command, "campaign", "--out", "out"], place, patience)
+        told = ["campaign", "--out", "out", "--mcmc" if mcmc else "--no-mcmc"]
+        reason = _run([*command, *told], place, patience)
         seconds = time.monotonic() - begin
         found = out / "verdict.json"
         if reason is None and not found.is_file():

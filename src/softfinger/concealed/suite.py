@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
 from dataclasses import asdict, dataclass
 from itertools import combinations
@@ -36,8 +35,6 @@ class CaseSpec:
         strength is zero, so that the control is clean although an effect was asked for.
     filmed
         Recorded as raw video, not as angles.
-    with_posterior
-        To be diagnosed with MCMC.
     strengths
         Strengths given outright, in place of the quantiles': for a case that is set, not drawn.
     """
@@ -50,13 +47,7 @@ class CaseSpec:
     trials: int
     noise: NoiseKind
     filmed: bool = False
-    with_posterior: bool = False
     strengths: tuple[float, ...] = ()
-
-    @property
-    def folder_name(self) -> str:
-        """A name that tells nothing."""
-        return hashlib.sha256(str(self.seed).encode()).hexdigest()[:10]
 
     def to_json(self) -> dict:
         """Plain numbers, lists and words."""
@@ -77,11 +68,23 @@ def build_paper_case(protocol: Protocol, trials: int, seed: int) -> CaseSpec:
     )
 
 
+def draw_proof(seed: int, campaigns: int, filmed: int, longest: int) -> list[CaseSpec]:
+    """Draw what a proof consists of: a suite, and after it the paper's own case in two protocols.
+
+    Parameters
+    ----------
+    seed, campaigns, filmed, longest
+        As for `draw_suite`.
+    """
+    trials = min(max(TRIALS), longest)
+    paper = [build_paper_case(protocol, trials, seed) for protocol in ("levels", "single_step")]
+    return [*draw_suite(seed, campaigns, filmed=filmed, longest=longest), *paper]
+
+
 def draw_suite(
     seed: int,
     n: int,
     *,
-    posterior: int = 0,
     filmed: int | None = None,
     longest: int = max(TRIALS),
 ) -> list[CaseSpec]:
@@ -98,8 +101,6 @@ def draw_suite(
         The same seed gives the same suite.
     n : int
         Number of campaigns.
-    posterior : int
-        How many, at random, are diagnosed with MCMC.
     filmed : int, optional
         How many are filmed: one in twenty, and at least one, if not said.
     longest : int
@@ -127,7 +128,6 @@ def draw_suite(
         sets[zero], places[zero] = (LISTED[rng.integers(len(LISTED))],), (-1.0,)
 
     on_film = _choose_filmed(sets, max(1, n // 20) if filmed is None else filmed, rng)
-    sampled = set(rng.choice(n, min(posterior, n), replace=False).tolist())
     suite = []
     for k, effects in enumerate(sets):
         fewest = max([EFFECTS[name].trials for name in effects], default=1)
@@ -145,7 +145,6 @@ def draw_suite(
                 trials=trials,
                 noise="white" if k in on_film else noises[k],
                 filmed=k in on_film,
-                with_posterior=k in sampled,
             )
         )
     return [suite[k] for k in rng.permutation(n)]

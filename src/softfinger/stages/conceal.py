@@ -11,7 +11,7 @@ import xarray as xr
 from softfinger.concealed.generate import generate_campaign
 from softfinger.concealed.rig import Rig
 from softfinger.concealed.seal import seal_file
-from softfinger.concealed.suite import draw_suite
+from softfinger.concealed.suite import draw_proof
 from softfinger.config import read_config
 from softfinger.stages.linear_algebra import on_one_thread
 from softfinger.virtual_rig.film import film_trial
@@ -33,19 +33,13 @@ def conceal(
     Parameters
     ----------
     place
-        Which of the suite's cases, from 0.
+        Which of the proof's cases, from 0.
     suite
-        How many `campaigns`; how many of them `filmed` and `sampled`; the `longest` in trials.
+        How many `campaigns`, how many of them `filmed`, the `longest` in trials.
     seed
         Of the suite.
     """
-    spec = draw_suite(
-        seed,
-        suite["campaigns"],
-        posterior=suite["sampled"],
-        filmed=suite["filmed"],
-        longest=suite["longest"],
-    )[place]
+    spec = draw_proof(seed, **suite)[place]
     generate_campaign(spec, Path(campaign), Path(truth), film)
     digest = seal_file(Path(truth), Path(salt))
     Path(seal).write_text(digest + "\n", encoding="utf-8")

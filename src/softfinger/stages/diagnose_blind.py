@@ -15,11 +15,12 @@ def diagnose_blind(
     answer: Path,
     digest: Path,
     patience_s: float,
+    mcmc: bool,
     seal: Path | None = None,
 ) -> None:
     """Diagnose a campaign, whose truth is sealed if it has one; write the hashed answer."""
     if seal is not None:
         print(f"sealed before: {Path(seal).read_text(encoding='utf-8').strip()}")
-    found = run_blind(Path(campaign), Path(diagnosis), patience_s)
+    found = run_blind(Path(campaign), Path(diagnosis), patience_s, mcmc=mcmc)
     written = write_answer(found, Path(answer), Path(digest))
     print(f"answered: SHA-256 of the answer is {written}")

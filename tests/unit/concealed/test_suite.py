@@ -6,12 +6,12 @@ import pytest
 from softfinger.concealed.effects import EFFECTS, LISTED, OUTSIDE
 from softfinger.concealed.noise import NOISE_KINDS
 from softfinger.concealed.protocols import PROTOCOLS
-from softfinger.concealed.suite import draw_suite
+from softfinger.concealed.suite import draw_proof, draw_suite
 
 
 @pytest.fixture(scope="module")
 def long_suite():
-    return draw_suite(7, 200, posterior=20)
+    return draw_suite(7, 200)
 
 
 def _is_clean(spec):
@@ -34,7 +34,6 @@ def test_the_long_suite_is_balanced(long_suite):
     protocols = Counter(s.protocol for s in long_suite)
     assert set(protocols) == set(PROTOCOLS)
     assert max(protocols.values()) - min(protocols.values()) <= 1
-    assert sum(s.with_posterior for s in long_suite) == 20
 
 
 def test_strengths_of_an_effect_are_spread(long_suite):
@@ -77,5 +76,14 @@ def test_short_suites_have_a_quarter_of_clean_ones_and_a_film(n):
 def test_a_seed_gives_one_suite_and_another_seed_another():
     assert draw_suite(0, 24) == draw_suite(0, 24)
     assert draw_suite(0, 24) != draw_suite(1, 24)
-    assert len({s.folder_name for s in draw_suite(0, 24)}) == 24
+    assert len({s.seed for s in draw_suite(0, 24)}) == 24
     json.dumps([s.to_json() for s in draw_suite(0, 24)])
+
+
+def test_no_campaign_is_longer_than_the_longest_and_the_papers_case_comes_last():
+    proof = draw_proof(5, campaigns=24, filmed=1, longest=20)
+    assert len(proof) == 26
+    assert max(spec.trials for spec in proof) == 20
+    assert [spec.effects for spec in proof[24:]] == [("moment_arm",), ("moment_arm",)]
+    assert [spec.protocol for spec in proof[24:]] == ["levels", "single_step"]
+    assert all(spec.strengths == (1.0,) for spec in proof[24:])
