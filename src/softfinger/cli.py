@@ -289,7 +289,13 @@ def assumptions(out: Out, config: ConfigFile = None) -> None:
 
 @app.command()
 def diagnose(
-    campaign: CampaignFolder, out: Out, config: ConfigFile = None, model: PhysicsFile = None
+    campaign: CampaignFolder,
+    out: Out,
+    config: ConfigFile = None,
+    model: PhysicsFile = None,
+    mcmc: Annotated[
+        bool, typer.Option("--mcmc/--no-mcmc", help="Sample the repaired model's parameters.")
+    ] = True,
 ) -> None:
     """Find out which physics was left out, from whatever level the campaign has.
 
@@ -308,6 +314,7 @@ def diagnose(
         config=settings["mismatch"],
         seed=settings["seed"],
         model=_choose_model(settings, model),
+        mcmc=mcmc,
         **{name: out / f"{name}.nc" for name in SPECS},
     )
     verdict = read_verdict(out / "verdict.json")

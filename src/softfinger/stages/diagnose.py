@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from softfinger.artifacts import open_artifact, save_artifact, write_atomically
 from softfinger.artifacts.specs import angles as angles_spec
 from softfinger.artifacts.specs import free_form as free_form_spec
@@ -16,6 +18,7 @@ from softfinger.artifacts.specs import repair as repair_spec
 from softfinger.mechanics.effects.model_file import FittedTo, read_model_file, write_model_file
 from softfinger.mismatch.diagnose import diagnose as find_left_out
 from softfinger.mismatch.outcome import describe_repair, tabulate_diagnosis
+from softfinger.mismatch.refine import refine_verdict
 from softfinger.mismatch.verdict import write_verdict
 from softfinger.provenance import derive_seed, describe_run
 from softfinger.stages.linear_algebra import on_one_thread
@@ -35,6 +38,7 @@ def diagnose(
     config: Mapping[str, Any],
     seed: int,
     model: Path | None = None,
+    mcmc: bool = True,
     **artifacts: Path,
 ) -> None:
     """Write the verdict of a campaign, the repaired model and everything behind them.
@@ -49,6 +53,8 @@ def diagnose(
         The `mismatch` block of the configuration.
     model
         A model file whose model is diagnosed in place of the base.
+    mcmc
+        Whether the parameters of what was left out come from sampling the repaired model.
     **artifacts
         Name → file, for every name in ``SPECS``.
     """
@@ -67,5 +73,9 @@ def diagnose(
         save_artifact(tables[name], SPECS[name], path, provenance)
     with write_atomically(repaired) as temporary:
         write_model_file(describe_repair(found, fitted_to), temporary)
+    said = found.verdict
+    if mcmc:
+        said, r_hat = refine_verdict(found, np.random.default_rng(stream))
+        print(f"sampling the repaired model: largest R-hat {r_hat:.3f}")
     with write_atomically(verdict) as temporary:
-        write_verdict(found.verdict, temporary)
+        write_verdict(said, temporary)

@@ -1,0 +1,78 @@
+"""A verdict whose effects' parameters come from sampling the full model, not from its curvature."""
+
+from typing import NamedTuple
+
+import arviz as az
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from softfinger.mechanics.effects.model import Entry
+from softfinger.mismatch.diagnose import Diagnosis, Progress
+from softfinger.mismatch.mcmc import Size, sample_effects
+from softfinger.mismatch.statements import state_effect
+from softfinger.mismatch.verdict import Effect, Estimate, Verdict
+from softfinger.progress import track_progress
+
+SIZE = Size(chains=4, tune=80, draws=200)
+R_HAT_MAX = 1.05  # beyond it the chains do not agree, and the fit's curvature stands
+
+
+class Refined(NamedTuple):
+    """A verdict, and the largest R-hat of φ; NaN where nothing was sampled."""
+
+    verdict: Verdict
+    r_hat: float
+
+
+def refine_verdict(
+    diagnosis: Diagnosis,
+    rng: np.random.Generator,
+    size: Size = SIZE,
+    progress: Progress = track_progress,
+) -> Refined:
+    """Sample the best model, and give its effects' parameters by their draws.
+
+    The verdict stays as it is where nothing was left out, or where the chains do not agree.
+    """
+    best, verdict = diagnosis.search.best, diagnosis.verdict
+    if not verdict.effects or not best.model.pieces:
+        return Refined(verdict, float("nan"))
+    draws, _ = sample_effects(diagnosis.problem, best, size, rng, progress)
+    effect = xr.DataArray(draws["effect"], dims=("chain", "draw", "number"))
+    r_hat = float(az.rhat(effect.to_dataset(name="effect"))["effect"].max())
+    if not r_hat < R_HAT_MAX:
+        return Refined(verdict, r_hat)
+    found: dict[str, dict[str, Estimate]] = {}
+    for k, entry in enumerate(best.model.entries):
+        name, estimate = estimate_draws(entry, draws["effect"][..., k].ravel())
+        found.setdefault(best.model.pieces[entry.piece].effect.id, {})[name] = estimate
+    forms = {piece.effect.id: piece for piece in best.model.pieces}
+
+    def refine(effect: Effect) -> Effect:
+        if effect.id not in found or set(effect.parameters) != set(found[effect.id]):
+            return effect
+        piece = forms[effect.id]
+        words = state_effect(
+            piece.effect, piece.form.name, effect.joints, effect.probability, found[effect.id]
+        )
+        return effect.model_copy(update={"parameters": found[effect.id], "statement": words})
+
+    effects = [refine(effect) for effect in verdict.effects]
+    return Refined(verdict.model_copy(update={"effects": effects}), r_hat)
+
+
+def estimate_draws(entry: Entry, internal: NDArray[np.float64]) -> tuple[str, Estimate]:
+    """Name and posterior of one number of φ, from its draws (n,) on the internal scale."""
+    parameter = entry.parameter
+    values = np.exp(internal) if parameter.log else internal
+    name = parameter.name
+    if parameter.report is not None:
+        name, convert = parameter.report
+        joint = entry.place[0] if entry.place else -1
+        values = np.array([convert(float(value), joint) for value in values])
+    low, high = np.quantile(values, (0.05, 0.95))
+    estimate = Estimate(
+        mean=float(values.mean()), sd=float(values.std(ddof=1)), q05=float(low), q95=float(high)
+    )
+    return name + entry.suffix, estimate
