@@ -4,7 +4,7 @@ nutpie's own compilation of a PyMC model is redone in every process and takes lo
 arrays, so PyTensor's compiled function is handed over as it is, free of Python's lock.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from types import FunctionType
 from typing import NamedTuple
 
@@ -16,9 +16,10 @@ import xarray as xr
 from numba import njit
 from numpy.typing import NDArray
 from pymc.pytensorf import compile as compile_function
-from pymc.pytensorf import join_nonshared_inputs
 from pytensor.graph import rewrite_graph
+from pytensor.graph.replace import graph_replace
 from pytensor.link.numba.cache import CACHED_SRC_FUNCTIONS
+from pytensor.tensor.variable import TensorVariable
 from scipy.special import expit, logit
 
 from softfinger.population.covariance import find_partials_array
@@ -51,18 +52,34 @@ def compile_density(model: pm.Model) -> Density:
     model
         Any PyMC model without discrete variables.
     """
-    values = [model.rvs_to_values[rv] for rv in model.free_RVs]
+    start = model.initial_point()
+    values = sorted(
+        (model.rvs_to_values[rv] for rv in model.free_RVs), key=lambda v: start[v.name].ndim
+    )
     # merged first, so that the whitening, which three terms share, is differentiated once
     log_density = rewrite_graph(model.logp(), include=("canonicalize", "stabilize"))
     slope = pt.concatenate([pt.grad(log_density, value).ravel() for value in values])
-    start = model.initial_point()
-    (log_density, slope), point = join_nonshared_inputs(start, [log_density, slope], values)
+    point = pt.dvector("point")
+    parts = _split(point, [start[value.name].shape for value in values])
+    outputs = graph_replace([log_density, slope], dict(zip(values, parts, strict=True)))
     with model:
-        compiled = compile_function([point], [log_density, slope], mode="NUMBA")
+        compiled = compile_function([point], outputs, mode="NUMBA")
     data = {shared.name: shared.get_value() for shared in compiled.get_shared()}
-    sizes = [np.shape(value) for value in start.values()]
-    shapes = {rv.name: shape for rv, shape in zip(model.free_RVs, sizes, strict=True)}
+    shapes = {model.values_to_rvs[v].name: start[v.name].shape for v in values}
     return Density(_release_lock(compiled.vm.jit_fn), data, shapes)
+
+
+def _split(point: TensorVariable, shapes: Sequence[tuple[int, ...]]) -> list[TensorVariable]:
+    """Split a point into variables; the length of the last axis of the last one stays open.
+
+    The compiled code, and so its cache, then serves any number of trials.
+    """
+    parts, begin = [], 0
+    for shape in shapes[:-1]:
+        end = begin + int(np.prod(shape))
+        parts.append(point[begin:end].reshape(shape))
+        begin = end
+    return [*parts, point[begin:].reshape((*shapes[-1][:-1], -1))]
 
 
 def _release_lock(function: Callable) -> Callable:

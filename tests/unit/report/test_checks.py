@@ -16,7 +16,7 @@ from softfinger.report.checks import (
 )
 from softfinger.report.config import read_config
 from softfinger.report.material import Material
-from softfinger.report.sections.summary import judge
+from softfinger.report.sections.summary import describe_fit, judge
 
 
 def find(checks, word):
@@ -54,14 +54,13 @@ def test_the_hyperparameter_whose_chains_agree_least_is_shown(material):
 
 
 def test_the_largest_pareto_k_of_leaving_one_trial_out_is_found(artifacts):
-    rng = np.random.default_rng(3)
-    score = xr.Dataset(
-        {"score": (("chain", "draw", "trial"), rng.standard_normal((4, 60, 5)))},
-        coords={"chain": np.arange(4), "draw": np.arange(60)},
-    )
-    for scale, passed in ((0.1, True), (30.0, False)):
+    for refitted, passed in ((True, True), (False, False)):
+        scores = {
+            "pareto_k": ("trial", [0.1, 0.3, 0.9, 0.2, 0.5]),
+            "refitted": ("trial", [False, False, refitted, False, False]),
+        }
         tree = artifacts["posterior"].copy(deep=True)
-        tree["log_likelihood"] = xr.DataTree(scale * score)
+        tree["leave_one_out"] = xr.DataTree(xr.Dataset(scores))
         material = Material({**artifacts, "posterior": tree}, read_config(CONFIG), CONFIG)
         check = find(check_computation(material), "Pareto")
         assert check.passed is passed
@@ -167,3 +166,14 @@ def test_a_report_about_no_recordings_is_refused(artifacts):
 def test_unknown_limits_are_refused_with_their_names():
     with pytest.raises(ListedFault, match="r_hat_min"):
         read_config({"report": {**CONFIG["report"], "r_hat_min": 1.0}})
+
+
+def test_one_trial_is_not_judged_by_what_needs_two():
+    artifacts = make_artifacts(n_trial=1)
+    scores = xr.Dataset({"refitted": ("trial", [False]), "pareto_k": ("trial", [2.1])})
+    artifacts["posterior"]["leave_one_out"] = xr.DataTree(scores)
+    material = Material(artifacts, read_config(CONFIG), CONFIG)
+    checks = [find(check_computation(material), "Pareto"), *check_calibration(material)]
+    assert {(check.found, check.passed) for check in checks} == {("needs two trials", None)}
+    assert judge(material)[1].answer == "not judged"
+    assert "One trial cannot tell" in " ".join(describe_fit(material))
