@@ -294,8 +294,8 @@ def diagnose(
     config: ConfigFile = None,
     model: PhysicsFile = None,
     mcmc: Annotated[
-        bool, typer.Option("--mcmc/--no-mcmc", help="Sample the repaired model's parameters.")
-    ] = True,
+        bool | None, typer.Option("--mcmc/--no-mcmc", help="Sample the repaired model.")
+    ] = None,
 ) -> None:
     """Find out which physics was left out, from whatever level the campaign has.
 
@@ -307,6 +307,8 @@ def diagnose(
     from softfinger.stages.prepare import prepare_angles
 
     settings = read_config(config)
+    if mcmc is not None:
+        settings["mismatch"]["sample_repaired"] = mcmc
     diagnose(
         angles=prepare_angles(campaign, out, settings),
         verdict=out / "verdict.json",
@@ -314,7 +316,6 @@ def diagnose(
         config=settings["mismatch"],
         seed=settings["seed"],
         model=_choose_model(settings, model),
-        mcmc=mcmc,
         **{name: out / f"{name}.nc" for name in SPECS},
     )
     verdict = read_verdict(out / "verdict.json")

@@ -38,7 +38,6 @@ def diagnose(
     config: Mapping[str, Any],
     seed: int,
     model: Path | None = None,
-    mcmc: bool = True,
     **artifacts: Path,
 ) -> None:
     """Write the verdict of a campaign, the repaired model and everything behind them.
@@ -53,8 +52,6 @@ def diagnose(
         The `mismatch` block of the configuration.
     model
         A model file whose model is diagnosed in place of the base.
-    mcmc
-        Whether the parameters of what was left out come from sampling the repaired model.
     **artifacts
         Name → file, for every name in ``SPECS``.
     """
@@ -74,7 +71,7 @@ def diagnose(
     with write_atomically(repaired) as temporary:
         write_model_file(describe_repair(found, fitted_to), temporary)
     said = found.verdict
-    if mcmc:
+    if config["sample_repaired"]:
         said, r_hat = refine_verdict(found, np.random.default_rng(stream))
         print(f"sampling the repaired model: largest R-hat {r_hat:.3f}")
     with write_atomically(verdict) as temporary:

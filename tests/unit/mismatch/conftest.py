@@ -7,7 +7,11 @@ from softfinger.mismatch import diagnose
 from softfinger.population.simulate import build_recording, draw_noise_array
 
 TRIALS, FRAMES = 7, 160
-CONFIG = {"bootstrap_replicates": 99, "false_alarm_probability": 0.01}
+CONFIG = {
+    "bootstrap_replicates": 99,
+    "false_alarm_probability": 0.01,
+    "sample_repaired": False,
+}
 
 
 def quiet(items, _):

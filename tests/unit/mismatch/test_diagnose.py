@@ -6,7 +6,11 @@ from softfinger.mechanics.effects.model import EffectModel
 from softfinger.mismatch import diagnose
 from softfinger.mismatch.rank import list_pieces
 
-CONFIG = {"bootstrap_replicates": 99, "false_alarm_probability": 0.01}
+CONFIG = {
+    "bootstrap_replicates": 99,
+    "false_alarm_probability": 0.01,
+    "sample_repaired": False,
+}
 
 
 def quiet(items, _):

@@ -9,7 +9,11 @@ from softfinger.mechanics.effects.model_file import FittedTo, build_model
 from softfinger.mismatch.outcome import describe_repair, tabulate_diagnosis
 
 SPECS = {spec.SPEC.name: spec.SPEC for spec in (ranking, location, masking, repair, free_form)}
-CONFIG = {"bootstrap_replicates": 99, "false_alarm_probability": 0.01}
+CONFIG = {
+    "bootstrap_replicates": 99,
+    "false_alarm_probability": 0.01,
+    "sample_repaired": False,
+}
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,11 @@ from softfinger.mismatch.outcome import describe_repair
 from softfinger.mismatch.predict import list_levels
 from softfinger.mismatch.refine import refine_verdict
 
-CONFIG = {"bootstrap_replicates": 99, "false_alarm_probability": 0.01}
+CONFIG = {
+    "bootstrap_replicates": 99,
+    "false_alarm_probability": 0.01,
+    "sample_repaired": False,
+}
 FITTED_TO = FittedTo(campaign="drawn", sha256="0" * 64)
 
 
