@@ -1,0 +1,75 @@
+"""Simulation-based calibration: truth from the prior, data from the truth, ranks in the fit."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.stats import kstest
+
+from softfinger.estimation.posterior import compile_fit, prepare_fit, sample_posterior
+from softfinger.estimation.predictive import draw_prior
+from softfinger.population.frames import select_frames
+from softfinger.population.priors import build_prior
+from softfinger.population.simulate import (
+    build_recording,
+    describe_noise,
+    draw_angles,
+    draw_parameters,
+)
+
+SIZE = {"chains": 2, "tune": 200, "draws": 200, "cores": 1}
+THIN = 8
+TRIALS, FRAMES = 5, 60
+QUANTITIES = (
+    *(f"{level}_{name}" for level in ("mu", "sigma") for name in ("log_k_v", "log_c_v", "log_c_p")),
+    "mu_q_ini", "sigma_q_ini", "noise_sd", "noise_autocorrelation", "log_k_v", "log_c_p",
+)  # fmt: skip
+
+
+def draw_ranks(replicates: int, seed: int, wrong: float = 1.0) -> NDArray[np.float64]:
+    """Rank of the truth among the draws, 0 to 1: (replicate, quantity).
+
+    The model is wrong where it is told `wrong` times the true load.
+    """
+    time = np.arange(FRAMES) / 3.0
+    names = [f"trial_{i}" for i in range(TRIALS)]
+    blank = build_recording(time, [0.0, time[-1]], [0.04, 0.04], 1, names)
+    blank = blank.assign(joint_angle=blank["joint_angle"].fillna(0.0))
+    prior = build_prior(blank, select_frames(blank))
+    density, ranks = None, []
+    for replicate in range(replicates):
+        rng = np.random.default_rng([seed, replicate])
+        true = {name: values[0, 0] for name, values in draw_prior(prior, 1, rng).items()}
+        own = draw_parameters(true["mu"], true["sigma"], blank, rng)
+        noise = describe_noise(true["noise_sd"], true["noise_autocorrelation"])
+        angles = draw_angles(blank, own, noise, rng)
+        prepared = prepare_fit(angles.assign(load_torque=wrong * angles["load_torque"]))
+        prepared = prepared._replace(prior=prior)
+        density = compile_fit(prepared) if density is None else density
+        draws, _ = sample_posterior(prepared, SIZE, rng, density)
+        truth = [*true["mu"][:3], *true["sigma"][:3], true["mu"][3], true["sigma"][3]]
+        truth += [true["noise_sd"][0], true["noise_autocorrelation"][0]]
+        truth += [np.log(own[name].values[0, 0]) for name in ("k_v", "c_p")]
+        ranks.append(
+            [_rank(draws[q].values, x, rng) for q, x in zip(QUANTITIES, truth, strict=True)]
+        )
+    return np.array(ranks)
+
+
+def _rank(draws: NDArray, true: float, rng: np.random.Generator) -> float:
+    """Share of thinned draws below the truth; of trial 0 and joint 1."""
+    some = draws.reshape(*draws.shape[:2], -1)[:, ::THIN, 0].ravel()
+    return ((some < true).sum() + rng.uniform()) / (some.size + 1)
+
+
+@pytest.fixture(scope="session")
+def find_p_values() -> Callable[..., dict[str, float]]:
+    """p of uniform ranks, by quantity."""
+
+    def find(replicates: int, seed: int, wrong: float = 1.0) -> dict[str, float]:
+        ranks = draw_ranks(replicates, seed, wrong)
+        p = [kstest(column, "uniform").pvalue for column in ranks.T]
+        return dict(zip(QUANTITIES, p, strict=True))
+
+    return find
