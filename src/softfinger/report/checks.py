@@ -11,6 +11,7 @@ from softfinger.report.formatting import format_number, format_percent, join_wor
 from softfinger.report.material import Material
 
 NOT_RUN = "the fit was not run"
+FEW = "needs two trials"
 PARETO = "largest Pareto k, leaving one trial out"
 EARLY = 1.0
 """End of the early look at the residuals [s]; what inertia or a lag does is over soon."""
@@ -65,6 +66,8 @@ def check_pareto(material: Material) -> Check:
     if "leave_one_out" in tree.children:
         scores = tree["leave_one_out"].dataset
         left, k = scores["refitted"].to_numpy(), scores["pareto_k"].to_numpy()
+        if k.size < 2:
+            return Check(PARETO, FEW, f"below {format_number(limit)}", None, meaning)
         k = np.where(left, 0.0, k)  # sampled anew without the trial: nothing to weigh
         found = f"{k.max():.2f}; {int((k >= limit).sum())} of {k.size} trials too large"
         found += f", {int(left.sum())} sampled anew" if left.any() else ""
@@ -85,8 +88,8 @@ def check_fit(material: Material) -> tuple[Check, ...]:
         checks.append(
             Check(
                 f"shared residual, {words}",
-                f"{excess:.1f} times chance" if np.isfinite(excess) else "needs two trials",
-                f"below {limit:.1f} times",
+                f"{excess:.1f} times chance" if np.isfinite(excess) else FEW,
+                f"below {limit:.1f} times" if np.isfinite(limit) else "–",
                 excess < limit if np.isfinite(excess) else None,
                 "The mean over trials of recording minus model is no larger than what independent "
                 "trials leave by chance.",
@@ -147,12 +150,13 @@ def check_calibration(material: Material) -> tuple[Check, ...]:
         joint, found = worst["joint"].item(), float(worst["coverage"])
         reach = float(allowed.max())
         low, high = claimed - reach, min(claimed + reach, 1.0)
+        enough = material.angles.sizes["trial"] > 1
         checks.append(
             Check(
                 f"coverage of the {format_percent(claimed)} bands, {words}",
-                f"{format_percent(found, 1)} (joint {joint})",
+                f"{format_percent(found, 1)} (joint {joint})" if enough else FEW,
                 f"{format_percent(low, 1)} to {format_percent(high, 1)}",
-                bool((gap <= allowed).all()),
+                bool((gap <= allowed).all()) if enough else None,
                 "The predictive bands hold the share of recorded frames that they claim, but for "
                 "what so few trials leave open.",
             )

@@ -6,6 +6,9 @@ import math
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
+LEAST_SHARE_SHOWN = 20.0
+"""How many times wider than its value a standard deviation may be before the value reads 0."""
+
 
 def format_measure(value: float, sd: float) -> str:
     """Write a value with its standard deviation, rounded by the Particle Data Group's rule.
@@ -14,6 +17,11 @@ def format_measure(value: float, sd: float) -> str:
     ('0.0871 ± 0.0021', '(4.8 ± 0.5) × 10⁴')
     >>> format_measure(3.2, float("nan")), format_measure(float("nan"), 1.0)
     ('3.2', '–')
+
+    The median of something positive keeps a digit, however wide it is:
+
+    >>> format_measure(0.41, 5.1)
+    '0.4 ± 5.1'
     """
     if not math.isfinite(value):
         return "–"
@@ -21,6 +29,8 @@ def format_measure(value: float, sd: float) -> str:
         return format_number(value, 6)
     exponent = choose_exponent(value if abs(value) > sd else sd)
     decimals = count_decimals(sd / 10**exponent)
+    if sd / LEAST_SHARE_SHOWN < abs(value) < sd:
+        decimals = max(decimals, count_decimals(abs(value) / 10**exponent))
     body = f"{fix(value / 10**exponent, decimals)} ± {fix(sd / 10**exponent, decimals)}"
     return f"({body}) × 10{str(exponent).translate(SUPERSCRIPTS)}" if exponent else body
 

@@ -1,9 +1,12 @@
 import re
+import shutil
+import subprocess
 
 import pytest
 from example_artifacts import CONFIG, make_angles
 
 from softfinger.faults import Fault
+from softfinger.provenance import PROJECT
 from softfinger.report.publication import (
     PICTURES,
     build_picture,
@@ -23,8 +26,8 @@ def test_a_figure_is_written_in_every_form_asked_for(artifacts, tmp_path):
 
 
 @pytest.mark.parametrize("name", list(PICTURES))
-def test_every_figure_has_its_name_and_its_stamp(artifacts, name):
-    picture = build_picture(name, artifacts, CONFIG)
+def test_every_figure_has_its_name_and_its_stamp(diagnosed, name):
+    picture = build_picture(name, diagnosed, CONFIG)
     assert picture.name == name
     if "sketch" not in picture.caption.lower():
         assert picture.figure.get_suptitle() == "synthetic"
@@ -38,14 +41,62 @@ def test_an_unknown_figure_and_a_missing_artifact_are_faults():
         build_picture("sobol", angles, CONFIG)
 
 
-def test_the_document_names_files_that_lie_beside_it_and_is_balanced(artifacts, tmp_path):
-    names = ["finger", "sobol"]
-    write_document(names, artifacts, CONFIG, tmp_path / "figures.tex")
-    text = (tmp_path / "figures.tex").read_text()
-    assert re.findall(r"\{(\w+)\.pdf\}", text) == names
-    begun, ended = (re.findall(rf"\\{word}\{{([^}}]+)\}}", text) for word in ("begin", "end"))
-    assert sorted(begun) == sorted(ended)
-    assert text.isascii()
+OF_THE_PAPER = (
+    "finger joint_model histograms initial_angles densities bands bands_early sobol".split()
+)
+
+
+@pytest.fixture(scope="module")
+def document(diagnosed, tmp_path_factory):
+    """A folder as `make figures` leaves it."""
+    folder = tmp_path_factory.mktemp("figures")
+    for name in PICTURES:
+        write_figure(name, diagnosed, CONFIG, [folder / f"{name}.pdf"])
+    write_document(list(PICTURES), diagnosed, CONFIG, folder / "figures.tex")
+    write_parameter_table(diagnosed, CONFIG, folder / "parameters.tex")
+    return folder / "figures.tex"
+
+
+def test_the_document_names_files_that_lie_beside_it_and_is_balanced(document):
+    text = document.read_text()
+    assert re.findall(r"\{(\w+)\.pdf\}", text) == list(PICTURES)
+    for name in re.findall(r"\{(\w+\.(?:pdf|tex))\}", text):
+        assert (document.parent / name).is_file()
+    for part in (text, (document.parent / "parameters.tex").read_text()):
+        assert find_unbalanced(part) == []
+        assert part.isascii()
+
+
+def find_unbalanced(text):
+    """Environments that end where another began, and braces that do not close."""
+    opened = []
+    for word, name in re.findall(r"\\(begin|end)\{([^}]+)\}", text):
+        if word == "begin":
+            opened.append(name)
+        elif not opened or opened.pop() != name:
+            return [name]
+    plain = text.replace(r"\{", "").replace(r"\}", "")
+    return opened + ["{"] * (plain.count("{") - plain.count("}"))
+
+
+def test_what_is_not_balanced_is_found():
+    assert find_unbalanced(r"\begin{a}\begin{b}\end{a}\end{b}") == ["a"]
+    assert find_unbalanced(r"\textbf{a") == ["{"]
+
+
+def test_the_workflow_draws_every_figure_of_the_paper():
+    rules = (PROJECT / "workflow/rules/report.smk").read_text(encoding="utf-8")
+    drawn = set(re.findall(r'"(\w+)"', "".join(re.findall(r"FIGURES \+?= (\[.*?\])", rules, re.S))))
+    assert drawn <= set(PICTURES)
+    assert set(OF_THE_PAPER) <= drawn
+
+
+@pytest.mark.skipif(shutil.which("pdflatex") is None, reason="no pdflatex is installed")
+def test_the_document_compiles(document):
+    command = ["pdflatex", "-halt-on-error", "-interaction=nonstopmode", document.name]
+    done = subprocess.run(command, cwd=document.parent, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout[-3000:]
+    assert document.with_suffix(".pdf").read_bytes().startswith(b"%PDF")
 
 
 def test_the_table_has_a_row_per_parameter_and_joint(artifacts, material, tmp_path):

@@ -42,9 +42,10 @@ def describe_recordings(material: Material) -> str:
     interval = float(np.nanmedian(np.diff(time, axis=1)))
     shares = {name: measure_flagged(angles, bit) for name, bit in FLAGS.items()}
     words = [f"{format_percent(share, 1)} {name}" for name, share in shares.items()]
+    verb = "is" if angles["trial"].size == 1 else "are"
     return (
         f"{count_things(angles['trial'].size, 'trial')} of "
-        f"{count_things(angles['joint'].size, 'joint')} are used, "
+        f"{count_things(angles['joint'].size, 'joint')} {verb} used, "
         f"{material.n_frames} frames in all, "
         f"{describe_span(duration)} s long, "
         f"about {format_number(1 / interval)} frames a second. Of the angles, {join_words(words)} "

@@ -169,7 +169,7 @@ def build_residual_table(material: Material) -> Table | None:
                 number(f"{1e3 * rms:.2f}", 1e3 * rms),
                 number(format_measure(1e3 * mean, 1e3 * sd), 1e3 * mean),
                 number(f"{1e3 * declared:.2f}" if np.isfinite(declared) else "–", 1e3 * declared),
-                number(f"{1e3 * largest:.2f}", 1e3 * largest),
+                number(f"{1e3 * largest:.2f}" if np.isfinite(largest) else "–", 1e3 * largest),
             )
         )
     columns = (

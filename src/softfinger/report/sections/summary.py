@@ -27,7 +27,7 @@ def judge(material: Material) -> tuple[Tile, ...]:
     """Judge computation, fit and calibration; a single failed check makes a tile red."""
     computation = check_computation(material)
     only_pareto = {check.name for check in computation if check.passed is False} == {PARETO}
-    bad = "hangs on trials" if only_pareto else "not sound"
+    bad = "leans on single trials" if only_pareto else "not sound"
     return (
         judge_checks("Computation", ("sound", bad), computation, "computation"),
         judge_checks(
@@ -64,9 +64,10 @@ def describe_campaign(material: Material) -> str:
     """Say what was recorded."""
     angles = material.angles
     aside = angles["set_aside_trial"].size
+    verb = "is" if angles["trial"].size == 1 else "are"
     return (
         f"{count_things(angles['trial'].size, 'trial')} of one finger of "
-        f"{count_things(angles['joint'].size, 'joint')} are used, "
+        f"{count_things(angles['joint'].size, 'joint')} {verb} used, "
         f"{f'{aside} set aside' if aside else 'none was set aside'}; "
         f"the data are {material.source}."
     )
@@ -87,6 +88,11 @@ def describe_fit(material: Material) -> list[str]:
     ]
     unit = f"{material.load_unit}/rad"
     sentences = [f"Stiffness k_v [{unit}], with its spread between trials: {join_words(parts)}."]
+    if material.angles.sizes["trial"] == 1:
+        sentences.append(
+            "One trial cannot tell how much trials differ: every spread in this report, and every "
+            "share of it, is what was assumed before."
+        )
     if judge(material)[2].passed is False:
         largest = float(np.abs(residuals["mean_residual"]).max())
         seen = material.angles["joint_angle"].where(material.angles["angle_flag"] == 0)

@@ -1,0 +1,74 @@
+"""Artifacts of a diagnosis, small and with hand-made numbers, made from their declarations."""
+
+import numpy as np
+import xarray as xr
+
+from softfinger.artifacts.specs import location, masking, ranking, repair
+
+NAMES = ["second_retardation", "wire_friction", "gravity"]
+LABELS = {
+    "model": ["base", "final"],
+    "effect": NAMES,
+    "other_effect": NAMES,
+    "effect_set": ["", *NAMES],
+    "refused_effect": ["temperature"],
+    "replicate": np.arange(9),
+    "phase": ["loading", "rest"],
+    "window": np.array([0.0, 0.1, 1.0, 10.0]),
+    "parameter": ["log_k_v", "log_c_v", "log_c_p", "q_ini"],
+    "covariate": ["tension_n", "trial"],
+    "ci_prob": np.array([0.5, 0.9]),
+    "bound": ["lower", "upper"],
+    "level": np.array([0.02, 0.04]),
+}
+
+
+def fill(spec, joints, trials, attrs):
+    """Every declared variable, with numbers between its bounds."""
+    rng = np.random.default_rng(5)
+    labels = LABELS | {"joint": joints, "trial": trials}
+    sizes = {name: len(values) for name, values in labels.items()} | {"bin": 31}
+    variables = {}
+    for name, declared in spec.variables.items():
+        shape = [sizes[dim] for dim in declared.dims]
+        low, high = max(declared.at_least, -1.0), min(declared.at_most, 1.0)
+        values = rng.uniform(low, high, shape)
+        if declared.kind == "text":
+            values = np.full(shape, "temperature was not logged")
+        elif declared.kind == "truth value":
+            values = np.ones(shape, bool)
+        elif declared.kind == "whole number":
+            values = np.full(shape, 2)
+        variables[name] = (declared.dims, values)
+    coords = {name: labels[name] for name in spec.coords if name in labels}
+    return xr.Dataset(variables, coords, attrs)
+
+
+def make_repair(joints, trials, attrs):
+    filled = fill(repair.SPEC, joints, trials, attrs)
+    time = np.broadcast_to(np.geomspace(0.03, 30, filled.sizes["bin"]), filled["time"].shape)
+    recorded = 0.4 - 0.3 * np.exp(-time[:, None, :] / np.arange(1, len(joints) + 1)[:, None])
+    final = recorded + 0.001 * np.sin(7 * time[:, None, :])
+    base = final - 0.02 * np.exp(-time[:, None, :])
+    return filled.assign(
+        time=(("trial", "bin"), time),
+        since_change=(("trial", "bin"), time),
+        recorded_angle=(("trial", "joint", "bin"), recorded),
+        fitted_angle=(("model", "trial", "joint", "bin"), np.stack([base, final])),
+        bin_noise_sd=(("trial", "joint", "bin"), np.full(recorded.shape, 0.002)),
+    )
+
+
+def make_diagnosis(angles):
+    joints, trials = angles["joint"].values, angles["trial"].values
+    attrs = {"campaign": "example", "source": "synthetic", "decision": "named"}
+    more = {"effects": "second_retardation", "load_unit": "N m"}
+    ranked = fill(ranking.SPEC, joints, trials, attrs)
+    ranked["best_gain"][:] = [120.0, 3.0, -0.5]
+    ranked["needed_gain"] = 8.0
+    return {
+        "ranking": ranked,
+        "location": fill(location.SPEC, joints, trials, attrs),
+        "masking": fill(masking.SPEC, joints, trials, attrs),
+        "repair": make_repair(joints, trials, attrs | more),
+    }
