@@ -41,27 +41,30 @@ def test_an_unknown_figure_and_a_missing_artifact_are_faults():
         build_picture("sobol", angles, CONFIG)
 
 
-OF_THE_PAPER = (
-    "finger joint_model histograms initial_angles densities bands bands_early sobol".split()
-)
+OF_THE_PAPER = {
+    "finger",
+    "joint_model",
+    "histograms",
+    "initial_angles",
+    "densities",
+    "bands",
+    "bands_early",
+    "sobol",
+}
 
 
 @pytest.fixture(scope="module")
 def document(diagnosed, tmp_path_factory):
-    """A folder as `make figures` leaves it."""
     folder = tmp_path_factory.mktemp("figures")
-    for name in PICTURES:
-        write_figure(name, diagnosed, CONFIG, [folder / f"{name}.pdf"])
     write_document(list(PICTURES), diagnosed, CONFIG, folder / "figures.tex")
     write_parameter_table(diagnosed, CONFIG, folder / "parameters.tex")
     return folder / "figures.tex"
 
 
-def test_the_document_names_files_that_lie_beside_it_and_is_balanced(document):
+def test_the_document_names_every_figure_and_is_balanced(document):
     text = document.read_text()
     assert re.findall(r"\{(\w+)\.pdf\}", text) == list(PICTURES)
-    for name in re.findall(r"\{(\w+\.(?:pdf|tex))\}", text):
-        assert (document.parent / name).is_file()
+    assert re.findall(r"\\input\{(\w+)\.tex\}", text) == ["parameters"]
     for part in (text, (document.parent / "parameters.tex").read_text()):
         assert find_unbalanced(part) == []
         assert part.isascii()
@@ -88,11 +91,13 @@ def test_the_workflow_draws_every_figure_of_the_paper():
     rules = (PROJECT / "workflow/rules/report.smk").read_text(encoding="utf-8")
     drawn = set(re.findall(r'"(\w+)"', "".join(re.findall(r"FIGURES \+?= (\[.*?\])", rules, re.S))))
     assert drawn <= set(PICTURES)
-    assert set(OF_THE_PAPER) <= drawn
+    assert drawn >= OF_THE_PAPER
 
 
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="no pdflatex is installed")
-def test_the_document_compiles(document):
+def test_the_document_compiles(diagnosed, document):
+    for name in PICTURES:
+        write_figure(name, diagnosed, CONFIG, [document.parent / f"{name}.pdf"])
     command = ["pdflatex", "-halt-on-error", "-interaction=nonstopmode", document.name]
     done = subprocess.run(command, cwd=document.parent, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout[-3000:]
