@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from softfinger.estimation.assumptions import judge_independence, measure_prior_sensitivity
 from softfinger.estimation.predictive import draw_prior, predict_new_trials, predict_trials
 from softfinger.population.covariance import correlate_partials_array
 from softfinger.population.likelihood import PARAMETERS
@@ -80,6 +81,8 @@ def build_tree(
         ),
         "log_likelihood": scores[0].to_dataset(name="recording"),
         "leave_one_out": scores[1],
+        "independence": judge_independence(posterior),
+        "prior_sensitivity": measure_prior_sensitivity(posterior, scores[0], prior_constants),
         "observed_data": observed.reset_coords(drop=True),
         "constant_data": _describe_constants(angles, frames, prior_constants),
     }

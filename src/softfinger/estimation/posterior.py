@@ -54,7 +54,8 @@ def fit_posterior(angles: xr.Dataset, config: Mapping[str, Any], seed: int) -> x
     DataTree
         ArviZ groups posterior, sample_stats, prior, prior_predictive, posterior_predictive,
         log_likelihood (per trial, its own parameters integrated out), leave_one_out,
-        observed_data, constant_data. Attribute `note` says what so few data cannot tell.
+        independence, prior_sensitivity, observed_data, constant_data. Attribute `note` says what
+        so few data cannot tell.
 
     Raises
     ------

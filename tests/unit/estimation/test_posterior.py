@@ -18,7 +18,8 @@ def stack_trials(own):
 def test_groups_are_arviz_s(tree):
     expected = {
         "posterior", "sample_stats", "prior", "prior_predictive", "posterior_predictive",
-        "log_likelihood", "leave_one_out", "observed_data", "constant_data",
+        "log_likelihood", "leave_one_out", "independence", "prior_sensitivity",
+        "observed_data", "constant_data",
     }  # fmt: skip
     assert set(tree.children) == expected
     posterior = tree["posterior"].dataset
