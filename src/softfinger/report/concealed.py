@@ -244,9 +244,10 @@ def _tell_buried(proof: Proof) -> list[Section]:
 
 
 COLUMNS = {
-    "truth": "concealed", "oracle_nats": "oracle [nats]", "right": "right", "contains": "in the set",
-    "answer": "answered", "campaign": "campaign", "protocol": "protocol", "trials": "trials",
-    "noise": "noise", "cpu_seconds": "CPU [s]", "seconds": "wall [s]", "reason": "reason",
+    "truth": "concealed", "oracle_nats": "oracle [nats]", "right": "right",
+    "contains": "in the set", "answer": "answered", "campaign": "campaign",
+    "protocol": "protocol", "trials": "trials", "noise": "noise",
+    "cpu_seconds": "CPU [s]", "seconds": "wall [s]", "reason": "reason",
 }  # fmt: skip
 
 
