@@ -39,7 +39,7 @@ SIGMA = np.array(
 )
 TORQUE, FPS, DURATION_S, NOISE_RAD = 0.04, 30.0, 30.0, 0.003
 LIMITS = {"r_hat_max": 1.01, "ess_min": 400.0, "divergences_max": 0}
-SHORT = {"chains": 4, "tune": 200, "draws": 250, "cores": 2, **LIMITS}
+SHORT = {"chains": 4, "tune": 400, "draws": 600, "cores": 2, **LIMITS}
 LARGE_TRIALS = 10_000
 RIVAL_CPU_S = 300.0
 RIVAL_TUNE = 150
