@@ -6,8 +6,10 @@ import numpy as np
 import xarray as xr
 from scipy.stats import norm
 
+from softfinger.mechanics.effects.model import Entry
 from softfinger.mismatch.decide import SURE, Posterior, join_ids
 from softfinger.mismatch.free_form import FreeForm, fit_free_form
+from softfinger.mismatch.jumps import Jumps, find_jumps
 from softfinger.mismatch.lines import Line, find_line
 from softfinger.mismatch.locate import (
     WINDOWS_S,
@@ -15,7 +17,6 @@ from softfinger.mismatch.locate import (
     list_trial_covariates,
     locate_within,
 )
-from softfinger.mechanics.effects.model import Entry
 from softfinger.mismatch.problem import Problem
 from softfinger.mismatch.rank import Candidate
 from softfinger.mismatch.search import Search
@@ -40,7 +41,8 @@ from softfinger.mismatch.verdict import FreeForm as FreeFormNote
 
 MISSING = 1e-3  # p-value of a misfit from which something is missing
 FALSE_DISCOVERIES = 0.05  # rate among located cells
-EXPLAINED = 0.5  # share of what is missing that listed effects must explain
+LEAST_LEFT = float(np.log(10 / 0.01))  # nats that ten such terms exceed by chance in 1 %
+EXPLAINED = 2 / 3  # share of what is missing that listed effects must explain
 
 
 class Findings(NamedTuple):
@@ -52,10 +54,14 @@ class Findings(NamedTuple):
         Excess χ² within trials of the base and the best model, and its p-value.
     line
         The strongest spectral line that the best model leaves.
+    jumps
+        Jumps in single trials that it leaves.
     free
         The best free-form term on top of the best model; None where nothing calls for one.
     gain
-        Gain of the listed effects over the base model [nats].
+        Gain [nats] of the best one or two listed effects over the base model.
+    further
+        What a third effect adds to that [nats].
     """
 
     base_excess: float
@@ -63,16 +69,23 @@ class Findings(NamedTuple):
     best_excess: float
     best_p: float
     line: Line
+    jumps: Jumps
     free: FreeForm | None
     gain: float
+    further: float
+
+    @property
+    def left(self) -> float:
+        """Evidence [nats] for what two effects leave: a third, a shape, a line, or jumps."""
+        free = 0.0 if self.free is None else self.free.gain
+        return max(self.further, free, self.line.gain, self.jumps.gain)
 
     def is_unlisted(self, needed: float) -> bool:
-        """Whether something is missing that listed effects do not explain by half."""
+        """Whether something is missing that one or two listed effects do not mostly explain."""
         scatter = self.best_p < MISSING
         scatter &= self.best_excess > (1 - EXPLAINED) * max(self.base_excess, 0.0)
-        free = 0.0 if self.free is None else self.free.gain
-        shape = free > needed and free > (1 - EXPLAINED) / EXPLAINED * self.gain
-        return bool(scatter or shape or self.line.p_value < MISSING)
+        least = max(needed, LEAST_LEFT, (1 - EXPLAINED) / EXPLAINED * self.gain)
+        return bool(scatter or self.left > least)
 
 
 def examine(problem: Problem, search: Search, angles: xr.Dataset, *, needed: float) -> Findings:
@@ -83,8 +96,16 @@ def examine(problem: Problem, search: Search, angles: xr.Dataset, *, needed: flo
     line = find_line(problem, compute_residual(problem, search.best, angles), time)
     free = fit_free_form(problem, search.best)
     free = free if free is not None and free.gain > needed else None
-    gain = search.best.log_evidence - search.base.log_evidence
-    return Findings(*base, *best, line, free, gain)
+    few = [c for c in (search.base, search.best, *search.candidates) if _is_small(search, c)]
+    best_few = max(c.log_evidence for c in few)
+    gain = best_few - search.base.log_evidence
+    further = max(search.best.log_evidence - best_few, 0.0)
+    jumps = find_jumps(problem, search.best)
+    return Findings(*base, *best, line, jumps, free, gain, further)
+
+
+def _is_small(search: Search, candidate: Candidate) -> bool:
+    return candidate.fit is not None and len(candidate.model.ids - search.base.model.ids) <= 2
 
 
 def conclude(
@@ -143,7 +164,8 @@ def list_effects(
 ) -> list[Effect]:
     """Effects of the best model; under `ambiguous` also every member of the set."""
     final = search.best
-    chosen = [(final, piece) for piece in range(len(final.model.pieces))]
+    given = search.base.model.ids
+    chosen = [(final, k) for k, p in enumerate(final.model.pieces) if p.effect.id not in given]
     if decision == "ambiguous":
         for ids in posterior.equivalent:
             other = posterior.best[ids]
@@ -151,7 +173,7 @@ def list_effects(
             chosen += [
                 (other, k)
                 for k, piece in enumerate(other.model.pieces)
-                if piece.effect.id not in known and other.fit is not None
+                if piece.effect.id not in known | given and other.fit is not None
             ]
     effects = [describe(problem, search.base, c, k, posterior) for c, k in chosen]
     return sorted(effects, key=lambda effect: -effect.probability)
@@ -245,8 +267,11 @@ def locate_misfit(problem: Problem, candidate: Candidate, findings: Findings) ->
         )
         for j in cells["joint"].values
     }
-    free = findings.free
-    between = free is not None and free.argument in list_trial_covariates(problem)
+    free, jumps = findings.free, findings.jumps
+    slipped = bool(jumps.trials) and jumps.gain == findings.left
+    between = free is not None and free.argument in list_trial_covariates(problem) and not slipped
+    if slipped:
+        joints = {name: 1e-3 if int(name) in jumps.joints else p for name, p in joints.items()}
     if between:
         joints = {name: 1e-3 if int(name) in free.joints else p for name, p in joints.items()}
     worst = cells["q_value"].fillna(1.0).min(("joint", "phase")).values
@@ -254,10 +279,10 @@ def locate_misfit(problem: Problem, candidate: Candidate, findings: Findings) ->
     last = float(problem.setting.duration)
     times = (WINDOWS_S[hit[0]], min(WINDOWS_S[hit[-1] + 1], last)) if hit.size else None
     return Location(
-        level="between_trials" if between else "within_trial",
+        level="measurement" if slipped else "between_trials" if between else "within_trial",
         joints=joints,
         times_s=None if between else times,
-        trials=None,
+        trials=jumps.trials if slipped else None,
         covariate=free.argument if between else None,
     )
 

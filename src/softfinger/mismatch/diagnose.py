@@ -9,12 +9,13 @@ import xarray as xr
 from softfinger.mechanics.effects.model_file import ModelFile
 from softfinger.mismatch.calibrate import FalseAlarms, calibrate_false_alarms
 from softfinger.mismatch.columns import collect_columns
-from softfinger.mismatch.conclude import Findings, conclude, examine
+from softfinger.mismatch.conclude import MISSING, Findings, conclude, examine
 from softfinger.mismatch.config import MismatchSettings
 from softfinger.mismatch.decide import Posterior, weigh_models
 from softfinger.mismatch.masking import list_invisible, tabulate_masking
 from softfinger.mismatch.problem import Candidate, Problem, pose_problem
 from softfinger.mismatch.rank import list_pieces
+from softfinger.mismatch.rival_noise import admit_noise
 from softfinger.mismatch.search import Search, search_effects
 from softfinger.mismatch.verdict import Verdict
 from softfinger.progress import track_progress
@@ -72,8 +73,11 @@ def diagnose(
     )
     needed = alarms.threshold(settings.false_alarm_probability)
     search = search_effects(problem, base, (pieces, refused), columns, needed, progress)
-    posterior = weigh_models(base, search.candidates)
     findings = examine(problem, search, angles, needed=needed)
+    if findings.best_p < MISSING:
+        problem, search = admit_noise(problem, search, angles, needed)
+        findings = examine(problem, search, angles, needed=needed)
+    posterior = weigh_models(search.base, search.candidates)
     masking = tabulate_masking(columns, problem, base)
     hidden = sorted({*refused, *list_invisible(masking, needed)} - search.best.model.ids)
     verdict = conclude(problem, search, posterior, findings, angles, hidden, needed)

@@ -84,6 +84,21 @@ def _whiten_band(band: NDArray, first: NDArray, rows: NDArray) -> NDArray:
     return white
 
 
+def whiten_trial(
+    trials: Trials, angle: NDArray[np.float64], slope: NDArray[np.float64], trial: int
+) -> NDArray[np.float64]:
+    """Whitened rows (row, column + 1) of [slope | residual] of one trial, from its own arrays."""
+    present, kind = trials.present[trial], trials.protocol[trial]
+    rows = _collect_rows(
+        angle,
+        np.ascontiguousarray(slope),
+        trials.angle[trial],
+        trials.bins[trial],
+        present,
+    )
+    return _whiten_band(trials.band[kind], trials.first[kind], rows)
+
+
 def whiten_residual(trials: Trials, angle: NDArray[np.float64], trial: int) -> NDArray[np.float64]:
     """Whitened residual (bin, joint) of one trial; NaN for joints that were not seen."""
     empty = np.zeros((*angle.shape[1:], 0))

@@ -21,12 +21,14 @@ import xarray as xr
 from numba import njit
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
+from scipy.stats import chi2
 
 from softfinger.population.frames import select_frames
 
 WINDOW_FRAMES = 200
 LEAST_WINDOW_FRAMES = 25
 DEGREE = 4
+LEAST_SD = 1e-9  # [rad] far below any camera's noise: a frozen recording has none
 DIFFERENT = 9.0  # of −2 log L for each further ρ (3 sd) from which joints do not share one
 SHARE_UNSETTLED = 0.2  # of the time between two changes of load, counted from the first
 
@@ -67,6 +69,59 @@ def estimate_noise(angles: xr.Dataset, frames: xr.Dataset | None = None) -> xr.D
         },
         coords=coords,
     )
+
+
+def estimate_residual_noise(
+    residual: NDArray[np.float64], time: NDArray[np.float64], interval: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Estimate sd and autocorrelation (joint,) of what a model leaves, as if all of it were noise.
+
+    Parameters
+    ----------
+    residual
+        (trial, joint, frame) [rad], NaN where not used.
+    time
+        (trial, frame) [s].
+    interval
+        Median frame interval [s].
+    """
+    sd, rho = np.full(residual.shape[1], np.nan), np.zeros(residual.shape[1])
+    for j in range(residual.shape[1]):
+        series = []
+        for row, moment in zip(residual[:, j], time, strict=True):
+            used = np.isfinite(row)
+            if used.any():
+                gap = np.diff(moment[used], prepend=-np.inf) / interval
+                series.append((row[used, None], gap))
+        count = sum(len(row) for row, _ in series)
+        if not count:
+            continue
+
+        def evaluate(logit: float, series: list = series, count: int = count) -> tuple:
+            parts = [whiten_array(row, gap, _squash(logit)) for row, gap in series]
+            square = sum(float((white**2).sum()) for white, _ in parts)
+            variance = max(square / count, LEAST_SD**2)
+            return count * np.log(variance) + sum(logdet for _, logdet in parts), variance
+
+        best = _minimise(lambda logit, evaluate=evaluate: evaluate(logit)[0])
+        sd[j], rho[j] = np.sqrt(evaluate(best)[1]), _squash(best)
+    return sd, rho
+
+
+def compare_noise(
+    angles: xr.Dataset, sd: NDArray[np.float64], autocorrelation: NDArray[np.float64]
+) -> float:
+    """Test whether quiet windows allow a noise (joint,): p-value of the likelihood ratio."""
+    frames = select_frames(angles)
+    excess, numbers = 0.0, 0
+    for joint in range(angles.sizes["joint"]):
+        _, rho, windows = _fit_joint(_cut_windows(angles, frames, joint), np.nan)
+        if windows.dof > 0 and np.isfinite(sd[joint]):
+            free = _evaluate_reml(windows, rho, np.nan)[0]
+            given = _evaluate_reml(windows, float(autocorrelation[joint]), float(sd[joint]))[0]
+            excess += max(given - free, 0.0)
+            numbers += 2
+    return float(chi2.sf(excess, numbers)) if numbers else 1.0
 
 
 def find_quiet_array(
@@ -271,6 +326,7 @@ def _evaluate_reml(windows: _Windows, rho: float, declared: float) -> tuple[floa
     """−2 log L at ρ and the best σ, and that σ."""
     rss, logdet = _profile_windows(rho, *windows[:3], np.empty(len(windows.rows)))
     variance = declared**2 if np.isfinite(declared) else rss.sum() / windows.dof
+    variance = max(variance, LEAST_SD**2)
     return windows.dof * np.log(variance) + logdet + rss.sum() / variance, float(np.sqrt(variance))
 
 

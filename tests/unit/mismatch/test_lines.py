@@ -28,9 +28,12 @@ def test_a_line_is_found_whatever_its_phases():
     assert abs(line.frequency_hz - 3.3) < 0.1
     assert line.joint == 2
     assert line.p_value < 1e-6
+    assert line.gain > 10.0
 
 
 def test_noise_holds_no_line():
-    p_values = [find_line(*build(np.random.default_rng(seed), 0.0)).p_value for seed in range(12)]
+    lines = [find_line(*build(np.random.default_rng(seed), 0.0)) for seed in range(12)]
+    assert max(line.gain for line in lines) < 4.6
+    p_values = [line.p_value for line in lines]
     assert min(p_values) > 1e-3
     assert max(p_values) > 0.3

@@ -1,0 +1,91 @@
+"""Noise as a rival explanation: what a model leaves may be noise that lasts longer than it seemed.
+
+Noise seen in quiet windows says little of its slow part. Where even the best model leaves more than
+that noise, each leading model is judged with the noise that its own residual asks for (an AR(1)
+process per joint), as long as the quiet windows allow it. What then still stands out is no noise.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import xarray as xr
+
+from softfinger.mismatch.problem import LAYOUT, Candidate, Problem
+from softfinger.mismatch.search import Search
+from softfinger.mismatch.summary import compute_residual
+from softfinger.mismatch.trials import prepare_trials
+from softfinger.population.noise import compare_noise, estimate_residual_noise
+
+UNBELIEVABLE = 1e-3  # p-value from which quiet windows refuse a noise
+FINALISTS = 6  # sets of effects that are judged anew
+
+
+def admit_noise(
+    problem: Problem, search: Search, angles: xr.Dataset, needed: float
+) -> tuple[Problem, Search]:
+    """Judge the leading models anew, each with the noise that explains what it leaves.
+
+    A model leads only if what it has more than a simpler one gains more than `needed` nats.
+
+    Returns
+    -------
+    problem, search
+        With the noise of the model that then leads; its candidates are the finalists.
+    """
+    finalists: dict[frozenset[str], Candidate] = {search.base.model.ids: search.base}
+    for candidate in search.candidates:
+        if candidate.fit is not None and len(finalists) <= FINALISTS:
+            finalists.setdefault(candidate.model.ids, candidate)
+    finalists.setdefault(search.best.model.ids, search.best)
+    judged = []
+    for candidate in finalists.values():
+        noisy = _explain_by_noise(problem, candidate, angles)
+        again = _refit(noisy, candidate)
+        if again is not None:
+            level = -0.5 * float(noisy.trials.logdet[noisy.trials.protocol].sum())
+            judged.append((noisy, candidate, again.log_evidence + level))
+    if not judged:
+        return problem, search
+    best_problem, _, _ = max(judged, key=lambda item: item[2])
+    level = 0.5 * float(best_problem.trials.logdet[best_problem.trials.protocol].sum())
+    settled = []
+    for _, candidate, evidence in judged:
+        fitted = _refit(best_problem, candidate)
+        if fitted is not None:
+            settled.append(fitted._replace(log_evidence=evidence + level))
+    settled.sort(key=lambda c: -c.log_evidence)
+    base = next((c for c in settled if c.model.ids == search.base.model.ids), None)
+    if base is None:
+        return problem, search
+    rest = [c for c in settled if c is not base]
+    best = settled[0]
+    for simpler in sorted(settled, key=lambda c: len(c.model.ids)):
+        close = best.log_evidence - simpler.log_evidence <= needed
+        if close and simpler.model.ids < best.model.ids:
+            best = simpler
+    size = len(best.model.ids)
+    kept = [c for c in rest if len(c.model.ids) <= max(size, len(base.model.ids) + 1)]
+    first_gain = max(best.log_evidence - base.log_evidence, 0.0)
+    return best_problem, search._replace(
+        base=base, candidates=kept, rejected=[], best=best, first_gain=first_gain
+    )
+
+
+def _explain_by_noise(problem: Problem, candidate: Candidate, angles: xr.Dataset) -> Problem:
+    chosen = angles.sel(trial=problem.trials.name)
+    time = chosen["time"].transpose("trial", "frame").values
+    residual = compute_residual(problem, candidate, angles)
+    sd, rho = estimate_residual_noise(residual, time, problem.trials.interval)
+    if compare_noise(chosen.assign(joint_angle=(LAYOUT, residual)), sd, rho) < UNBELIEVABLE:
+        return problem
+    sd = np.where(np.isfinite(sd), sd, problem.noise["noise_sd"].values)
+    noise = problem.noise.assign(noise_sd=("joint", sd), noise_autocorrelation=("joint", rho))
+    return replace(problem, noise=noise, trials=prepare_trials(chosen, noise)[0])
+
+
+def _refit(problem: Problem, candidate: Candidate) -> Candidate | None:
+    fit = candidate.fit
+    again = problem.fit(candidate.model, (fit.own, fit.shared, fit.omega))
+    if again is None or not again.converged:
+        return None
+    return Candidate(candidate.model, again, again.log_evidence)

@@ -1,0 +1,69 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from softfinger.mechanics.effects.model import EffectModel
+from softfinger.mismatch.columns import collect_columns
+from softfinger.mismatch.problem import Candidate, pose_problem
+from softfinger.mismatch.rank import list_pieces, score_pieces
+from softfinger.mismatch.search import FORM_ERROR, require_gain
+
+
+@pytest.fixture(scope="module")
+def posed(draw_campaign):
+    problem, fit = pose_problem(draw_campaign(1, 0.15))
+    return problem, Candidate(problem.base, fit, fit.log_evidence)
+
+
+def test_a_block_is_linearised_as_the_model_itself_at_its_start(posed):
+    problem, base = posed
+    pieces = [p for p in list_pieces(problem.setting)[0] if p.form.name == "proportional"]
+    columns = collect_columns(problem, base, pieces)
+    block = columns.blocks[1]
+    seen = np.array([0, 1, 2, 3, 4, 6])  # the retardation time of a share of nothing has no slope
+    expected, found = (
+        gram[:, seen[:, None], seen]
+        for gram in (
+            problem.linearise(block.model, base.fit.own, block.shared),
+            columns.linearise(block),
+        )
+    )
+    size = np.sqrt(np.einsum("tii->ti", expected).max(axis=0))
+    np.testing.assert_allclose(
+        found / np.outer(size, size), expected / np.outer(size, size), atol=2e-2
+    )
+
+
+def test_the_true_effect_scores_best(posed):
+    problem, base = posed
+    pieces = list_pieces(problem.setting)[0]
+    scores = score_pieces(problem, base, collect_columns(problem, base, pieces))
+    assert scores[0].effect in ("second_retardation", "fractional_creep")
+    gains = [score.gain for score in scores]
+    assert gains == sorted(gains, reverse=True)
+
+
+def test_a_further_effect_must_bring_more_than_form_errors(posed):
+    pieces = list_pieces(posed[0].setting)[0]
+    effects = len({piece.effect.id for piece in pieces})
+    needed = require_gain(3.0, 1000.0, pieces)
+    assert needed == pytest.approx(3.0 + np.log(effects) + 1000.0 * FORM_ERROR)
+
+
+def test_a_local_form_leaves_the_other_joints_alone(posed):
+    wide = replace(
+        posed[0].setting,
+        joints=3,
+        stiffness=np.full(3, 0.1),
+        reach=np.ones(3),
+        memory=np.zeros((posed[0].setting.trials, 3)),
+    )
+    pieces = [p for p in list_pieces(wide)[0] if p.label == "yield_threshold/excess/2"]
+    model = EffectModel(wide, (pieces[0],))
+    slots = model.fill_slots(np.array([0.01]))
+    changed = np.ptp(slots.joint, axis=1).any(axis=0)
+    acting = np.argwhere(slots.joint != EffectModel(wide).fill_slots(np.zeros(0)).joint)
+    assert changed.any()
+    assert set(acting[:, 1]) == {1}
+    assert pieces[0].joints == [2]
