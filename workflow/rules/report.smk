@@ -29,7 +29,9 @@ FIGURES += [
     "residuals",
     "sampling",
 ]
-FIGURES += ["assumptions", "repair", "ranking", "location", "masking"]
+FIGURES += ["assumptions", "repair", "ranking", "location", "masking", "prior_predictive"]
+if VIDEOS:
+    FIGURES += ["tracking"]
 
 
 if MODEL:  # Shapley effects and these residuals know the base model alone

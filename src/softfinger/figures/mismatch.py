@@ -17,6 +17,7 @@ from softfinger.figures.style import (
     RED,
     SKY,
     get_source,
+    label_log_axis,
     new_figure,
     styled,
 )
@@ -58,7 +59,7 @@ def draw_repair(repair: xr.Dataset) -> Figure:
         for ax in row[1:]:
             ax.sharex(row[0])
     axes[0, 0].set_ylabel("joint angle [rad]")
-    axes[1, 0].set_ylabel("recording − model [mrad]")
+    axes[1, 0].set_ylabel("left over [mrad]")
     axes[2, 0].set_ylabel("squared residual\nover noise [1]")
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper left", ncols=3)
     axes[0, 0].set_title(f"joint {joints[0]} ({trial})")
@@ -106,6 +107,8 @@ def draw_misfit(ax: Axes, repair: xr.Dataset) -> None:
         ]
         ax.plot(middle, mean, line, color=colour, marker="o", ms=2.5)
     ax.set(xscale="log", yscale="log")
+    label_log_axis(ax.xaxis)
+    label_log_axis(ax.yaxis)
 
 
 @styled
@@ -150,6 +153,7 @@ def draw_location(location: xr.Dataset) -> Figure:
     location
         q_value (model, joint, phase, window).
     """
+    location = location.dropna("phase", how="all", subset=["q_value"])
     models = [str(name) for name in location["model"].values]
     joints = location["joint"].values
     figure = new_figure(get_source(location), height=0.8 + 0.75 * joints.size)
@@ -188,7 +192,8 @@ def draw_masking(masking: xr.Dataset) -> Figure:
     rows = np.arange(len(names))
     left.barh(rows, 100 * shown["share_left"].values, color=SKY, height=0.7)
     for row, gain in zip(rows, shown["expected_gain"].values, strict=True):
-        left.annotate(f"{gain:.3g}", (1, row), (-2, 0), xycoords=("axes fraction", "data"),
+        words = f"{gain:.3g}" if gain < 1e4 else "> 10 000"
+        left.annotate(words, (1, row), (-2, 0), xycoords=("axes fraction", "data"),
                       textcoords="offset points", ha="right", va="center", fontsize=6)  # fmt: skip
     left.set_yticks(rows, names)
     left.set(xlabel="signal left after refitting [%]", xlim=(0, 100))

@@ -15,6 +15,7 @@ from softfinger.figures.style import (
     PINK,
     RED,
     get_source,
+    label_log_axis,
     new_figure,
     styled,
 )
@@ -41,6 +42,7 @@ def draw_sampling(sampling: xr.Dataset) -> Figure:
     draw_sorted(middle, sampling["ess_tail"].values, ORANGE, "tail")
     draw_limit(middle, sampling.attrs["ess_min"], 0.6)
     middle.set_yscale("log")
+    label_log_axis(middle.yaxis)
     middle.set(xlabel="quantities, sorted", ylabel="effective draws", title="draws suffice")
     middle.legend()
     draw_trace(right, sampling["worst_draws"])

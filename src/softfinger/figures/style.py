@@ -11,7 +11,9 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 STYLE_FILE = Path(__file__).with_name("softfinger.mplstyle")
 SINGLE_COLUMN, DOUBLE_COLUMN = 89 / 25.4, 183 / 25.4
@@ -107,6 +109,13 @@ def build_joint_axes(
 def measure_joint_rows(n_joint: int, n_row: int) -> int:
     """Count the rows that `build_joint_axes` lays out, for the height of the figure."""
     return n_row if n_joint <= 4 else n_joint
+
+
+def label_log_axis(axis: Axis) -> None:
+    """Label a logarithmic axis that spans few decades: 1, 2, 5, in plain numbers."""
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def render_figure(figure: Figure, form: str = "svg") -> bytes:

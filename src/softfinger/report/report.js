@@ -96,7 +96,7 @@ document.querySelectorAll("table").forEach((table) => {
   table.querySelectorAll("th").forEach((head) => {
     const label = head.textContent.trim();
     head.dataset.label = label;
-    if (table.classList.contains("checks")) return;
+    if (table.classList.contains("checks") || !label) return;
     const button = make("button", { type: "button", textContent: label, title: "Sort by this column" });
     head.replaceChildren(button);
     button.addEventListener("click", () => sortBy(table, head));

@@ -22,6 +22,32 @@ LABELS = {
     "level": np.array([0.02, 0.04]),
 }
 
+VERDICT = {
+    "version": 1,
+    "campaign": "example",
+    "decision": "named",
+    "effects": [
+        {
+            "id": "second_retardation",
+            "joints": [2],
+            "probability": 0.98,
+            "parameters": {"retardation_time_s": {"mean": 5.9, "sd": 0.4, "q05": 5.2, "q95": 6.6}},
+            "statement": "Joint 2 keeps relaxing on a second time scale, with probability 0.98.",
+            "location": None,
+        }
+    ],
+    "equivalent": [],
+    "location": None,
+    "elpd": {"baseline": 100.0, "final": 220.0, "difference": 120.0, "se": 15.0},
+    "residual_rms_rad": {"baseline": 0.0065, "final": 0.0030, "noise": 0.0030},
+    "explained_spread": {"log_k_v": {"1": 0.62}},
+    "not_testable": ["temperature"],
+    "free_form": None,
+    "n_trials": 5,
+    "set_aside": [],
+    "next_experiment": None,
+}
+
 
 def fill(spec, joints, trials, attrs):
     """Every declared variable, with numbers between its bounds."""
@@ -71,4 +97,5 @@ def make_diagnosis(angles):
         "location": fill(location.SPEC, joints, trials, attrs),
         "masking": fill(masking.SPEC, joints, trials, attrs),
         "repair": make_repair(joints, trials, attrs | more),
+        "verdict": VERDICT,
     }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import xarray as xr
 
@@ -121,5 +123,6 @@ def list_assumptions(material: Material) -> list[str]:
     ]
     if "assumptions" in material:
         sentences = material.artifacts["assumptions"]["statement"].values
-        items += [f"Simulated fingers of the paper's table: {sentence}" for sentence in sentences]
+        signed = [re.sub(r"(?<=\s)-(?=\d)", "−", str(sentence)) for sentence in sentences]
+        items += [f"Simulated fingers of the paper's table: {sentence}" for sentence in signed]
     return items
