@@ -49,7 +49,7 @@ def weigh_models(base: Candidate, others: Iterable[Candidate]) -> Posterior:
     """Weigh the base model and every other fitted model by evidence and prior."""
     groups: dict[Ids, list[Candidate]] = {}
     for candidate in others:
-        groups.setdefault(candidate.model.ids, []).append(candidate)
+        groups.setdefault(candidate.model.ids - base.model.ids, []).append(candidate)
     groups.pop(frozenset(), None)
     log_weight = {frozenset(): np.log(0.5) + base.log_evidence}
     for ids, members in groups.items():
