@@ -260,10 +260,7 @@ def _tell_measured(proof: Proof) -> list[Section]:
     if isinstance(proof.measured, str):
         blocks = (Paragraph(proof.measured, "note"),)
     else:
-        blocks = (
-            Paragraph("Recordings that others made and described; nothing was fitted to them."),
-            _build_rows("measured", proof.measured, "measured"),
-        )
+        blocks = (_build_rows("measured", proof.measured, "measured"),)
     return [Section("measured", "Real recordings", blocks)]
 
 
@@ -300,8 +297,5 @@ def _tell_seals(proof: Proof) -> list[Section]:
         tuple(tuple(text(word) for word in row) for row in proof.seals),
         folded=True,
     )
-    words = (
-        "To check a seal: cat truth/CAMPAIGN.json and salt/CAMPAIGN.txt without its line end "
-        "into sha256sum."
-    )
+    words = "To check a seal: SHA-256 of truth/CAMPAIGN.json followed by the salt's digits."
     return [Section("seals", "Seals", (Paragraph(words), table))]
