@@ -29,7 +29,14 @@ FIGURES += [
     "residuals",
     "sampling",
 ]
-FIGURES += ["assumptions", "repair", "ranking", "location", "masking", "prior_predictive"]
+FIGURES += [
+    "assumptions",
+    "repair",
+    "ranking",
+    "location",
+    "masking",
+    "prior_predictive",
+]
 if VIDEOS:
     FIGURES += ["tracking"]
 
@@ -45,7 +52,12 @@ rule report:
         verdict=OUT / "verdict.json",
         markers=expand(OUT / "markers/{batch}.nc", batch=BATCHES),
     output:
-        report=report(OUT / "report.html", caption="../report/report.rst"),
+        report=report(
+            OUT / "report.html",
+            caption="../report/report.rst",
+            category="Report",
+            labels={"page": "report"},
+        ),
     log:
         OUT / "logs/report.log",
     params:
@@ -63,7 +75,16 @@ rule figure:
         verdict=OUT / "verdict.json",
         markers=expand(OUT / "markers/{batch}.nc", batch=BATCHES),
     output:
-        figures=[OUT / f"figures/{{name}}.{form}" for form in ("pdf", "png", "svg")],
+        figures=[
+            OUT / "figures/{name}.pdf",
+            OUT / "figures/{name}.png",
+            report(
+                OUT / "figures/{name}.svg",
+                caption="../report/figure.rst",
+                category="Figures",
+                labels={"figure": "{name}"},
+            ),
+        ],
     log:
         OUT / "logs/figure_{name}.log",
     params:
@@ -83,7 +104,12 @@ rule document:
         markers=expand(OUT / "markers/{batch}.nc", batch=BATCHES),
     output:
         document=OUT / "figures/figures.tex",
-        table=OUT / "figures/parameters.tex",
+        table=report(
+            OUT / "figures/parameters.tex",
+            caption="../report/table.rst",
+            category="Tables",
+            labels={"table": "parameters"},
+        ),
     log:
         OUT / "logs/document.log",
     params:

@@ -15,6 +15,7 @@ const toggle = make("button", { type: "button", className: "tool" });
 const nameToggle = () => { toggle.textContent = isDark() ? "Light colours" : "Dark colours"; };
 toggle.addEventListener("click", () => { root.dataset.theme = isDark() ? "light" : "dark"; nameToggle(); });
 nameToggle();
+prefersDark.addEventListener("change", nameToggle);
 document.querySelector("nav").append(make("p", { className: "tools" }, toggle));
 
 // where the reader is
