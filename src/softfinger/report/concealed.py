@@ -166,10 +166,8 @@ def _tell_score(proof: Proof) -> list[Section]:
             "Clopper–Pearson intervals; rule score.",
         ),
     )
-    lines = _tell_remarks(score)
-    return [
-        Section("score", "The score", (_build_shares(proof), Listing(lines), *pictures)),
-    ]
+    lines = Listing(_tell_remarks(score))
+    return [Section("score", "The score", (_build_shares(proof), lines, *pictures))]
 
 
 def _tell_remarks(score: xr.Dataset) -> tuple[str, ...]:
