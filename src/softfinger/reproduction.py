@@ -10,11 +10,13 @@ import hashlib
 import json
 import math
 import platform
+import re
 import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import cv2
 import numpy as np
 import xarray as xr
 
@@ -23,10 +25,17 @@ from softfinger.provenance import PROJECT
 
 VERSION = 1
 QUANTILES = {"q05": 0.05, "q25": 0.25, "median": 0.5, "q75": 0.75, "q95": 0.95}
-ROUNDING, SAMPLING = 1e-4, 0.3
-"""Of a variable's scale: what other processors may round, and what other draws may move."""
-SAMPLED = {"posterior", "sampling", "bands", "densities", "sobol", "shapley", "repair"}
-"""Artifacts that hang on a sampler's draws."""
+TOLERANCE = {"rounding": 1e-4, "search": 0.01, "sampling": 0.3, "video": 0.02}
+"""Share of a variable's scale that other processors, searches, draws and codecs may move."""
+HASH = re.compile(r"\b[0-9a-f]{64}\b")
+NUMBER = re.compile(r"-?\d+\.?\d*(?:[eE][-+]?\d+)?")
+KINDS = {
+    **dict.fromkeys(("ranking", "location", "masking", "free_form", "model"), "search"),
+    **dict.fromkeys(
+        ("posterior", "sampling", "bands", "densities", "sobol", "shapley", "repair"), "sampling"
+    ),
+}
+"""What artifacts hang on, where it is more than rounding."""
 REASONS = {
     "code_sha256": "the code of its stage",
     "params_sha256": "the configuration",
@@ -51,13 +60,10 @@ def write_manifest(folder: Path, path: Path) -> None:
     content = {
         "version": VERSION,
         "made_on": describe_machine(),
-        "tolerance": {"rounding": ROUNDING, "sampling": SAMPLED_WORDS},
+        "tolerance": TOLERANCE,
         "files": files,
     }
     path.write_text(json.dumps(content, indent=1, sort_keys=True) + "\n", encoding="utf-8")
-
-
-SAMPLED_WORDS = f"{SAMPLING:g} in {', '.join(sorted(SAMPLED))}; share of a variable's scale"
 
 
 def describe_machine() -> dict[str, str]:
@@ -90,9 +96,41 @@ def describe_file(path: Path) -> dict[str, Any]:
         verdict = json.loads(path.read_text(encoding="utf-8"))
         effects = [effect["id"] for effect in verdict["effects"]]
         described["says"] = f"{verdict['decision']}: {' + '.join(effects) or 'nothing'}"
-    if path.suffix == ".nc":
+    elif path.suffix == ".nc":
         described |= describe_artifact(path)
+    elif path.suffix == ".avi":
+        described["summary"] = {"grey level": summarise(read_first_frame(path).astype(float))}
+    else:
+        described |= describe_text(path.read_text(encoding="utf-8"))
     return described
+
+
+def describe_text(text: str) -> dict[str, Any]:
+    r"""Hash of a text without the hashes that it cites, and summary of its numbers.
+
+    >>> describe_text("a: 1\nb: 3\n")["summary"]["numbers"]["median"]
+    2.0
+    """
+    plain = HASH.sub("", text)
+    numbers = np.array([float(number) for number in NUMBER.findall(plain)])
+    summary = {"numbers": summarise(numbers)} if numbers.size else {}
+    return {"values_sha256": hashlib.sha256(plain.encode()).hexdigest(), "summary": summary}
+
+
+def read_first_frame(path: Path) -> np.ndarray:
+    """First picture of a video.
+
+    Raises
+    ------
+    Fault
+        If it cannot be decoded.
+    """
+    capture = cv2.VideoCapture(str(path))
+    read, picture = capture.read()
+    capture.release()
+    if not read:
+        raise Fault(f"{path}: no picture can be decoded; run it again")
+    return picture
 
 
 def describe_artifact(path: Path) -> dict[str, Any]:
@@ -159,17 +197,21 @@ def compare_file(name: str, was: Mapping[str, Any], now: Mapping[str, Any]) -> A
         same = now["says"] == was["says"]
         words = f"says {now['says']}" + ("" if same else f"; was {was['says']}")
         return Answer(name, "within tolerance" if same else "different", same, words)
-    if "values_sha256" not in was:
-        return Answer(name, "different", False, "it has other bytes and no values to compare")
-    why = explain(was["made_by"], now["made_by"])
-    if now["values_sha256"] == was["values_sha256"]:
+    why = explain(was.get("made_by", {}), now.get("made_by", {}))
+    if "values_sha256" in was and now["values_sha256"] == was["values_sha256"]:
         return Answer(name, "equal values", True, why)
-    allowed = SAMPLING if Path(name).stem in SAMPLED else ROUNDING
+    allowed = choose_tolerance(name)
     far = list(list_deviations(was["summary"], now["summary"], allowed))
     if far:
         more = f" and {len(far) - 3} more" if len(far) > 3 else ""
         return Answer(name, "different", False, f"{'; '.join(far[:3])}{more}; {why}")
     return Answer(name, "within tolerance", True, f"{allowed:g} of the scale; {why}")
+
+
+def choose_tolerance(name: str) -> float:
+    """Share of the scale by which a file's values may differ."""
+    kind = "video" if name.endswith(".avi") else KINDS.get(Path(name).stem, "rounding")
+    return TOLERANCE[kind]
 
 
 def list_deviations(
@@ -197,7 +239,7 @@ def explain(was: Mapping[str, Any], now: Mapping[str, Any]) -> str:
     """Say in words what made a file differ, from the provenance that both carry."""
     changed = [words for key, words in REASONS.items() if was.get(key) != now.get(key)]
     if not changed:
-        return "same code, configuration, packages and inputs: another kind of machine rounds so"
+        return "no stamp tells why: the kind of machine, or what it was made from"
     return f"changed: {', '.join(changed)}"
 
 

@@ -1,5 +1,6 @@
 import json
 
+import cv2
 import numpy as np
 import pytest
 import xarray as xr
@@ -52,7 +53,7 @@ def test_other_packages_with_the_same_values_are_named(tmp_path, manifest):
 def test_rounding_is_within_tolerance_and_more_is_not(tmp_path, manifest):
     found = answer(write_run(tmp_path / "a", angle=1.0 + 1e-6), manifest)
     assert found["angles.nc"].word == "within tolerance"
-    assert "another kind of machine" in found["angles.nc"].why
+    assert "the kind of machine" in found["angles.nc"].why
     found = answer(write_run(tmp_path / "b", angle=1.01), manifest)
     assert not found["angles.nc"].good
     assert found["bands.nc"].good  # hangs on draws
@@ -83,6 +84,34 @@ def test_a_file_that_the_manifest_does_not_know_is_told(tmp_path, manifest):
     (run / "more.csv").write_text("a")
     assert answer(run, manifest)["more.csv"].word == "new"
     assert "logs/run.csv" not in list_files(run)
+
+
+def test_a_text_is_compared_by_its_numbers_whatever_hash_it_cites(tmp_path):
+    run = write_run(tmp_path / "first")
+    (run / "model.yaml").write_text(f"median: 2.5\nsha256: {'a' * 64}\n")
+    manifest = tmp_path / "manifest.json"
+    write_manifest(run, manifest)
+    (run / "model.yaml").write_text(f"median: 2.5\nsha256: {'b' * 64}\n")
+    assert answer(run, manifest)["model.yaml"].word == "equal values"
+    (run / "model.yaml").write_text("median: 2.5001\n")
+    assert answer(run, manifest)["model.yaml"].word == "within tolerance"
+    (run / "model.yaml").write_text("median: 2.6\n")
+    assert answer(run, manifest)["model.yaml"].word == "different"
+
+
+def test_a_video_is_compared_by_what_it_shows(tmp_path):
+    for folder, grey in (("first", 100), ("codec", 101), ("dark", 50)):
+        (tmp_path / folder).mkdir()
+        path = str(tmp_path / folder / "video.avi")
+        writer = cv2.VideoWriter(path, cv2.VideoWriter.fourcc(*"MJPG"), 30.0, (64, 48))
+        writer.write(np.full((48, 64, 3), grey, np.uint8))
+        writer.release()
+    write_manifest(tmp_path / "first", tmp_path / "manifest.json")
+    words = [
+        answer(tmp_path / folder, tmp_path / "manifest.json")["video.avi"].word
+        for folder in ("first", "codec", "dark")
+    ]
+    assert words == ["equal", "within tolerance", "different"]
 
 
 def test_faults(tmp_path, manifest):
