@@ -28,7 +28,7 @@ QUANTILES = {"q05": 0.05, "q25": 0.25, "median": 0.5, "q75": 0.75, "q95": 0.95}
 TOLERANCE = {"rounding": 1e-4, "search": 0.01, "sampling": 0.3, "video": 0.02}
 """Share of a variable's scale that other processors, searches, draws and codecs may move."""
 HASH = re.compile(r"\b[0-9a-f]{64}\b")
-NUMBER = re.compile(r"-?\d+\.?\d*(?:[eE][-+]?\d+)?")
+NUMBER = re.compile(r"(?<![\w.])-?\d+\.?\d*(?:[eE][-+]?\d+)?")
 KINDS = {
     **dict.fromkeys(("ranking", "location", "masking", "free_form", "model"), "search"),
     **dict.fromkeys(

@@ -104,7 +104,8 @@ def test_a_video_is_compared_by_what_it_shows(tmp_path):
         (tmp_path / folder).mkdir()
         path = str(tmp_path / folder / "video.avi")
         writer = cv2.VideoWriter(path, cv2.VideoWriter.fourcc(*"MJPG"), 30.0, (64, 48))
-        writer.write(np.full((48, 64, 3), grey, np.uint8))
+        shade = grey + np.arange(64, dtype=np.uint8)
+        writer.write(np.tile(shade[None, :, None], (48, 1, 3)))
         writer.release()
     write_manifest(tmp_path / "first", tmp_path / "manifest.json")
     words = [
