@@ -7,7 +7,8 @@ import numpy as np
 import xarray as xr
 
 from softfinger.mechanics.effects.model_file import ModelFile
-from softfinger.mismatch.mcmc import Size, name_effect_draws, sample_effects
+from softfinger.mismatch.mcmc import Size, sample_effects
+from softfinger.mismatch.mcmc_draws import name_effect_draws
 from softfinger.mismatch.problem import Candidate, pose_problem
 
 

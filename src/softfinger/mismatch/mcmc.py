@@ -16,21 +16,15 @@ References
 Cotter, Roberts, Stuart, White (2013), Statistical Science 28, 424.
 """
 
-import os
 from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
-from softfinger.faults import Fault
-from softfinger.mechanics.forward.simulate import simulate_joint_angle_array
-from softfinger.mechanics.forward.slots import SlotArrays
-from softfinger.mismatch.problem import OWN, PARTS, TOLERANCE, Candidate, Problem
-from softfinger.mismatch.reduce import reduce_trials
+from softfinger.mismatch.mcmc_measure import measure_chains
+from softfinger.mismatch.problem import OWN, Candidate, Problem
 from softfinger.mismatch.summary import NOISE_VARIANCE_SD
 from softfinger.population.mixed_effects import hold_omega
 from softfinger.population.mixed_effects_laplace import centre_gram
@@ -280,42 +274,7 @@ class Sampler:
 
     def measure(self, own: NDArray, effect: NDArray) -> NDArray[np.float64]:
         """χ² (chain, trial) of the full model at s = 1; infinite where it cannot be integrated."""
-        trials = self.problem.trials
-        chains, n, _ = own.shape
-        slots, failed = self._fill(effect)
-        wide = own.reshape(chains * n, trials.joints, OWN)
-        repeated = [
-            np.tile(a, (chains, 1))
-            for a in (trials.node.reshape(n, -1), trials.load_time, trials.load_torque)
-        ]
-
-        def run(part: NDArray) -> NDArray:
-            chosen = SlotArrays(*(slot[part] for slot in slots))
-            rows = (a[part] for a in repeated)
-            return simulate_joint_angle_array(
-                wide[part], chosen, [], self.problem.finger, *rows,
-                gradient=False, tolerance=TOLERANCE,
-            )[0]  # fmt: skip
-
-        parts = np.array_split(np.arange(len(wide)), min(PARTS, len(wide)))
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
-            angle = np.concatenate(list(pool.map(run, parts)))
-        angle = angle.reshape(chains, n, *angle.shape[1:])
-        empty = np.zeros((*angle.shape[1:], 0))
-        chi_square = np.stack([reduce_trials(trials, a, empty)[:, 0, 0] for a in angle])
-        chi_square[failed] = np.inf
-        return np.where(np.isfinite(chi_square), chi_square, np.inf)
-
-    def _fill(self, effect: NDArray) -> tuple[SlotArrays, NDArray[np.bool_]]:
-        """Slots of all chains' trials in one; chains whose φ has none."""
-        filled, failed = [], np.zeros(len(effect), bool)
-        for c, phi in enumerate(effect):
-            try:
-                filled.append(self.model.fill_slots(phi))
-            except (ArithmeticError, Fault):
-                filled.append(self.model.fill_slots(self.fit.shared))
-                failed[c] = True
-        return SlotArrays(*(np.concatenate(parts) for parts in zip(*filled, strict=True))), failed
+        return measure_chains(self.problem, Candidate(self.model, self.fit, 0.0), own, effect)
 
 
 class Linear(NamedTuple):
@@ -329,46 +288,3 @@ class Linear(NamedTuple):
     root: NDArray[np.float64]
     own_covariance: NDArray[np.float64]
     own_root: NDArray[np.float64]
-
-
-def name_effect_draws(
-    problem: Problem, candidate: Candidate, draws: dict[str, NDArray[np.float64]]
-) -> xr.Dataset:
-    """Name draws as the artifact `posterior` does; effects on their physical scale.
-
-    Returns
-    -------
-    Dataset
-        mu_*, sigma_* (chain, draw, joint); log_k_v, … (chain, draw, trial, joint); noise_sd,
-        noise_autocorrelation (chain, draw, joint); effect (chain, draw, effect_parameter).
-    """
-    joints = problem.trials.joints
-    dims = ("chain", "draw")
-    lead = draws["mean"].shape[:2]
-    named = {}
-    for k, name in enumerate(("log_k_v", "log_c_v", "log_c_p", "q_ini")):
-        for level, source in (("mu", "mean"), ("sigma", "sd")):
-            values = draws[source].reshape(*lead, joints, OWN)[..., k]
-            named[f"{level}_{name}"] = ((*dims, "joint"), values)
-        own = draws["own"].reshape(*lead, -1, joints, OWN)[..., k]
-        named[name] = ((*dims, "trial", "joint"), own)
-    sd = problem.noise["noise_sd"].values * draws["scale"][..., None]
-    rho = problem.noise["noise_autocorrelation"].values
-    named["noise_sd"] = ((*dims, "joint"), sd)
-    named["noise_autocorrelation"] = ((*dims, "joint"), np.broadcast_to(rho, (*lead, joints)))
-    entries = candidate.model.entries
-    physical = draws["effect"].copy()
-    for k, entry in enumerate(entries):
-        if entry.parameter.log:
-            physical[..., k] = np.exp(physical[..., k])
-    named["effect"] = ((*dims, "effect_parameter"), physical)
-    coords = {
-        "chain": np.arange(lead[0]),
-        "draw": np.arange(lead[1]),
-        "trial": problem.trials.name,
-        "joint": np.arange(1, joints + 1),
-        "effect_parameter": [
-            f"{candidate.model.pieces[e.piece].effect.id}.{e.name}" for e in entries
-        ],
-    }
-    return xr.Dataset(named, coords)
