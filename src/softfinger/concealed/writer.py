@@ -93,7 +93,7 @@ def describe(name: str, setting: Setting, *, declares_noise: bool) -> str:
 
     lines = [
         "version: 1",
-        f"name: {name}",
+        f'name: "{name}"',  # ten digits, or digits and an e, would be a number
         "source: synthetic",
         "finger:",
         f"  joints: {rig.joints}",

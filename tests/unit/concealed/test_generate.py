@@ -112,7 +112,9 @@ def test_a_filmed_case_hands_the_motion_to_the_film_maker(tmp_path):
 
 def test_an_effect_of_strength_zero_leaves_a_clean_campaign(tmp_path):
     zero = replace(SPEC, quantiles=(-1.0,), trials=1)
-    truth = generate_campaign(zero, tmp_path / "zero", tmp_path / "zero.json")
+    folder = tmp_path / "1234567e12"  # a digest may look like a number
+    truth = generate_campaign(zero, folder, tmp_path / "zero.json")
+    assert read_campaign(folder).name == folder.name
     assert truth["effects"] == []
     assert truth["gain_nats"] == 0.0
     assert truth["elpd_difference"] is None
