@@ -180,6 +180,46 @@ def track(
     tracking_quality(markers=files, tracking_quality=quality, seed=settings["seed"])
 
 
+@rig_app.command("plan")
+def plan_rig(
+    plan: Annotated[Path, typer.Argument(help="The rig's plan; docs/rig/plan.yaml is an example.")],
+    out: Out,
+    tell_apart: Annotated[
+        list[str] | None,
+        typer.Option(help="Id of an effect that is to show; may be repeated. None: all."),
+    ] = None,
+    campaign: Annotated[
+        Path | None, typer.Option(help="Earlier campaign of the same finger. None: the paper's.")
+    ] = None,
+    config: ConfigFile = None,
+) -> None:
+    """Propose profiles that show what you want to tell apart: OUT/plan.yaml, OUT/visibility.nc.
+
+    Exit status 0: there is a proposal. 1: no protocol within the plan's limits would show it.
+    """
+    from softfinger.stages.prepare import prepare_angles
+    from softfinger.stages.rig_plan import rig_plan
+
+    settings = read_config(config)
+    found = rig_plan(
+        plan=plan,
+        wanted=tell_apart or [],
+        angles=prepare_angles(campaign, out, settings) if campaign else None,
+        visibility=out / "visibility.nc",
+        proposal=out / "plan.yaml",
+        config=settings["virtual_rig"],
+        seed=settings["seed"],
+    )
+    if found is None:
+        typer.echo("no protocol within the plan's limits would show any of them")
+        raise typer.Exit(code=1)
+    best, table = found
+    gains = table["expected_gain"].transpose("effect", "protocol").to_pandas()
+    typer.echo("evidence to expect [nats] of an effect of usual strength, in a dozen trials:")
+    typer.echo(gains.to_string(na_rep="-", float_format="{:.3g}".format))
+    typer.echo(f"proposed: {best}; its profiles stand in {out / 'plan.yaml'}")
+
+
 def _write_overlays(campaign: Path, out: Path, videos: dict[str, Path], markers: Path) -> None:
     from softfinger.stages.overlay import overlay
 
@@ -243,6 +283,22 @@ def fit(
     least_squares(least_squares=out / "least_squares.nc", **inputs)
     physics = _choose_model(read_config(config), model)
     fit(posterior=out / "posterior.nc", sampling=out / "sampling.nc", model=physics, **inputs)
+
+
+@app.command()
+def recovery(out: Out) -> None:
+    """Hold both ways of fitting against the truth of OUT's simulated campaign (after `fit`).
+
+    Writes OUT/recovery.nc and the table OUT/recovery.csv.
+    """
+    from softfinger.stages.recovery import recovery
+
+    inputs = {name: out / f"{name}.nc" for name in ("truth", "least_squares", "posterior")}
+    if not inputs["truth"].exists():
+        raise Fault(f"{inputs['truth']} is not there: only a simulated campaign has a known truth")
+    seed, table = read_config(None)["seed"], out / "recovery.csv"
+    recovery(**inputs, recovery=out / "recovery.nc", table=table, seed=seed)
+    typer.echo(table.read_text(encoding="utf-8"), nl=False)
 
 
 @app.command()
@@ -313,6 +369,7 @@ def diagnose(
         angles=prepare_angles(campaign, out, settings),
         verdict=out / "verdict.json",
         repaired=out / "model.yaml",
+        next_experiment=out / "next_experiment",
         config=settings["mismatch"],
         seed=settings["seed"],
         model=_choose_model(settings, model),
@@ -322,6 +379,8 @@ def diagnose(
     typer.echo(f"{verdict.campaign}: {verdict.decision}")
     for effect in verdict.effects:
         typer.echo(effect.statement)
+    if verdict.next_experiment:
+        typer.echo(verdict.next_experiment["statement"])
 
 
 @app.command()

@@ -9,6 +9,7 @@ rule diagnose:
         **{name: OUT / f"{name}.nc" for name in DIAGNOSIS},
         verdict=OUT / "verdict.json",
         repaired=OUT / "model.yaml",
+        next_experiment=directory(OUT / "next_experiment"),
     log:
         OUT / "logs/diagnose.log",
     threads: 1  # of linear algebra: the same bytes whatever the cores

@@ -1,5 +1,6 @@
 """Which experiment would show it: masking tables of protocols before, and proposals after, data."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -118,31 +119,58 @@ def plan_experiment(
     return tables
 
 
-def propose_experiment(
-    tables: dict[str, xr.Dataset], protocols: dict[str, Protocol], wanted: list[str]
-) -> dict[str, Any] | None:
-    """Choose the protocol that separates the wanted effects best.
+def measure_separation(table: xr.Dataset, wanted: Sequence[str]) -> xr.DataArray:
+    """Expected gain [nats] of each wanted effect under one protocol, apart from the other ones.
 
-    Separation is the expected gain [nats] of the least visible of them, after what looks like the
-    others has been taken out of it.
+    What looks like one of the others has been taken out of it; 0 where the protocol cannot have it.
+
+    Examples
+    --------
+    Half of what friction shows looks like gravity:
+
+    >>> names = ["wire_friction", "gravity"]
+    >>> table = xr.Dataset(
+    ...     {"expected_gain": ("effect", [50.0, 2.0]),
+    ...      "likeness": (("effect", "other_effect"), [[1.0, 0.5**0.5], [0.5**0.5, 1.0]])},
+    ...     coords={"effect": names, "other_effect": names})
+    >>> measure_separation(table, ["wire_friction", "yield_threshold"]).round(1).values
+    array([47.7,  0. ])
+    >>> measure_separation(table, names).round(1).values
+    array([23. ,  0.5])
     """
-    best = None
-    for name, table in tables.items():
-        known = [effect for effect in wanted if effect in table["effect"].values]
-        if not known:
-            continue
-        part = table.sel(effect=known, other_effect=known)
-        size = np.sqrt(2.0 * np.maximum(part["expected_gain"].values, 0.0))
-        likeness = np.abs(part["likeness"].values - np.eye(len(known)))
-        alone = size**2 * (1.0 - likeness.max(axis=1) ** 2)
-        gain = float(0.5 * (alone - np.log1p(alone)).min()) * (len(known) == len(wanted))
-        if best is None or gain > best["expected_gain_nats"]:
-            best = {"protocol": name, "expected_gain_nats": gain, "effects": known}
-    if best is None:
-        return None
-    protocol = protocols[best["protocol"]]
-    histories = zip(protocol.load_time, protocol.load_torque, strict=True)
-    best["load"] = [
-        {"time_s": time.tolist(), "torque_nm": torque.tolist()} for time, torque in histories
-    ]
-    return best
+    known = [name for name in wanted if name in table["effect"].values]
+    part = table.sel(effect=known, other_effect=known)
+    size = 2.0 * np.maximum(part["expected_gain"].values, 0.0)
+    likeness = np.abs(part["likeness"].values - np.eye(len(known)))
+    alone = size * (1.0 - likeness.max(axis=1, initial=0.0) ** 2)
+    gain = dict(zip(known, 0.5 * (alone - np.log1p(alone)), strict=True))
+    return xr.DataArray([gain.get(n, 0.0) for n in wanted], {"effect": list(wanted)}, "effect")
+
+
+def choose_protocol(
+    tables: Mapping[str, xr.Dataset], wanted: Sequence[str], needed: float
+) -> tuple[str, xr.DataArray] | None:
+    """Choose the protocol that shows most of the wanted effects, and the faintest of those best.
+
+    Parameters
+    ----------
+    tables
+        Of `plan_experiment`.
+    wanted
+        Ids of effects.
+    needed
+        Gain [nats] from which on an effect is seen.
+
+    Returns
+    -------
+    name, gain (effect) [nats]
+        None where no protocol would show any of them.
+    """
+    gains = {name: measure_separation(table, wanted) for name, table in tables.items()}
+
+    def judge(name: str) -> tuple[int, float]:
+        seen = gains[name].values[gains[name].values >= needed]
+        return len(seen), float(seen.min(initial=np.inf)) if len(seen) else 0.0
+
+    best = max(gains, key=judge, default=None)
+    return None if best is None or judge(best)[0] == 0 else (best, gains[best])

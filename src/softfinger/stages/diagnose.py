@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from softfinger.artifacts.specs import ranking as ranking_spec
 from softfinger.artifacts.specs import repair as repair_spec
 from softfinger.mechanics.effects.model_file import FittedTo, read_model_file, write_model_file
 from softfinger.mismatch.diagnose import diagnose as find_left_out
+from softfinger.mismatch.next_experiment import propose_experiment
 from softfinger.mismatch.outcome import describe_repair, tabulate_diagnosis
 from softfinger.mismatch.refine import refine_verdict
 from softfinger.mismatch.verdict import write_verdict
@@ -35,6 +37,7 @@ def diagnose(
     angles: Path,
     verdict: Path,
     repaired: Path,
+    next_experiment: Path,
     config: Mapping[str, Any],
     seed: int,
     model: Path | None = None,
@@ -48,6 +51,8 @@ def diagnose(
         The `angles` artifact.
     verdict, repaired
         The verdict (JSON) and the model file (YAML) that are written.
+    next_experiment
+        Folder for the load logs of the experiment that is proposed; empty where none is.
     config
         The `mismatch` block of the configuration.
     model
@@ -74,5 +79,22 @@ def diagnose(
     if config["sample_repaired"]:
         said, r_hat = refine_verdict(found, np.random.default_rng(stream))
         print(f"sampling the repaired model: largest R-hat {r_hat:.3f}")
+    proposal = propose_experiment(found, recorded)
+    said = said.model_copy(update={"next_experiment": proposal})
+    write_load_files(proposal, next_experiment)
     with write_atomically(verdict) as temporary:
         write_verdict(said, temporary)
+
+
+def write_load_files(proposal: Mapping[str, Any] | None, folder: Path) -> None:
+    """Write each history of a proposed experiment as a load log that a campaign can name."""
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    if proposal is None:
+        return
+    for number, load in enumerate(proposal["loads"], start=1):
+        pairs = zip(load["time_s"], load["load"], strict=True)
+        rows = [f"{time:.6g},{value:.6g}" for time, value in pairs]
+        with write_atomically(folder / f"load_{number}.csv") as temporary:
+            head = f"time_s,{proposal['load_column']}"
+            temporary.write_text("\n".join([head, *rows]) + "\n", encoding="utf-8")

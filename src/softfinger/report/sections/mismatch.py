@@ -195,7 +195,10 @@ def describe_limits(verdict: Mapping[str, Any]) -> list[Block]:
         names = join_words(list(verdict["not_testable"]))
         items.append(f"Could not show at any plausible strength: {names}.")
     if verdict["next_experiment"]:
-        items.append(f"What to record next: {verdict['next_experiment']}")
+        items.append(
+            f"What to record next: {verdict['next_experiment']['statement']} Its load logs lie in "
+            "the folder next_experiment beside this report."
+        )
     for name, shares in verdict.get("explained_spread", {}).items():
         parts = [f"{format_percent(s)} at joint {joint}" for joint, s in shares.items()]
         items.append(f"Spread of {name} between trials that was physics: {join_words(parts)}.")
