@@ -7,7 +7,7 @@ CORES ?= 2
 SEED ?= 1
 SNAKEMAKE := $(BIN)/snakemake --cores $(CORES)
 
-.PHONY: help setup run quick figures docs browser reproduce manifest coverage test calibration lint format benchmark benchmark-long concealed concealed-long lock
+.PHONY: help setup run quick figures recovery docs browser reproduce manifest coverage test calibration lint format benchmark benchmark-long concealed concealed-long lock
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)$$/\1\t\2/' | expand -t 18
@@ -22,6 +22,10 @@ quick: setup ## the same with 12 trials (about 2 minutes)
 
 figures: setup ## every figure of the main job as PDF, PNG and SVG, into results/default/figures
 	$(SNAKEMAKE) figures --configfile config/default.yaml
+
+recovery: setup ## what both ways of fitting do to the main job's known truth: a table (after `make run`)
+	$(SNAKEMAKE) recovery --configfile config/default.yaml
+	@cat results/default/recovery.csv
 
 coverage: setup ## whether the quick run's 90 % intervals hold the virtual rig's truth, under ten seeds (about 10 minutes)
 	$(BIN)/python -m benchmarks._coverage 10

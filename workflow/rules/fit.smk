@@ -33,3 +33,25 @@ rule fit:
         "Sample the hierarchical posterior"
     script:
         "../scripts/fit.py"
+
+
+# Calibration, asked for by name: only a simulated campaign has a truth to be held against.
+if SIMULATED:
+
+    rule recovery:
+        input:
+            truth=OUT / "truth.nc",
+            least_squares=OUT / "least_squares.nc",
+            posterior=OUT / "posterior.nc",
+        output:
+            recovery=OUT / "recovery.nc",
+            table=OUT / "recovery.csv",
+        log:
+            OUT / "logs/recovery.log",
+        params:
+            seed=config["seed"],
+            code=code_hash("recovery"),
+        message:
+            "Hold both ways of fitting against the simulated truth"
+        script:
+            "../scripts/recovery.py"

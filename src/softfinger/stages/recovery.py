@@ -1,0 +1,28 @@
+"""Rule `recovery`: what both ways of fitting do to the truth of a simulated campaign."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from softfinger.artifacts import open_artifact, open_tree, save_artifact
+from softfinger.artifacts.specs import least_squares as least_squares_spec
+from softfinger.artifacts.specs import posterior as posterior_spec
+from softfinger.artifacts.specs import recovery as recovery_spec
+from softfinger.artifacts.specs import truth as truth_spec
+from softfinger.estimation.recovery import measure_recovery, tabulate_recovery
+from softfinger.provenance import describe_run
+
+
+def recovery(
+    *, truth: Path, least_squares: Path, posterior: Path, recovery: Path, table: Path, seed: int
+) -> None:
+    """Write the errors and the coverage of both ways, and the same as a CSV table."""
+    roles = {"truth": truth, "least_squares": least_squares, "posterior": posterior}
+    measured = measure_recovery(
+        open_artifact(truth, truth_spec.SPEC),
+        open_artifact(least_squares, least_squares_spec.SPEC),
+        open_tree(posterior, posterior_spec.SPEC)["posterior"].to_dataset(),
+    )
+    provenance = describe_run("recovery", roles, {}, seed)
+    save_artifact(measured, recovery_spec.SPEC, recovery, provenance)
+    tabulate_recovery(measured).to_csv(table, index=False, float_format="%.4g")
