@@ -112,6 +112,14 @@ def test_every_page_is_reached_from_the_first(site):
     assert sources <= {p.relative_to(root).with_suffix("") for p in seen if root in p.parents}
 
 
+def test_an_index_does_not_slip_under_a_dotted_letter(site):
+    # docutils sets \\dot{q}_v so; \\dot{q_v} is set well
+    for path in site:
+        text = path.read_text(encoding="utf-8")
+        stacks = re.findall("<munderover>.*?</munderover>", text, re.DOTALL)
+        assert [stack for stack in stacks if "˙" in stack or "¨" in stack] == [], path
+
+
 def test_sources_name_no_machine():
     for path in Path(DOCS).rglob("*.md"):
         assert "/work/" not in path.read_text(encoding="utf-8"), path
