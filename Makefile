@@ -7,7 +7,7 @@ CORES ?= 2
 SEED ?= 1
 SNAKEMAKE := $(BIN)/snakemake --cores $(CORES)
 
-.PHONY: help setup run quick figures recovery docs browser reproduce manifest coverage test calibration lint format benchmark benchmark-long concealed concealed-long lock
+.PHONY: help setup run quick figures recovery docs browser reproduce manifest kills cluster coverage test calibration lint format benchmark benchmark-long concealed concealed-long lock
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)$$/\1\t\2/' | expand -t 18
@@ -26,6 +26,12 @@ figures: setup ## every figure of the main job as PDF, PNG and SVG, into results
 recovery: setup ## what both ways of fitting do to the main job's known truth: a table (after `make run`)
 	$(SNAKEMAKE) recovery --configfile config/default.yaml
 	@cat results/default/recovery.csv
+
+kills: setup ## kill the workflow and its jobs twenty times: it ends as if nothing had been (10 minutes)
+	$(BIN)/python -m pytest -m slow tests/workflow/test_kills.py
+
+cluster: setup ## the quick run through Slurm on this machine, a job killed on the way (needs slurm-wlm and munge)
+	$(BIN)/python -m pytest -m slow tests/cluster
 
 coverage: setup ## whether the quick run's 90 % intervals hold the virtual rig's truth, under ten seeds (about 10 minutes)
 	$(BIN)/python -m benchmarks._coverage 10
