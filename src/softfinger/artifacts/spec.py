@@ -47,7 +47,10 @@ class Variable:
 
 @dataclass(frozen=True)
 class ArtifactSpec:
-    """What an artifact holds. A tree of groups (a fit) declares the variables of each group."""
+    """What an artifact holds. A tree of groups (a fit) declares the variables of each group.
+
+    A group of nothing but optional variables may be missing.
+    """
 
     name: str
     title: str
@@ -75,7 +78,8 @@ def list_tree_faults(spec: ArtifactSpec, tree: xr.DataTree) -> list[str]:
     faults = [f"attribute '{key}' is missing" for key in spec.attrs if key not in tree.attrs]
     for group, variables in spec.groups.items():
         if group not in tree.children:
-            faults.append(f"group '{group}' is missing")
+            if not all(variable.optional for variable in variables.values()):
+                faults.append(f"group '{group}' is missing")
             continue
         dataset = tree[group].dataset
         for name, variable in variables.items():

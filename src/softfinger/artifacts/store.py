@@ -67,8 +67,8 @@ def save_tree(
     """
     _refuse(str(path), list_tree_faults(spec, tree))
     stamped = tree.map_over_datasets(_drop_machine_attrs)
-    for group, variables in spec.groups.items():
-        stamped[group].dataset = _stamp(stamped[group].to_dataset(), variables)
+    for group in [name for name in spec.groups if name in tree.children]:
+        stamped[group].dataset = _stamp(stamped[group].to_dataset(), spec.groups[group])
     stamped.attrs = {key: tree.attrs[key] for key in spec.attrs} | _root_attrs(spec, provenance)
     with write_atomically(path) as temporary:
         stamped.to_netcdf(temporary, engine=ENGINE)

@@ -34,7 +34,10 @@ TREE = ArtifactSpec(
     title="A tree",
     rule="play",
     variables={},
-    groups={"posterior": {"mu": Variable(("chain", "draw"), "1", "mean of the log")}},
+    groups={
+        "posterior": {"mu": Variable(("chain", "draw"), "1", "mean of the log")},
+        "independence": {"p": Variable((), "1", "p-value", at_most=1.0, optional=True)},
+    },
 )
 ORIGIN = Provenance("play", {"angles": "ab"}, "cd", "ef", "01", 3)
 
@@ -132,6 +135,13 @@ def test_a_tree_keeps_its_groups_and_loses_clocks(tmp_path):
     assert set(back.children) == {"posterior", "sample_stats"}
     assert "created_at" not in back["posterior"].attrs
     assert back["posterior"]["mu"].attrs["units"] == "1"
+    tree["independence"] = xr.Dataset({"p": ((), 0.5)})
+    save_tree(tree, TREE, tmp_path / "tree.nc", ORIGIN)
+    assert (
+        open_tree(tmp_path / "tree.nc", TREE)["independence"]["p"].attrs["long_name"] == "p-value"
+    )
+    with pytest.raises(ArtifactFault, match="group 'independence': variable 'p' holds 2"):
+        save_tree(tree * 4, TREE, tmp_path / "other.nc", ORIGIN)
     del tree["posterior"]
     with pytest.raises(ArtifactFault, match="group 'posterior' is missing"):
         save_tree(tree, TREE, tmp_path / "other.nc", ORIGIN)

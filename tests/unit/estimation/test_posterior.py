@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from softfinger.artifacts.spec import list_tree_faults
+from softfinger.artifacts.specs.posterior import SPEC
 from softfinger.estimation import diagnose_sampling
 from softfinger.estimation.leave_out import forget_trial, keep_trial
 from softfinger.estimation.posterior import compile_fit, prepare_fit, sample_posterior
@@ -25,6 +27,13 @@ def test_groups_are_arviz_s(tree):
     posterior = tree["posterior"].dataset
     assert posterior["mu_log_k_v"].dims == ("chain", "draw", "joint")
     assert posterior["log_c_p"].sizes == {"chain": 4, "draw": 250, "trial": 7, "joint": 2}
+
+
+def test_every_group_is_as_declared(tree):
+    assert list_tree_faults(SPEC, tree) == []
+    bare = tree.copy()
+    del bare["independence"], bare["prior_sensitivity"]
+    assert list_tree_faults(SPEC, bare) == []
 
 
 def test_the_sampling_passes_and_can_fail(tree):

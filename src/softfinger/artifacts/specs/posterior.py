@@ -4,6 +4,8 @@ from softfinger.artifacts.spec import ArtifactSpec, Variable
 
 _POPULATION = ("chain", "draw", "joint")
 _TRIAL = ("chain", "draw", "trial", "joint")
+_PAIR = ("own", "other_own")
+_SHARE = {"at_least": 0.0, "at_most": 1.0}
 _LOGS = {"k_v": "stiffness", "c_v": "damping of the Kelvin–Voigt element", "c_p": "damping of flow"}
 
 
@@ -47,6 +49,25 @@ SPEC = ArtifactSpec(
             "diverging": Variable(
                 ("chain", "draw"), "1", "whether the trajectory diverged", "truth value"
             ),
+        },
+        "independence": {
+            "mean_product": Variable(
+                _PAIR, "1", "mean product of standardised parameters", optional=True
+            ),
+            "p_value": Variable(_PAIR, "1", "two-sided p of independence", optional=True, **_SHARE),
+            "smallest_p": Variable(
+                (), "1", "smallest p, corrected for the number of pairs", optional=True, **_SHARE
+            ),
+        },
+        "prior_sensitivity": {
+            name: Variable(
+                ("level", "parameter", "joint"),
+                "1",
+                f"power-scaling sensitivity to the {name}",
+                at_least=0.0,
+                optional=True,
+            )
+            for name in ("prior", "likelihood")
         },
     },
 )

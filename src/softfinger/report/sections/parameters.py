@@ -13,6 +13,7 @@ from softfinger.report.formatting import (
     format_number,
     format_percent,
 )
+from softfinger.report.granted import show_independence, show_prior_sensitivity
 from softfinger.report.material import Material
 from softfinger.report.pictures import capital, picture_histograms, picture_hyperparameters
 
@@ -27,6 +28,8 @@ def build_parameters(material: Material) -> Section:
             build_centre_table(material),
             build_spread_table(material),
             picture_hyperparameters(material),
+            *show_independence(material),
+            *show_prior_sensitivity(material),
         ]
     blocks += [
         picture_histograms(material, initial=False),

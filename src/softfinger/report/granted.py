@@ -1,0 +1,123 @@
+"""What the fit took for granted: that parameters are independent, and its priors."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from softfinger.report.blocks import Block, Paragraph, Table, number, text
+from softfinger.report.formatting import format_number
+from softfinger.report.material import Material
+from softfinger.report.pictures import capital
+
+UNLIKELY = 0.05
+SENSITIVE = 0.05
+"""Power-scaling sensitivity above which ArviZ speaks of it."""
+MOST_PAIRS = 20
+DISAGREE = "prior and recordings may disagree"
+LITTLE = "the recordings say little"
+
+
+def show_independence(material: Material) -> tuple[Block, ...]:
+    """Say whether the data agree that a trial's parameters are independent, pair by pair."""
+    found = find_group(material, "independence")
+    if found is None:
+        return ()
+    own = [name_own(str(label)) for label in found["own"].values]
+    p_value, product = found["p_value"].values, found["mean_product"].values
+    pairs = sorted(zip(*np.tril_indices(len(own), -1), strict=True), key=lambda at: p_value[at])
+    rows = tuple(
+        (
+            text(own[j]),
+            text(own[i]),
+            number(format_number(product[i, j]), product[i, j]),
+            number(format_number(p_value[i, j]), p_value[i, j]),
+        )
+        for i, j in pairs[:MOST_PAIRS]
+    )
+    smallest = float(found["smallest_p"])
+    answer = "contradict this" if smallest < UNLIKELY else "do not contradict this"
+    sentence = (
+        "The model takes a trial's parameters as independent of one another, as the paper does. "
+        f"The recordings {answer}: the smallest p of the {len(pairs)} pairs, corrected for their "
+        f"number, is {format_number(smallest)}."
+    )
+    caption = (
+        f"The {len(rows)} of {len(pairs)} pairs with the smallest p. Mean product: of both "
+        "parameters less their centre over their spread, over trials and draws; about the "
+        "correlation where trials are well known. p: two-sided, of this one pair. "
+        f"{capital(material.cite('posterior'))}."
+    )
+    columns = ("parameter", "with", "mean product", "p")
+    title = "Whether parameters go together"
+    tone = "note" if smallest < UNLIKELY else "plain"
+    return (
+        Paragraph(sentence, tone),
+        Table("independence", title, caption, columns, rows, folded=True),
+    )
+
+
+def show_prior_sensitivity(material: Material) -> tuple[Block, ...]:
+    """Say which hyperparameters hang on their prior, and whether the data disagree with it."""
+    found = find_group(material, "prior_sensitivity")
+    if found is None:
+        return ()
+    rows, said = [], []
+    for level, parameter, joint in np.ndindex(*found["prior"].shape):
+        here = found.isel(level=level, parameter=parameter, joint=joint)
+        prior, likelihood = float(here["prior"]), float(here["likelihood"])
+        said.append(judge_sensitivity(prior, likelihood))
+        rows.append(
+            (
+                text("centre" if here["level"] == "mu" else "spread"),
+                text(str(here["parameter"].item()).removeprefix("log_")),
+                number(str(here["joint"].item()), here["joint"].item()),
+                number(format_number(prior), prior),
+                number(format_number(likelihood), likelihood),
+                text(said[-1]),
+            )
+        )
+    sentence = (
+        f"Of the {len(said)} centres and spreads, prior and recordings may disagree on "
+        f"{said.count(DISAGREE)}, and {said.count(LITTLE)} rest on their prior because the "
+        "recordings say little."
+    )
+    caption = (
+        "By how much the posterior moves when its prior, or the recordings' likelihood, counts a "
+        f"little more or less (power scaling, ArviZ's psense); above {SENSITIVE:g} is sensitive. "
+        f"{capital(material.cite('posterior'))}."
+    )
+    columns = ("of", "parameter", "joint", "to the prior", "to the recordings", "reading")
+    title = "How far the parameters hang on their priors"
+    return (
+        Paragraph(sentence, "note" if DISAGREE in said else "plain"),
+        Table("prior_sensitivity", title, caption, columns, tuple(rows), folded=True),
+    )
+
+
+def judge_sensitivity(prior: float, likelihood: float) -> str:
+    """Read a pair of sensitivities as ArviZ does.
+
+    >>> judge_sensitivity(0.01, 0.3), judge_sensitivity(0.3, 0.01)
+    ('–', 'the recordings say little')
+    """
+    if not prior > SENSITIVE:
+        return "–"
+    return DISAGREE if likelihood > SENSITIVE else LITTLE
+
+
+def find_group(material: Material, name: str) -> xr.Dataset | None:
+    """Return a group of the posterior; a fit with a model file has none of these."""
+    if "posterior" not in material or name not in material.artifacts["posterior"].children:
+        return None
+    return material.artifacts["posterior"][name].to_dataset()
+
+
+def name_own(label: str) -> str:
+    """Name a parameter of a joint in words.
+
+    >>> name_own("log_c_p[2]")
+    'c_p, joint 2'
+    """
+    parameter, joint = label.removesuffix("]").split("[")
+    return f"{parameter.removeprefix('log_')}, joint {joint}"

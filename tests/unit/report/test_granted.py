@@ -1,0 +1,60 @@
+import numpy as np
+import pytest
+import xarray as xr
+from example_artifacts import CONFIG
+
+from softfinger.report.config import read_config
+from softfinger.report.granted import show_independence, show_prior_sensitivity
+from softfinger.report.material import Material
+from softfinger.report.page import render_report
+
+OWN = ["log_k_v[1]", "log_c_v[1]", "q_ini[1]", "log_k_v[2]", "log_c_v[2]", "q_ini[2]", "q_ini[3]"]
+
+
+@pytest.fixture
+def asked(artifacts):
+    p = np.ones((7, 7))
+    p[4, 1] = p[1, 4] = 0.001
+    independence = {
+        "mean_product": (("own", "other_own"), np.full((7, 7), 0.25)),
+        "p_value": (("own", "other_own"), p),
+        "smallest_p": ((), 0.021),
+    }
+    prior = np.full((2, 4, 3), 0.01)
+    likelihood = np.full((2, 4, 3), 0.4)
+    prior[1, 2] = [0.3, 0.2, 0.06]
+    likelihood[1, 2, :2] = 0.02
+    dims = ("level", "parameter", "joint")
+    coords = {
+        "level": ["mu", "sigma"],
+        "parameter": ["log_k_v", "log_c_v", "log_c_p", "q_ini"],
+        "joint": [1, 2, 3],
+    }
+    tree = artifacts["posterior"].copy()
+    tree["independence"] = xr.Dataset(independence, {"own": OWN, "other_own": OWN})
+    sensitivity = {"prior": (dims, prior), "likelihood": (dims, likelihood)}
+    tree["prior_sensitivity"] = xr.Dataset(sensitivity, coords)
+    return Material(artifacts | {"posterior": tree}, read_config(CONFIG), CONFIG)
+
+
+def test_the_worst_pair_stands_first(asked):
+    sentence, table = show_independence(asked)
+    assert "recordings contradict this: the smallest p of the 21 pairs" in sentence.text
+    assert sentence.tone == "note"
+    assert len(table.rows) == 20
+    assert [cell.text for cell in table.rows[0][:2]] == ["c_v, joint 1", "c_v, joint 2"]
+
+
+def test_sensitive_spreads_are_counted_and_read(asked):
+    sentence, table = show_prior_sensitivity(asked)
+    assert "may disagree on 1, and 2 rest on their prior" in sentence.text
+    readings = {tuple(cell.text for cell in row[:3]): row[-1].text for row in table.rows}
+    assert readings["spread", "c_p", "1"] == "the recordings say little"
+    assert readings["spread", "c_p", "3"] == "prior and recordings may disagree"
+    assert readings["centre", "c_p", "3"] == "–"
+
+
+def test_a_fit_without_these_groups_shows_neither_table(asked, page):
+    title = "How far the parameters hang on their priors"
+    assert title in render_report(asked)
+    assert title not in page
