@@ -120,3 +120,12 @@ def count_things(number: int, thing: str) -> str:
     ('1 trial', '1200 frames')
     """
     return f"{number} {thing}{'' if number == 1 else 's'}"
+
+
+def capital(sentence: str) -> str:
+    """Raise the first letter.
+
+    >>> capital("rule fit")
+    'Rule fit'
+    """
+    return sentence[:1].upper() + sentence[1:]

@@ -20,7 +20,13 @@ from softfinger.figures.sampling import draw_sampling
 from softfinger.figures.sketches import draw_finger_sketch, draw_joint_model_sketch
 from softfinger.figures.tracking import choose_frame, draw_tracking
 from softfinger.report.blocks import Picture
-from softfinger.report.formatting import count_things, format_number, format_percent, join_words
+from softfinger.report.formatting import (
+    capital,
+    count_things,
+    format_number,
+    format_percent,
+    join_words,
+)
 from softfinger.report.material import Material
 from softfinger.report.summaries import stack_population
 
@@ -294,12 +300,3 @@ def picture_densities(material: Material) -> Picture | None:
         f"the draws' densities (equal tails). At least {shown} of the probability lies within the "
         f"angles drawn. {capital(material.cite('densities'))}.",
     )
-
-
-def capital(sentence: str) -> str:
-    """Raise the first letter.
-
-    >>> capital("rule fit")
-    'Rule fit'
-    """
-    return sentence[:1].upper() + sentence[1:]
