@@ -81,7 +81,7 @@ def diagnose(
         print(f"sampling the repaired model: largest R-hat {r_hat:.3f}")
     proposal = propose_experiment(found, recorded)
     said = said.model_copy(update={"next_experiment": proposal})
-    write_load_files(proposal, next_experiment)
+    write_load_files(proposal, Path(next_experiment))  # Snakemake gives a str
     with write_atomically(verdict) as temporary:
         write_verdict(said, temporary)
 
