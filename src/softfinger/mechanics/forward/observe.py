@@ -22,6 +22,7 @@ _SCALE, _CUBIC = JOINT_SLOTS.index("angle_scale"), JOINT_SLOTS.index("angle_cubi
 _KINEMATIC = COUPLING_SLOTS.index("coupling_kinematic")
 _RADIAL = CHAIN_SLOTS.index("lens_radial")
 _ASPECT, _SKEW = CHAIN_SLOTS.index("lens_aspect"), CHAIN_SLOTS.index("lens_skew")
+_ALONG, _ACROSS = CHAIN_SLOTS.index("lens_along"), CHAIN_SLOTS.index("lens_across")
 
 
 @compiled
@@ -40,7 +41,7 @@ def observe(
     """
     joints, frames, columns = gradient.shape
     turn, by_turn = np.zeros(joints + 1), np.zeros((joints + 1, joints))
-    unit = np.zeros((joints + 1, 3))  # by radial, aspect, skew
+    unit = np.zeros((joints + 1, 5))  # by radial, aspect, skew, the centre along and across
     before = np.zeros((joints, columns))
     for frame in range(frames):
         q = angle[:, frame].copy()
@@ -56,6 +57,8 @@ def observe(
                 change += (unit[j + 1, 0] - unit[j, 0]) * model.d_chain[c, _RADIAL]
                 change += (unit[j + 1, 1] - unit[j, 1]) * model.d_chain[c, _ASPECT]
                 change += (unit[j + 1, 2] - unit[j, 2]) * model.d_chain[c, _SKEW]
+                change += (unit[j + 1, 3] - unit[j, 3]) * model.d_chain[c, _ALONG]
+                change += (unit[j + 1, 4] - unit[j, 4]) * model.d_chain[c, _ACROSS]
                 gradient[j, frame, c] = change
             for k in range(joints):
                 coupling = model.coupling[_KINEMATIC, j, k]
@@ -80,13 +83,14 @@ def _fill_turns(
     by_turn: NDArray,
     unit: NDArray,
 ) -> None:
-    """Write Δ of base and links, its derivatives by the joint angles and by (κ, a, s)."""
+    """Write Δ of base and links, its derivatives by joint angles and (κ, a, s, centre)."""
     radial, aspect, skew = model.chain[_RADIAL], model.chain[_ASPECT], model.chain[_SKEW]
     direction, place = np.zeros(q.size + 1), np.zeros((q.size + 1, 2))
     by_turn[:] = 0.0
     for i in range(q.size + 1):
         if i == 0:
-            place[0] = -centre
+            place[0, 0] = -centre[0] - model.chain[_ALONG]
+            place[0, 1] = -centre[1] - model.chain[_ACROSS]
         else:
             length = link_length[i - 2] if i > 1 else 0.0
             direction[i] = direction[i - 1] + q[i - 1]
@@ -99,6 +103,8 @@ def _fill_turns(
             along, across = 0.0, 0.0
         unit[i, 0] = 2.0 * along * across
         unit[i, 1], unit[i, 2] = 2.0 * sine * cosine, 1.0 - 2.0 * sine * sine
+        unit[i, 3] = 2.0 * radial * (sine * along - cosine * across)
+        unit[i, 4] = -2.0 * radial * (cosine * along + sine * across)
         turn[i] = radial * unit[i, 0] + aspect * unit[i, 1] + skew * unit[i, 2]
         twist = 0.0
         if model.groups[HAS_LENS]:

@@ -23,7 +23,8 @@ effect id → slots
     gravity              tilt_along, tilt_across
     inertia              inertia_scale
     camera_delay         delay
-    lens_distortion      lens_radial, lens_aspect, lens_skew, angle_scale or angle_cubic
+    lens_distortion      lens_radial about lens_along, lens_across; lens_aspect, lens_skew,
+                         angle_scale or angle_cubic
 """
 
 from collections.abc import Mapping, Sequence
@@ -112,6 +113,8 @@ SLOTS: dict[str, Slot] = {
     "lens_radial": Slot("chain", "m^-2", 0.0, "first radial distortion about the optical centre"),
     "lens_aspect": Slot("chain", "1", 0.0, "measured direction θ + b sin 2θ"),
     "lens_skew": Slot("chain", "1", 0.0, "measured direction θ + b cos 2θ"),
+    "lens_along": Slot("chain", "m", 0.0, "optical centre beyond where it is thought, along"),
+    "lens_across": Slot("chain", "m", 0.0, "optical centre beyond where it is thought, across"),
     "coupling_stiffness": Slot("coupling", "N m/rad", 0.0, "torque from the other joint's motion"),
     "coupling_share": Slot("coupling", "1", 0.0, "the same, as a share of the joint's k_v"),
     "coupling_kinematic": Slot("coupling", "1", 0.0, "angle from the other joint's motion"),
@@ -221,9 +224,9 @@ _BELONGS = {
     "delay": ("delay",),
     "observation": (
         *("angle_scale", "angle_cubic", "coupling_kinematic"),
-        *("lens_radial", "lens_aspect", "lens_skew"),
+        *("lens_radial", "lens_aspect", "lens_skew", "lens_along", "lens_across"),
     ),
-    "lens": ("lens_radial",),
+    "lens": ("lens_radial", "lens_along", "lens_across"),
 }
 
 

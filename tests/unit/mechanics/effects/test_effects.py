@@ -44,7 +44,8 @@ def generate_forms(setting):
 
 def fill(form, amplitude):
     """Physical values of a form: amplitudes at a number of prior sd, the rest at their means."""
-    shapes = {"chain": (), "joint": (JOINTS,), "pair": (JOINTS, JOINTS)}
+    pairs = (JOINTS, JOINTS)
+    shapes = {"chain": (), "joint": (JOINTS,), "pair": pairs, "neighbours": pairs}
     values = {}
     for p in form.parameters:
         value = amplitude * p.sd if p.amplitude else np.exp(p.mean) if p.log else p.mean
