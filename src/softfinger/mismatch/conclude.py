@@ -7,7 +7,7 @@ import xarray as xr
 from scipy.stats import norm
 
 from softfinger.mechanics.effects.model import Entry
-from softfinger.mismatch.decide import SURE, Posterior, join_ids
+from softfinger.mismatch.decide import EXPLAINED, SURE, Posterior, join_ids
 from softfinger.mismatch.free_form import FreeForm, fit_free_form
 from softfinger.mismatch.jumps import Jumps, find_jumps
 from softfinger.mismatch.lines import Line, find_line
@@ -42,7 +42,6 @@ from softfinger.mismatch.verdict import FreeForm as FreeFormNote
 MISSING = 1e-3  # p-value of a misfit from which something is missing
 FALSE_DISCOVERIES = 0.05  # rate among located cells
 LEAST_LEFT = float(np.log(10 / 0.01))  # nats that ten such terms exceed by chance in 1 %
-EXPLAINED = 2 / 3  # share of what is missing that listed effects must explain
 
 
 class Findings(NamedTuple):

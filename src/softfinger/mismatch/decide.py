@@ -1,7 +1,8 @@
 """From fitted models to a decision: which effects, how probable, what cannot be told apart.
 
 Prior ½ on the base model, the rest shared evenly by the sets of effects that were fitted, and
-within a set by its forms.
+within a set by its forms. Where several sets remain that share an effect and differ in what they
+add to it, and that effect explains most of what is there, the shared part is what is known.
 """
 
 from collections.abc import Iterable
@@ -10,8 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from softfinger.mismatch.rank import Candidate
+from softfinger.mismatch.search import Search
 
 SURE = 0.95  # posterior probability from which one set of effects is named
+EXPLAINED = 2 / 3  # share of what is missing that listed effects must explain
 
 Ids = frozenset[str]
 
@@ -64,6 +67,26 @@ def weigh_models(base: Candidate, others: Iterable[Candidate]) -> Posterior:
     best = {ids: max(members, key=lambda c: c.log_evidence) for ids, members in groups.items()}
     best[frozenset()] = base
     return Posterior(sets, inclusion, best)
+
+
+def settle_search(search: Search) -> Search:
+    """Keep what the likely sets of effects share, where it explains most and the rest disagrees.
+
+    What is left then is too small, and too little like any one effect, to be given a name.
+    """
+    posterior = weigh_models(search.base, search.candidates)
+    likely = posterior.equivalent
+    core = frozenset.intersection(*likely)
+    kept = posterior.best.get(core) if len(likely) > 1 and core else None
+    if kept is None or kept.fit is None:
+        return search
+    gain = kept.log_evidence - search.base.log_evidence
+    if gain < EXPLAINED * (search.best.log_evidence - search.base.log_evidence):
+        return search
+    size = len(kept.model.ids)
+    fewer = [c for c in search.candidates if len(c.model.ids) <= size]
+    more = [c for c in search.candidates if len(c.model.ids) > size]
+    return search._replace(candidates=fewer, rejected=[*more, *search.rejected], best=kept)
 
 
 def join_ids(ids: Ids) -> str:

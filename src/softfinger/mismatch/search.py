@@ -1,4 +1,9 @@
-"""Which effects together: forward addition, backward elimination, every model kept."""
+"""Which effects together: forward addition, backward elimination, every model kept.
+
+What one effect leaves may be the error of its textbook form. So a further effect has a free-form
+term on top of the effects before as its rival: it is believed where its few numbers say more than a
+spline in time, load or angle does.
+"""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -8,6 +13,7 @@ import numpy as np
 
 from softfinger.mechanics.effects.model import Piece
 from softfinger.mismatch.columns import ScoreColumns, collect_columns
+from softfinger.mismatch.free_form import fit_free_form
 from softfinger.mismatch.problem import Candidate, Problem
 from softfinger.mismatch.rank import Progress, Score, prune, rank_pieces
 
@@ -84,7 +90,8 @@ def search_effects(
         fitted = [c for c in larger if c.fit is not None]
         top = max(fitted, key=lambda c: c.log_evidence, default=best)
         more = require_gain(needed, best.log_evidence - base.log_evidence, pieces)
-        if top.log_evidence - best.log_evidence <= more:
+        gain = top.log_evidence - best.log_evidence
+        if gain <= more or gain <= measure_shape(problem, best):
             break
         found += larger
         larger = []
@@ -101,6 +108,12 @@ def require_gain(needed: float, explained: float, pieces: list[Piece]) -> float:
     """
     effects = len({piece.effect.id for piece in pieces})
     return needed + float(np.log(max(effects, 1))) + FORM_ERROR * max(explained, 0.0)
+
+
+def measure_shape(problem: Problem, candidate: Candidate) -> float:
+    """Gain [nats] of the best free-form term on top of a fitted model; 0 where there is none."""
+    shape = fit_free_form(problem, candidate)
+    return 0.0 if shape is None else max(shape.gain, 0.0)
 
 
 def _list_rivals(found: list[Candidate], size: int) -> list[Candidate]:

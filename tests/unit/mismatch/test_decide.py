@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from softfinger.mismatch.calibrate import FalseAlarms
-from softfinger.mismatch.decide import join_ids, weigh_models
+from softfinger.mismatch.decide import join_ids, settle_search, weigh_models
 from softfinger.mismatch.rank import Candidate
+from softfinger.mismatch.search import Search
 
 
 def model(*ids):
@@ -47,3 +48,38 @@ def test_threshold_and_p_value_of_chance_agree():
     assert threshold == pytest.approx(2.0 * np.log(100.0), rel=0.25)
     assert alarms.p_value(threshold) == pytest.approx(0.01, rel=1e-6)
     assert alarms.p_value(np.median(gain)) == pytest.approx(0.5, abs=0.01)
+
+
+def search(*candidates):
+    ordered = sorted(candidates, key=lambda c: -c.log_evidence)
+    return Search(Candidate(model(), "fit", 0.0), ordered, [], ordered[0], 0.0, {}, [])
+
+
+def test_what_close_sets_share_is_settled_where_it_explains_most():
+    one, pairs = (
+        Candidate(model("a"), "fit", 90.0),
+        [Candidate(model("a", second), "fit", 100.0) for second in "bcd"],
+    )
+    found = search(one, *pairs, Candidate(model("b"), "fit", 40.0))
+    settled = settle_search(found)
+    assert settled.best is one
+    assert [c.model.ids for c in settled.candidates] == [frozenset("a"), frozenset("b")]
+    assert settled.rejected == pairs
+    posterior = weigh_models(settled.base, settled.candidates)
+    assert posterior.sets[frozenset("a")] > 0.99
+
+
+def test_sets_stand_where_what_they_share_explains_too_little_or_was_not_fitted():
+    pairs = [Candidate(model("a", second), "fit", 100.0) for second in "bc"]
+    for one in (Candidate(model("a"), "fit", 60.0), Candidate(model("a"), None, 90.0)):
+        found = search(one, *pairs)
+        assert settle_search(found) is found
+
+
+def test_sets_without_a_shared_effect_and_a_sure_one_stand():
+    for others in (
+        [Candidate(model("a"), "fit", 50.0), Candidate(model("b"), "fit", 50.0)],
+        [Candidate(model("a"), "fit", 50.0), Candidate(model("a", "b"), "fit", 80.0)],
+    ):
+        found = search(*others)
+        assert settle_search(found) is found

@@ -6,8 +6,8 @@ import pytest
 from softfinger.mechanics.effects.model import EffectModel
 from softfinger.mismatch.columns import collect_columns
 from softfinger.mismatch.problem import Candidate, pose_problem
-from softfinger.mismatch.rank import list_pieces, score_pieces
-from softfinger.mismatch.search import FORM_ERROR, require_gain
+from softfinger.mismatch.rank import list_pieces, rank_pieces, score_pieces
+from softfinger.mismatch.search import FORM_ERROR, measure_shape, require_gain
 
 
 @pytest.fixture(scope="module")
@@ -49,6 +49,16 @@ def test_a_further_effect_must_bring_more_than_form_errors(posed):
     effects = len({piece.effect.id for piece in pieces})
     needed = require_gain(3.0, 1000.0, pieces)
     assert needed == pytest.approx(3.0 + np.log(effects) + 1000.0 * FORM_ERROR)
+
+
+def test_a_shape_is_a_rival_before_the_true_effect_is_there_and_not_after(posed):
+    problem, base = posed
+    pieces = [p for p in list_pieces(problem.setting)[0] if p.effect.id == "second_retardation"]
+    columns = collect_columns(problem, base, pieces)
+    repaired = rank_pieces(problem, base, columns, lambda items, _: items)[0][0]
+    gain = repaired.log_evidence - base.log_evidence
+    assert 15.0 < measure_shape(problem, base) < gain  # its few numbers say more than a spline
+    assert measure_shape(problem, repaired) < 1.0
 
 
 def test_a_local_form_leaves_the_other_joints_alone(posed):
