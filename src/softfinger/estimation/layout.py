@@ -8,6 +8,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from softfinger.estimation.assumptions import judge_independence, measure_prior_sensitivity
+from softfinger.estimation.loo_pit import compute_loo_pit
 from softfinger.estimation.predictive import draw_prior, predict_new_trials, predict_trials
 from softfinger.population.covariance import correlate_partials_array
 from softfinger.population.likelihood import PARAMETERS
@@ -62,7 +63,7 @@ def build_tree(
     prepared: "Preparation",
     posterior: xr.Dataset,
     stats: xr.Dataset,
-    scores: tuple[xr.DataArray, xr.Dataset],
+    scores: tuple[xr.DataArray, xr.Dataset, list[xr.Dataset]],
     config: Mapping[str, Any],
     rng: np.random.Generator,
 ) -> xr.DataTree:
@@ -81,6 +82,7 @@ def build_tree(
         ),
         "log_likelihood": scores[0].to_dataset(name="recording"),
         "leave_one_out": scores[1],
+        "loo_pit": compute_loo_pit(angles, frames, scores[2], *rng.spawn(1)),
         "independence": judge_independence(posterior),
         "prior_sensitivity": measure_prior_sensitivity(posterior, scores[0], prior_constants),
         "observed_data": observed.reset_coords(drop=True),

@@ -22,17 +22,22 @@ from scipy.special import logsumexp
 
 from softfinger.population.collapse import Collapse
 from softfinger.population.laplace import Modes
+from softfinger.population.likelihood import PARAMETERS
 from softfinger.population.pilot import Pilot
 from softfinger.population.priors import Prior
 
 LARGEST_K = 0.7
 UNKNOWN = 1e-9  # information of a trial that was left out, of the prior's
 MOST_REFITS = 12
+KEPT_DRAWS = 1000
 
 
 def leave_trials_out(
-    recording: xr.DataArray, posterior: xr.Dataset, refit: Callable[[int], np.ndarray]
-) -> xr.Dataset:
+    recording: xr.DataArray,
+    posterior: xr.Dataset,
+    refit: Callable[[int], tuple[xr.Dataset, np.ndarray]],
+    rng: np.random.Generator,
+) -> tuple[xr.Dataset, list[xr.Dataset]]:
     """Score every trial by what the others say of it.
 
     Parameters
@@ -43,12 +48,16 @@ def leave_trials_out(
         Its draws.
     refit
         Samples without trial i and gives log p(y_i | population, noise) of every draw.
+    rng
+        Resamples draws by their weights.
 
     Returns
     -------
-    Dataset
+    scores
         elpd, pareto_k, refitted (trial); pareto_k is that of the importance sampling, whose elpd
         was replaced where `refitted`. At most `MOST_REFITS`, the worst trials first.
+    others
+        For every trial `KEPT_DRAWS` of the hyperparameters and noise (sample, joint) without it.
     """
     tree = xr.DataTree.from_dict(
         {"posterior": posterior, "log_likelihood": recording.to_dataset(name="recording")}
@@ -58,11 +67,15 @@ def leave_trials_out(
         estimate = az.loo(tree, pointwise=True, var_name="recording")
     elpd, pareto_k = np.array(estimate.elpd_i, float), np.array(estimate.pareto_k, float)
     worst = [i for i in np.argsort(-pareto_k) if pareto_k[i] > LARGEST_K][:MOST_REFITS]
+    weights = estimate.log_weights.transpose("chain", "draw", "trial").values
+    weights = np.exp(weights - logsumexp(weights, axis=(0, 1)))
+    others = [_resample(posterior, weights[..., i], rng) for i in range(len(elpd))]
     for trial in worst:
-        draws = refit(int(trial)).ravel()
-        elpd[trial] = logsumexp(draws) - np.log(draws.size)
+        draws, logs = refit(int(trial))
+        elpd[trial] = logsumexp(logs) - np.log(logs.size)
+        others[trial] = _resample(draws, np.full(logs.shape[:2], 1 / logs.size), rng)
     refitted = np.isin(np.arange(len(elpd)), worst)
-    return xr.Dataset(
+    scores = xr.Dataset(
         {
             "elpd": ("trial", elpd, {"units": "1", "long_name": "leave-one-trial-out elpd [nats]"}),
             "pareto_k": ("trial", pareto_k, {"units": "1"}),
@@ -70,6 +83,15 @@ def leave_trials_out(
         },
         {"trial": recording["trial"]},
     )
+    return scores, others
+
+
+def _resample(draws: xr.Dataset, weight: np.ndarray, rng: np.random.Generator) -> xr.Dataset:
+    """Draw hyperparameters and noise (sample, joint) by their weights (chain, draw)."""
+    names = [f"{level}_{name}" for level in ("mu", "sigma") for name in PARAMETERS]
+    place = rng.choice(weight.size, KEPT_DRAWS, p=weight.ravel())
+    chain, draw = (xr.DataArray(at, dims="sample") for at in np.unravel_index(place, weight.shape))
+    return draws[[*names, "noise_sd"]].isel(chain=chain, draw=draw)
 
 
 def forget_trial(

@@ -54,8 +54,8 @@ def fit_posterior(angles: xr.Dataset, config: Mapping[str, Any], seed: int) -> x
     DataTree
         ArviZ groups posterior, sample_stats, prior, prior_predictive, posterior_predictive,
         log_likelihood (per trial, its own parameters integrated out), leave_one_out,
-        independence, prior_sensitivity, observed_data, constant_data. Attribute `note` says what
-        so few data cannot tell.
+        loo_pit, independence, prior_sensitivity, observed_data, constant_data. Attribute `note`
+        says what so few data cannot tell.
 
     Raises
     ------
@@ -134,17 +134,21 @@ def score_trials(
     posterior: xr.Dataset,
     config: Mapping[str, Any],
     rng: np.random.Generator,
-) -> tuple[xr.DataArray, xr.Dataset]:
-    """Compute log p(y_i | population, noise) of every draw, and leave every trial out."""
+) -> tuple[xr.DataArray, xr.Dataset, list[xr.Dataset]]:
+    """Compute log p(y_i | population, noise) of every draw, and leave every trial out.
+
+    The scores of `leave_trials_out` follow, and for every trial what the others say.
+    """
     collapse, pilot = prepared.collapse, prepared.pilot
     recording = compute_integrated_log_likelihood(collapse, pilot.modes, posterior, rng)
 
-    def refit(trial: int) -> NDArray[np.float64]:
+    def refit(trial: int) -> tuple[xr.Dataset, NDArray[np.float64]]:
         less, unaware = forget_trial(collapse, pilot, prepared.prior, trial)
         left = prepared._replace(collapse=less, pilot=unaware)
         draws, _ = sample_posterior(left, {**config, **REFIT}, rng, density)
         alone = keep_trial(collapse, pilot.modes, trial)
         draws = draws.isel(trial=[trial])
-        return compute_integrated_log_likelihood(*alone, draws, rng).values
+        return draws, compute_integrated_log_likelihood(*alone, draws, rng).values
 
-    return recording, leave_trials_out(recording, posterior, refit)
+    (spawned,) = rng.spawn(1)
+    return recording, *leave_trials_out(recording, posterior, refit, spawned)

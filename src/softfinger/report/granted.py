@@ -1,4 +1,4 @@
-"""What the fit took for granted: that parameters are independent, and its priors."""
+"""What the fit took for granted: one population, independent parameters, and its priors."""
 
 from __future__ import annotations
 
@@ -54,6 +54,45 @@ def show_independence(material: Material) -> tuple[Block, ...]:
     return (
         Paragraph(sentence, tone),
         Table("independence", title, caption, columns, rows, folded=True),
+    )
+
+
+def show_loo_pit(material: Material) -> tuple[Block, ...]:
+    """Say whether trials lie where the others predict them, at a few moments of every joint."""
+    found = find_group(material, "loo_pit")
+    if found is None:
+        return ()
+    smallest, tests = float(found["smallest_p"]), found["p_value"].size
+    answer = "are not" if smallest < UNLIKELY else "are"
+    sentence = (
+        "Predicted by the other trials alone, the shares of predictions that lie below the "
+        f"recorded angles {answer} spread as evenly as they should: the smallest p of {tests} "
+        f"tests, corrected for their number, is {format_number(smallest)}."
+    )
+    rows = []
+    for joint, moment in np.ndindex(*found["p_value"].shape):
+        here = found.isel(joint=joint, moment=moment)
+        time, p = float(here["pit_time"].median()), float(here["p_value"])
+        share = float(here["pit"].mean())
+        rows.append(
+            (
+                number(str(here["joint"].item()), here["joint"].item()),
+                number(format_number(time), time),
+                number(format_number(share), share),
+                number(format_number(p), p),
+            )
+        )
+    caption = (
+        f"Over n = {found['trial'].size} trials, each left out of what predicts it, its own "
+        "parameters drawn from the population: time (median over trials), mean share of "
+        "predictions below the recording (0.5 is even), p of uniformity (Kolmogorov and Smirnov). "
+        f"{capital(material.cite('posterior'))}."
+    )
+    columns = ("joint", "time [s]", "mean share below", "p")
+    title = "Where trials lie in what the others predict"
+    return (
+        Paragraph(sentence, "note" if smallest < UNLIKELY else "plain"),
+        Table("loo_pit", title, caption, columns, tuple(rows), folded=True),
     )
 
 

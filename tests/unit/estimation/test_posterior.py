@@ -20,7 +20,7 @@ def stack_trials(own):
 def test_groups_are_arviz_s(tree):
     expected = {
         "posterior", "sample_stats", "prior", "prior_predictive", "posterior_predictive",
-        "log_likelihood", "leave_one_out", "independence", "prior_sensitivity",
+        "log_likelihood", "leave_one_out", "loo_pit", "independence", "prior_sensitivity",
         "observed_data", "constant_data",
     }  # fmt: skip
     assert set(tree.children) == expected
@@ -32,7 +32,7 @@ def test_groups_are_arviz_s(tree):
 def test_every_group_is_as_declared(tree):
     assert list_tree_faults(SPEC, tree) == []
     bare = tree.copy()
-    del bare["independence"], bare["prior_sensitivity"]
+    del bare["independence"], bare["prior_sensitivity"], bare["loo_pit"]
     assert list_tree_faults(SPEC, bare) == []
 
 
@@ -73,6 +73,13 @@ def test_every_trial_is_left_out(tree):
     scores = tree["leave_one_out"].dataset
     assert np.isfinite(scores["elpd"]).all()
     assert (scores["refitted"] == (scores["pareto_k"] > 0.7)).all()
+
+
+def test_own_trials_lie_anywhere_in_what_the_others_predict(tree):
+    found = tree["loo_pit"].dataset
+    assert found["pit"].sizes == {"trial": 7, "joint": 2, "moment": 4}
+    assert ((found["pit"] > 0) & (found["pit"] < 1)).all()
+    assert found["smallest_p"] > 0.01
 
 
 def test_a_forgotten_trial_has_the_population_s_parameters(campaign):

@@ -4,7 +4,7 @@ import xarray as xr
 from example_artifacts import CONFIG
 
 from softfinger.report.config import read_config
-from softfinger.report.granted import show_independence, show_prior_sensitivity
+from softfinger.report.granted import show_independence, show_loo_pit, show_prior_sensitivity
 from softfinger.report.material import Material
 from softfinger.report.page import render_report
 
@@ -34,6 +34,13 @@ def asked(artifacts):
     tree["independence"] = xr.Dataset(independence, {"own": OWN, "other_own": OWN})
     sensitivity = {"prior": (dims, prior), "likelihood": (dims, likelihood)}
     tree["prior_sensitivity"] = xr.Dataset(sensitivity, coords)
+    pit = {
+        "pit": (("trial", "joint", "moment"), np.full((5, 3, 4), 0.3)),
+        "pit_time": (("trial", "moment"), np.tile([0.1, 1.0, 10.0, 30.0], (5, 1))),
+        "p_value": (("joint", "moment"), np.linspace(0.01, 1, 12).reshape(3, 4)),
+        "smallest_p": ((), 0.12),
+    }
+    tree["loo_pit"] = xr.Dataset(pit, {"trial": list("abcde"), "joint": [1, 2, 3]})
     return Material(artifacts | {"posterior": tree}, read_config(CONFIG), CONFIG)
 
 
@@ -54,7 +61,18 @@ def test_sensitive_spreads_are_counted_and_read(asked):
     assert readings["centre", "c_p", "3"] == "–"
 
 
-def test_a_fit_without_these_groups_shows_neither_table(asked, page):
-    title = "How far the parameters hang on their priors"
-    assert title in render_report(asked)
-    assert title not in page
+def test_the_place_of_trials_among_the_others_predictions_is_told(asked):
+    sentence, table = show_loo_pit(asked)
+    assert "are spread as evenly as they should: the smallest p of 12 tests" in sentence.text
+    assert [cell.text for cell in table.rows[5]] == ["2", "1", "0.3", "0.46"]
+
+
+def test_a_fit_without_these_groups_shows_no_table(asked, page):
+    shown = render_report(asked)
+    for title in (
+        "Whether parameters go together",
+        "How far the parameters hang on their priors",
+        "Where trials lie in what the others predict",
+    ):
+        assert title in shown
+        assert title not in page

@@ -50,6 +50,22 @@ SPEC = ArtifactSpec(
                 ("chain", "draw"), "1", "whether the trajectory diverged", "truth value"
             ),
         },
+        "loo_pit": {
+            "pit": Variable(
+                ("trial", "joint", "moment"),
+                "1",
+                "probability below the recorded angle, by the other trials",
+                optional=True,
+                **_SHARE,
+            ),
+            "pit_time": Variable(("trial", "moment"), "s", "time of the moment", optional=True),
+            "p_value": Variable(
+                ("joint", "moment"), "1", "p of uniformity over trials", optional=True, **_SHARE
+            ),
+            "smallest_p": Variable(
+                (), "1", "smallest p, corrected for the number of tests", optional=True, **_SHARE
+            ),
+        },
         "independence": {
             "mean_product": Variable(
                 _PAIR, "1", "mean product of standardised parameters", optional=True

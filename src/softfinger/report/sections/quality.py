@@ -16,6 +16,7 @@ from softfinger.report.blocks import (
 )
 from softfinger.report.checks import check_calibration, check_computation, check_fit
 from softfinger.report.formatting import format_interval, format_measure, format_percent
+from softfinger.report.granted import show_loo_pit
 from softfinger.report.material import Material
 from softfinger.report.pictures import capital, picture_bands, picture_residuals, picture_sampling
 
@@ -144,6 +145,7 @@ def build_predictive(material: Material) -> Section:
         picture_bands(material, early=True),
         picture_residuals(material),
         build_residual_table(material),
+        *show_loo_pit(material),
     )
     return Section(
         "predictive", "Does the model describe the recordings?", tuple(b for b in blocks if b)
