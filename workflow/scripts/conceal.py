@@ -1,6 +1,6 @@
 """Rule `conceal`."""
 
-from softfinger.stages.glue import run_stage
 from softfinger.stages.conceal import conceal
+from softfinger.stages.glue import run_stage
 
 run_stage(conceal, snakemake)
