@@ -53,8 +53,8 @@ def find_line(problem: Problem, residual: NDArray[np.float64], time: NDArray[np.
             if used.sum() < LEAST_FRAMES:
                 continue
             white = whiten_series(residual[i, j, used], np.diff(time[i, used]) / interval, rho[j])
-            wave = np.exp(-2j * np.pi * np.outer(frequency, time[i, used]))
-            here = 2.0 * np.abs(wave @ (white - white.mean())) ** 2 / (len(white) * white.var())
+            wave = transform_series(white - white.mean(), time[i, used], frequency)
+            here = 2.0 * np.abs(wave) ** 2 / (len(white) * white.var())
             power[j] += here
             for k, size in enumerate(SIZES):
                 gain[k, j] += 0.5 * here * size / (1.0 + size) - np.log1p(size)
@@ -65,6 +65,22 @@ def find_line(problem: Problem, residual: NDArray[np.float64], time: NDArray[np.
     p_value = -np.expm1(looks * np.log1p(-min(tail[joint, place], 1 - 1e-16)))
     evidence = float(np.logaddexp.reduce(gain, axis=None) - np.log(gain.size))
     return Line(float(frequency[place]), int(joint) + 1, float(min(1.0, p_value)), evidence)
+
+
+def transform_series(
+    values: NDArray[np.float64], time: NDArray[np.float64], frequency: NDArray[np.float64]
+) -> NDArray[np.complex128]:
+    """Fourier sums Σ v exp(−2πi f t) at evenly spaced frequencies, at uneven times.
+
+    A frequency is a coarse step and a fine one, so that few exponentials make all waves.
+
+    >>> transform_series(np.ones(2), np.array([0.0, 1.0]), np.array([0.0, 0.5, 1.0])).real.round(9)
+    array([2., 0., 2.])
+    """
+    count = int(np.ceil(np.sqrt(len(frequency))))
+    fine = np.exp(-2j * np.pi * np.outer(time, frequency[:count] - frequency[0]))
+    coarse = np.exp(-2j * np.pi * np.outer(frequency[::count], time))
+    return ((coarse * values) @ fine).ravel()[: len(frequency)]
 
 
 def whiten_series(

@@ -3,7 +3,7 @@ from types import SimpleNamespace
 import numpy as np
 import xarray as xr
 
-from softfinger.mismatch.lines import find_line
+from softfinger.mismatch.lines import find_line, transform_series
 
 TRIALS, JOINTS, FRAMES = 5, 2, 331
 
@@ -37,3 +37,12 @@ def test_noise_holds_no_line():
     p_values = [line.p_value for line in lines]
     assert min(p_values) > 1e-3
     assert max(p_values) > 0.3
+
+
+def test_few_exponentials_make_all_waves():
+    rng = np.random.default_rng(3)
+    values, time = rng.normal(size=(2, 57))
+    for count in (1, 7, 30):
+        frequency = np.linspace(0.3, 4.0, count)
+        expected = np.exp(-2j * np.pi * np.outer(frequency, time)) @ values
+        np.testing.assert_allclose(transform_series(values, time, frequency), expected, atol=1e-9)
