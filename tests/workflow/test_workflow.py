@@ -9,6 +9,7 @@ import pytest
 from softfinger.artifacts import open_artifact, open_tree
 from softfinger.artifacts.specs import list_specs
 
+PROPAGATED = {"propagate", "sobol", "shapley", "report", "check_artifacts", "all"}
 SPECS = {spec.name: spec for spec in list_specs()}
 
 
@@ -54,12 +55,9 @@ def test_nothing_reruns_when_nothing_has_changed(finished):
 @pytest.mark.parametrize(
     ("module", "rules"),
     [
-        ("propagation/indices.py", {"sobol", "report", "check_artifacts", "all"}),
+        ("propagation/design.py", {"sobol", "shapley", "report", "check_artifacts", "all"}),
         ("report/page.py", {"report", "all"}),
-        (
-            "population/basis.py",
-            {"least_squares", "fit", "propagate", "sobol", "report", "check_artifacts", "all"},
-        ),
+        ("population/basis.py", {"least_squares", "fit", *PROPAGATED}),
     ],
 )
 def test_an_edit_of_library_code_reruns_what_depends_on_it_and_no_other(finished, module, rules):

@@ -49,7 +49,8 @@ def list_quantities(posterior: xr.Dataset) -> Iterator[tuple[str, NDArray[np.flo
 
     What is held at one value was not sampled, and is left out.
 
-    >>> draws = xr.DataArray(np.zeros((2, 5, 1)), {"joint": [7]}, ("chain", "draw", "joint"))
+    >>> drawn = np.arange(10.0).reshape(2, 5, 1)
+    >>> draws = xr.DataArray(drawn, {"joint": [7]}, ("chain", "draw", "joint"))
     >>> [name for name, _ in list_quantities(draws.to_dataset(name="mu_q_ini"))]
     ['mu_q_ini[7]']
     """

@@ -7,9 +7,9 @@ WRONG_LOAD = 1.3
 
 
 def test_ranks_of_a_small_sample_are_uniform_and_a_wrong_load_is_found(find_p_values):
-    right = find_p_values(8, 1)
+    right = find_p_values(6, 1)
     assert min(right.values()) > CHANCE / len(right)
-    wrong = find_p_values(5, 2, WRONG_LOAD)
+    wrong = find_p_values(10, 2, WRONG_LOAD)
     assert wrong["log_k_v"] < CHANCE
 
 
