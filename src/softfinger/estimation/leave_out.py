@@ -28,7 +28,7 @@ from softfinger.population.priors import Prior
 
 LARGEST_K = 0.7
 UNKNOWN = 1e-9  # information of a trial that was left out, of the prior's
-MOST_REFITS = 12
+MOST_WORK = 150  # trials in all refits together: 12 of 12 trials, one of 100
 KEPT_DRAWS = 1000
 
 
@@ -55,7 +55,7 @@ def leave_trials_out(
     -------
     scores
         elpd, pareto_k, refitted (trial); pareto_k is that of the importance sampling, whose elpd
-        was replaced where `refitted`. At most `MOST_REFITS`, the worst trials first.
+        was replaced where `refitted`. The worst trials first, for no more than `MOST_WORK`.
     others
         For every trial `KEPT_DRAWS` of the hyperparameters and noise (sample, joint) without it.
     """
@@ -66,7 +66,8 @@ def leave_trials_out(
         warnings.simplefilter("ignore", UserWarning)  # the bad ones are dealt with here
         estimate = az.loo(tree, pointwise=True, var_name="recording")
     elpd, pareto_k = np.array(estimate.elpd_i, float), np.array(estimate.pareto_k, float)
-    worst = [i for i in np.argsort(-pareto_k) if pareto_k[i] > LARGEST_K][:MOST_REFITS]
+    worst = [i for i in np.argsort(-pareto_k) if pareto_k[i] > LARGEST_K]
+    worst = worst[: MOST_WORK // len(pareto_k)]
     weights = estimate.log_weights.transpose("chain", "draw", "trial").values
     weights = np.exp(weights - logsumexp(weights, axis=(0, 1)))
     others = [_resample(posterior, weights[..., i], rng) for i in range(len(elpd))]
