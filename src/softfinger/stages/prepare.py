@@ -10,7 +10,7 @@ from softfinger.artifacts import open_artifact
 from softfinger.artifacts.spec import ArtifactSpec
 from softfinger.artifacts.specs import angles as angles_spec
 from softfinger.artifacts.specs import markers as markers_spec
-from softfinger.campaign import list_tables, read_campaign
+from softfinger.campaign import Campaign, Trial, list_tables, read_campaign
 from softfinger.faults import ArtifactFault
 from softfinger.provenance import Provenance, describe_run
 from softfinger.stages.angles import angles
@@ -41,11 +41,8 @@ def prepare_angles(folder: Path, out: Path, settings: Mapping[str, Any]) -> Path
 def track_campaign(folder: Path, out: Path, settings: Mapping[str, Any]) -> list[Path]:
     """Make OUT/markers/*.nc of a filmed campaign, unless they are there and current."""
     described = read_campaign(folder)
-    filmed = [trial for trial in described.trials if trial.level == "video"]
-    size, tables = settings["trials_per_job"], list_tables(described)
-    made = []
-    for batch, first in enumerate(range(0, len(filmed), size)):
-        trials = filmed[first : first + size]
+    tables, made = list_tables(described), []
+    for batch, trials in enumerate(batch_filmed(described, settings["trials_per_job"])):
         videos = [trial.recording for trial in trials]
         target = out / f"markers/{batch:04d}.nc"
         made.append(target)
@@ -62,6 +59,12 @@ def track_campaign(folder: Path, out: Path, settings: Mapping[str, Any]) -> list
                 seed=settings["seed"],
             )
     return made
+
+
+def batch_filmed(campaign: Campaign, size: int) -> list[list[Trial]]:
+    """Trials that have a video, as many together as go through one job."""
+    filmed = [trial for trial in campaign.trials if trial.level == "video"]
+    return [filmed[first : first + size] for first in range(0, len(filmed), size)]
 
 
 def is_current(path: Path, spec: ArtifactSpec, expected: Provenance) -> bool:

@@ -1,0 +1,77 @@
+"""Verbs around a whole campaign: `doctor`, `check` and `run`."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from json import dumps
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from softfinger.campaign import check_campaign, read_campaign
+from softfinger.cli.application import CampaignFolder, ConfigFile, Json, Out, app
+from softfinger.config import read_config
+from softfinger.provenance import PROJECT
+
+
+@app.command()
+def doctor(out: Out = Path("results"), json: Json = False) -> None:
+    """Look whether this installation can work: packages, video, compiler, disk.
+
+    Exit status 0: all is well. 1: something is not; the advice says what to do.
+    """
+    from softfinger.doctor import check_setup
+
+    findings = list(check_setup(out))
+    if json:
+        typer.echo(_dump_json([finding._asdict() for finding in findings]))
+    else:
+        for what, well, said, advice in findings:
+            typer.echo(f"{'ok  ' if well else 'BAD '} {what}: {said}")
+            if not well:
+                typer.echo(f"     {advice}")
+    raise typer.Exit(code=0 if all(finding.well for finding in findings) else 1)
+
+
+@app.command()
+def check(campaign: CampaignFolder, json: Json = False) -> None:
+    """Validate a campaign folder and list every fault; nothing is written.
+
+    Exit status 0: every trial can be used. 1: some are set aside, or the campaign is refused.
+    """
+    reasons = check_campaign(campaign)
+    described = read_campaign(campaign)
+    if json:
+        names = [trial.name for trial in described.trials if trial.name not in reasons]
+        typer.echo(_dump_json({"name": described.name, "usable": names, "set_aside": reasons}))
+        raise typer.Exit(code=1 if reasons else 0)
+    for name, reason in reasons.items():
+        typer.echo(f"set aside {name}: {reason}")
+    total = len(described.trials) + len(described.set_aside)
+    typer.echo(f"{described.name}: {total - len(reasons)} of {total} trials can be used")
+    raise typer.Exit(code=1 if reasons else 0)
+
+
+@app.command()
+def run(
+    campaign: CampaignFolder,
+    out: Out,
+    config: ConfigFile = None,
+    cores: Annotated[int, typer.Option(help="Processor cores to use.", min=1)] = 2,
+) -> None:
+    """Take a campaign from whatever level it has to its artifacts and report, by the workflow."""
+    read_campaign(campaign)
+    read_config(config)
+    out.mkdir(parents=True, exist_ok=True)
+    files = ["--configfile", str(config.resolve())] if config else []
+    settings = [f"campaign={campaign.resolve()}", f"out={out.resolve()}"]
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(PROJECT / "Snakefile")]
+    command += ["--cores", str(cores), "--directory", str(out), *files, "--config", *settings]
+    raise typer.Exit(code=subprocess.call(command, env=os.environ))
+
+
+def _dump_json(content: object) -> str:
+    return dumps(content, indent=2, default=str, ensure_ascii=False)

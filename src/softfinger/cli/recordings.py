@@ -1,0 +1,136 @@
+"""Verbs from the rig to joint angles: `virtual-rig`, `track`, `calibrate` and `angles`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from softfinger.campaign import list_tables, read_campaign
+from softfinger.cli.application import (
+    CampaignFolder,
+    ConfigFile,
+    Out,
+    PhysicsFile,
+    app,
+    choose_model,
+)
+from softfinger.config import read_config
+from softfinger.faults import Fault
+
+
+@app.command()
+def virtual_rig(
+    out: Out,
+    config: ConfigFile = None,
+    model: PhysicsFile = None,
+    example: Annotated[
+        bool, typer.Option("--example", help="Write the small example campaign, and nothing else.")
+    ] = False,
+) -> None:
+    """Draw, move and film a finger: writes OUT/campaign, and the truth beside it."""
+    if example:
+        from softfinger.virtual_rig.example import write_example_campaign
+
+        write_example_campaign(out)
+        return
+    from softfinger.stages.film import film
+    from softfinger.stages.virtual_rig import virtual_rig
+    from softfinger.virtual_rig.population import build_trial_names
+
+    settings = read_config(config)
+    knobs, seed = settings["virtual_rig"], settings["seed"]
+    folder, truth = out / "campaign", out / "truth.nc"
+    physics = choose_model(settings, model)
+    virtual_rig(truth=truth, folder=folder, config=knobs, seed=seed, model=physics)
+    if knobs["level"] == "video":
+        names = build_trial_names(knobs["n_trials"])
+        videos = [folder / f"video/{name}.avi" for name in names]
+        film(truth=truth, videos=videos, config=knobs, seed=seed)
+
+
+@app.command()
+def track(
+    campaign: CampaignFolder,
+    out: Out,
+    config: ConfigFile = None,
+    overlays: Annotated[
+        bool, typer.Option("--overlays", help="Write OUT/overlays: what was found, in the videos.")
+    ] = False,
+) -> None:
+    """Follow the markers through every video: OUT/markers/*.nc, and how well it went."""
+    from softfinger.stages.overlay import overlay
+    from softfinger.stages.picture import picture
+    from softfinger.stages.prepare import batch_filmed, track_campaign
+    from softfinger.stages.tracking_quality import tracking_quality
+
+    settings, described = read_config(config), read_campaign(campaign)
+    batches = batch_filmed(described, settings["trials_per_job"])
+    if not batches:
+        raise Fault(f"{campaign}: no trial has a video, so there is nothing to track")
+    files, seed = track_campaign(campaign, out, settings), settings["seed"]
+    picture(
+        folder=campaign,
+        tables=list_tables(described),
+        videos=[trial.recording for trial in batches[0]],
+        markers=files[0],
+        picture=out / "picture.nc",
+        seed=seed,
+    )
+    tracking_quality(markers=files, tracking_quality=out / "tracking_quality.nc", seed=seed)
+    if not overlays:
+        return
+    for markers, trials in zip(files, batches, strict=True):
+        for trial in trials:
+            overlay(
+                folder=campaign,
+                trial=trial.name,
+                video=trial.recording,
+                markers=markers,
+                film=out / f"overlays/{trial.name}.avi",
+                sheet=out / f"overlays/{trial.name}.jpg",
+            )
+
+
+@app.command()
+def calibrate(
+    pictures: Annotated[Path, typer.Argument(help="Folder of pictures of the board.")],
+    columns: Annotated[int, typer.Option(help="Squares side by side.", min=3)],
+    rows: Annotated[int, typer.Option(help="Squares on top of each other.", min=3)],
+    square_m: Annotated[float, typer.Option(help="Side of a square [m].")],
+    marker_m: Annotated[
+        float | None, typer.Option(help="Side of the coded markers [m]: a ChArUco board.")
+    ] = None,
+    dictionary: Annotated[str, typer.Option(help="Of the coded markers.")] = "DICT_4X4_50",
+) -> None:
+    """Find a camera's intrinsics from pictures of a chessboard or ChArUco board.
+
+    Prints the lines that stand under `camera:` in campaign.yaml.
+    """
+    from softfinger.tracking.calibration import Board, calibrate_camera
+
+    kind = "chessboard" if marker_m is None else "charuco"
+    board = Board(kind, columns, rows, square_m, marker_m, dictionary)
+    found = calibrate_camera(sorted(p for p in pictures.iterdir() if p.is_file()), board)
+    for name, reason in found.set_aside.items():
+        typer.echo(f"set aside {name}: {reason}", err=True)
+    sd = " and ".join(f"{value:.2g}" for value in found.focal_sd)
+    typer.echo(f"corners deviate {found.rms:.3g} px rms; focal lengths known to {sd} px", err=True)
+    typer.echo(found.to_yaml(), nl=False)
+
+
+@app.command()
+def angles(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None:
+    """Gather joint angles and loads of all trials: OUT/angles.nc (after `track`, if filmed)."""
+    from softfinger.stages.angles import angles
+
+    settings = read_config(config)
+    angles(
+        folder=campaign,
+        tables=list_tables(read_campaign(campaign)),
+        markers=sorted((out / "markers").glob("*.nc")),
+        angles=out / "angles.nc",
+        config=settings["tracking"],
+        seed=settings["seed"],
+    )
