@@ -18,7 +18,8 @@ from softfinger.mismatch.binning import (
 )
 from softfinger.population.covariance import compute_innovation_covariance_array
 from softfinger.population.frames import select_frames
-from softfinger.population.noise import estimate_noise, find_load_changes_array
+from softfinger.population.noise import estimate_noise
+from softfinger.population.quiet import find_load_changes_array
 
 
 class Trials(NamedTuple):

@@ -18,8 +18,8 @@ from scipy.stats import chi2
 
 from softfinger.mechanics.three_element import compute_joint_angle_array
 from softfinger.population.covariance import compute_innovation_covariance_array
-from softfinger.population.noise import find_load_changes_array
 from softfinger.population.pilot import Noise, Pilot
+from softfinger.population.quiet import find_load_changes_array
 
 TAIL = 1e-5  # chance of a good frame to be left out
 MOST_SHARE = 0.05

@@ -1,12 +1,9 @@
 import numpy as np
 import pytest
 
-from softfinger.population.noise import (
-    estimate_noise,
-    find_load_changes_array,
-    find_quiet_array,
-    whiten_array,
-)
+from softfinger.population.noise import estimate_noise
+from softfinger.population.quiet import find_load_changes_array, find_quiet_array
+from softfinger.population.reml import whiten_array
 
 
 @pytest.mark.parametrize("rho", [0.0, 0.4, 0.9])

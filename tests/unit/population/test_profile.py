@@ -4,8 +4,8 @@ import pytest
 from softfinger.mechanics.three_element import compute_joint_angle_array
 from softfinger.population.collapse import collapse_angles
 from softfinger.population.frames import select_frames
-from softfinger.population.noise import whiten_array
 from softfinger.population.profile import build_joint_gram, profile_rates, solve_linear_array
+from softfinger.population.reml import whiten_array
 
 
 def test_finds_the_parameters_of_a_motion_without_noise(make_campaign, rng):
