@@ -26,6 +26,8 @@ from softfinger.population.covariance import factorise_partials, pull_partials_b
 from softfinger.population.likelihood import sum_log_likelihood
 from softfinger.population.whitening import colour_trials, pull_colours_back
 
+own = np.ascontiguousarray  # linear algebra wants whole rows
+
 
 @njit(error_model="numpy")  # numba's own cache would not see what changes in other modules
 def evaluate_likelihood(
@@ -53,11 +55,41 @@ def evaluate_likelihood(
     return np.asarray(value), eta_bar, sd_bar, rho_bar, partial_bar
 
 
+def _run_likelihood(  # noqa: ANN202
+    eta: NDArray, sd: NDArray, rho: NDArray, partial: NDArray, place: NDArray, table_value: NDArray,
+    table_slope: NDArray, products: NDArray, first: NDArray, pattern: NDArray, patterns: NDArray,
+    gap: NDArray, total: NDArray,
+):  # fmt: skip
+    return evaluate_likelihood(
+        own(eta), own(sd), own(rho), own(partial), own(place), own(table_value), own(table_slope),
+        own(products), own(first), own(pattern), own(patterns), own(gap), own(total),
+    )  # fmt: skip
+
+
+def _run_colours(  # noqa: ANN202
+    z: NDArray, curvature: NDArray, pull: NDArray, mean: NDArray, precision: NDArray
+):
+    return colour_trials(own(z), own(curvature), own(pull), own(mean), own(precision))
+
+
+def _run_colours_back(  # noqa: ANN202
+    eta: NDArray, z: NDArray, factor: NDArray, mean: NDArray, precision: NDArray, eta_bar: NDArray,
+    volume_bar: NDArray,
+):  # fmt: skip
+    return pull_colours_back(
+        own(eta), own(z), own(factor), own(mean), own(precision), own(eta_bar), own(volume_bar)
+    )
+
+
 class _Compiled(Op):
-    """An operation that is one numba function of arrays."""
+    """An operation that is one numba function of arrays.
+
+    `run` is that function for arrays of any layout, which is how PyTensor types them.
+    """
 
     __props__ = ()
     function: ClassVar[Callable]
+    run: ClassVar[Callable]
 
     def perform(self, node: Apply, inputs: Sequence, output_storage: Sequence) -> None:
         """Evaluate with numpy arrays."""
@@ -75,6 +107,7 @@ class CollapsedLikelihood(_Compiled):
     """
 
     function = staticmethod(evaluate_likelihood)
+    run = staticmethod(_run_likelihood)
 
     def make_node(self, *inputs: Variable) -> Apply:
         """Build the node; the slopes have the types of what they are slopes by."""
@@ -105,6 +138,7 @@ class ColourTrials(_Compiled):
     """
 
     function = staticmethod(colour_trials)
+    run = staticmethod(_run_colours)
 
     def make_node(self, *inputs: Variable) -> Apply:
         """Build the node."""
@@ -140,6 +174,7 @@ class PullColoursBack(_Compiled):
     """The derivative of `ColourTrials`."""
 
     function = staticmethod(pull_colours_back)
+    run = staticmethod(_run_colours_back)
 
     def make_node(self, *inputs: Variable) -> Apply:
         """Build the node."""
@@ -161,15 +196,7 @@ def _hash_sources() -> int:
 
 
 def _compile(op: _Compiled, **_: object) -> tuple[Callable, int]:
-    function = type(op).function
-    names = [f"a{k}" for k in range(len(function.py_func.__annotations__) - 1)]
-    source = (
-        f"def run({', '.join(names)}):\n"
-        f"    return function({', '.join(f'contiguous({name})' for name in names)})"
-    )
-    scope = {"function": function, "contiguous": np.ascontiguousarray}
-    exec(source, scope)
-    return numba_njit(scope["run"]), _hash_sources()
+    return numba_njit(type(op).run), _hash_sources()
 
 
 for _operation in (CollapsedLikelihood, ColourTrials, PullColoursBack):

@@ -6,7 +6,8 @@ Trial i, whitened to unit noise, with its own parameters η_i and shared paramet
 
 needs only G_i = CᵀC of C = [A | B | z]. η_i, μ and φ are integrated exactly; Ω, block-diagonal, is
 the maximum of its restricted likelihood and an inverse-Wishart prior of ν trials of covariance S
-(density taken over log Ω, so that EM is Ω = (ν S + Σ E[b bᵀ]) / (ν + n)).
+(density taken over log Ω, so that EM is Ω = (ν S + Σ E[b bᵀ]) / (ν + n)), its sds at most `WIDEST`
+times those of S: a trial that shows nothing of a parameter would send both to infinity.
 
 References
 ----------
@@ -20,6 +21,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 LOG_TWO_PI = float(np.log(2.0 * np.pi))
+WIDEST = 20.0
 
 
 class Prior(NamedTuple):
@@ -154,7 +156,9 @@ def _solve(
         for b in range(d):
             if a // block != b // block:
                 moment[a, b] = 0.0
-    return shared, covariance, omega, own, kept, evidence, moment / (weight + trials)
+    moment /= weight + trials
+    shrink = np.minimum(1.0, WIDEST * spread / np.sqrt(np.diag(moment)))
+    return shared, covariance, omega, own, kept, evidence, moment * np.outer(shrink, shrink)
 
 
 @njit(cache=True)

@@ -2,7 +2,13 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from softfinger.population.mixed_effects import LOG_TWO_PI, Prior, fit_linear, hold_omega
+from softfinger.population.mixed_effects import (
+    LOG_TWO_PI,
+    WIDEST,
+    Prior,
+    fit_linear,
+    hold_omega,
+)
 
 TRIALS, OWN, SHARED = 7, 4, 2
 
@@ -75,3 +81,12 @@ def test_one_trial_without_information_returns_the_prior(prior):
     diagonal = np.diag(fit.omega)
     expected = -0.5 * prior.weight * np.sum(np.log(diagonal) + prior.spread**2 / diagonal)
     assert fit.log_evidence == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_trial_that_hardly_shows_a_parameter_does_not_send_its_spread_to_infinity():
+    """A recording without flow asks for an endless log c_p: its slope is small, its step is not."""
+    design, value = np.array([100.0, 100.0, 100.0, 0.1]), np.array([10.0, -10.0, 5.0, 30.0])
+    rows = np.column_stack([design, value])
+    prior = Prior(np.zeros(1), np.full(1, 0.1), np.full(1, 0.4), 2.0, 1)
+    fit = fit_linear(rows[:, :, None] * rows[:, None, :], prior, np.eye(1), rounds=400)
+    assert fit.omega[0, 0] <= (WIDEST * prior.spread[0]) ** 2 * (1 + 1e-9)
