@@ -6,9 +6,8 @@ import numpy as np
 import xarray as xr
 
 from softfinger.report.blocks import Block, Paragraph, Table, number, text
-from softfinger.report.formatting import format_number
+from softfinger.report.formatting import capital, format_number
 from softfinger.report.material import Material
-from softfinger.report.pictures import capital
 
 UNLIKELY = 0.05
 SENSITIVE = 0.05

@@ -10,34 +10,34 @@ from typing import Any
 
 from softfinger.faults import Fault
 from softfinger.figures.style import label_parameter_unit, save_figure
-from softfinger.report import mismatch_pictures, pictures
-from softfinger.report.assumptions import picture_assumptions
 from softfinger.report.blocks import Picture
 from softfinger.report.config import read_config
 from softfinger.report.formatting import format_measure, format_number, format_percent
 from softfinger.report.material import Artifact, Material
+from softfinger.report.pictures import fit, mismatch, population, recordings, spread
+from softfinger.report.pictures.assumptions import picture_assumptions
 from softfinger.report.sections.parameters import each_parameter, explain_rivals, list_rivals
 
 PICTURES: dict[str, Callable[[Material], Picture | None]] = {
-    "finger": pictures.picture_finger,
-    "joint_model": pictures.picture_joint_model,
-    "recordings": pictures.picture_recordings,
-    "tracking": pictures.picture_tracking,
-    "histograms": partial(pictures.picture_histograms, initial=False),
-    "initial_angles": partial(pictures.picture_histograms, initial=True),
-    "densities": pictures.picture_densities,
-    "bands": partial(pictures.picture_bands, early=False),
-    "bands_early": partial(pictures.picture_bands, early=True),
-    "sobol": pictures.picture_sobol,
-    "shapley": pictures.picture_shapley,
-    "hyperparameters": pictures.picture_hyperparameters,
-    "residuals": pictures.picture_residuals,
-    "repair": mismatch_pictures.picture_repair,
-    "ranking": mismatch_pictures.picture_ranking,
-    "location": mismatch_pictures.picture_location,
-    "masking": mismatch_pictures.picture_masking,
-    "prior_predictive": pictures.picture_prior,
-    "sampling": pictures.picture_sampling,
+    "finger": recordings.picture_finger,
+    "joint_model": recordings.picture_joint_model,
+    "recordings": recordings.picture_recordings,
+    "tracking": recordings.picture_tracking,
+    "histograms": partial(population.picture_histograms, initial=False),
+    "initial_angles": partial(population.picture_histograms, initial=True),
+    "densities": spread.picture_densities,
+    "bands": partial(fit.picture_bands, early=False),
+    "bands_early": partial(fit.picture_bands, early=True),
+    "sobol": spread.picture_sobol,
+    "shapley": spread.picture_shapley,
+    "hyperparameters": population.picture_hyperparameters,
+    "residuals": fit.picture_residuals,
+    "repair": mismatch.picture_repair,
+    "ranking": mismatch.picture_ranking,
+    "location": mismatch.picture_location,
+    "masking": mismatch.picture_masking,
+    "prior_predictive": fit.picture_prior,
+    "sampling": fit.picture_sampling,
     "assumptions": picture_assumptions,
 }
 """Every figure by name, in the order of the paper, then ours."""

@@ -7,13 +7,14 @@ import xarray as xr
 
 from softfinger.report.blocks import Block, Paragraph, Section, Table, number, text
 from softfinger.report.formatting import (
+    capital,
     count_things,
     format_number,
     format_percent,
     join_words,
 )
 from softfinger.report.material import Material
-from softfinger.report.pictures import capital, picture_recordings, picture_tracking
+from softfinger.report.pictures.recordings import picture_recordings, picture_tracking
 
 FLAGS = {"missing": 1, "stale": 2, "jump": 4}
 ALWAYS_SHOWN = 12

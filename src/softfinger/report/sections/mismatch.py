@@ -26,7 +26,7 @@ from softfinger.report.formatting import (
     join_words,
 )
 from softfinger.report.material import Material
-from softfinger.report.mismatch_pictures import (
+from softfinger.report.pictures.mismatch import (
     picture_location,
     picture_masking,
     picture_ranking,

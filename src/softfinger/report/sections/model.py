@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from softfinger.report.blocks import Fragment, Paragraph, Section
 from softfinger.report.material import Material
-from softfinger.report.pictures import picture_finger, picture_joint_model, picture_prior
+from softfinger.report.pictures.fit import picture_prior
+from softfinger.report.pictures.recordings import picture_finger, picture_joint_model
 
 
 def build_model(material: Material) -> Section:

@@ -7,11 +7,11 @@ import re
 import numpy as np
 import xarray as xr
 
-from softfinger.report.assumptions import picture_assumptions
 from softfinger.report.blocks import Listing, Paragraph, Section
 from softfinger.report.checks import PARETO, check_calibration, check_computation, check_fit
 from softfinger.report.formatting import count_things, format_number, format_percent
 from softfinger.report.material import Material
+from softfinger.report.pictures.assumptions import picture_assumptions
 from softfinger.report.residuals import find_jumps
 
 QUOTE_NOTHING = "until it passes, no interval of this report should be quoted"

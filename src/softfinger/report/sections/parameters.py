@@ -8,6 +8,7 @@ import xarray as xr
 from softfinger.figures.style import label_parameter_unit
 from softfinger.report.blocks import Block, Cell, Paragraph, Section, Table, number, text
 from softfinger.report.formatting import (
+    capital,
     format_interval,
     format_measure,
     format_number,
@@ -15,7 +16,7 @@ from softfinger.report.formatting import (
 )
 from softfinger.report.granted import show_independence, show_prior_sensitivity
 from softfinger.report.material import Material
-from softfinger.report.pictures import capital, picture_histograms, picture_hyperparameters
+from softfinger.report.pictures.population import picture_histograms, picture_hyperparameters
 
 
 def build_parameters(material: Material) -> Section:

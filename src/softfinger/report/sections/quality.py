@@ -15,10 +15,10 @@ from softfinger.report.blocks import (
     text,
 )
 from softfinger.report.checks import check_calibration, check_computation, check_fit
-from softfinger.report.formatting import format_interval, format_measure, format_percent
+from softfinger.report.formatting import capital, format_interval, format_measure, format_percent
 from softfinger.report.granted import show_loo_pit
 from softfinger.report.material import Material
-from softfinger.report.pictures import capital, picture_bands, picture_residuals, picture_sampling
+from softfinger.report.pictures.fit import picture_bands, picture_residuals, picture_sampling
 
 
 def build_computation(material: Material) -> Section:

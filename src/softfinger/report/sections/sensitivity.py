@@ -7,9 +7,9 @@ from itertools import combinations
 import xarray as xr
 
 from softfinger.report.blocks import Block, Paragraph, Section, Table, number, text
-from softfinger.report.formatting import format_number, format_percent, join_words
+from softfinger.report.formatting import capital, format_number, format_percent, join_words
 from softfinger.report.material import Material
-from softfinger.report.pictures import capital, picture_densities, picture_shapley, picture_sobol
+from softfinger.report.pictures.spread import picture_densities, picture_shapley, picture_sobol
 
 
 def build_sensitivity(material: Material) -> Section:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from softfinger.figures.assumptions import draw_assumptions
 from softfinger.report.blocks import Picture
+from softfinger.report.formatting import capital
 from softfinger.report.material import Material
-from softfinger.report.pictures import capital
 
 
 def picture_assumptions(material: Material) -> Picture | None:

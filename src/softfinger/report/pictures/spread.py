@@ -1,0 +1,68 @@
+"""The figures of the motion's spread: what causes it, and its densities."""
+
+from __future__ import annotations
+
+import xarray as xr
+
+from softfinger.figures.propagation import draw_densities, draw_shapley, draw_sobol
+from softfinger.report.blocks import Picture
+from softfinger.report.formatting import capital, format_percent
+from softfinger.report.material import Material
+
+
+def picture_sobol(material: Material) -> Picture | None:
+    """Sobol indices over time."""
+    if "sobol" not in material:
+        return None
+    return Picture(
+        "sobol",
+        "Which parameter causes the spread",
+        draw_sobol(select_sobol(material.get("sobol"))),
+        "First-order Sobol indices of four parameters over time, all of it and the first second.",
+        "Share of the variance between trials that each parameter causes alone (thick, by the "
+        "posterior) and together with others (thin); bands: equal-tailed interval over the "
+        "posterior's draws, 90 %. Below: the first second. The shares need not sum to 1: k_v and "
+        f"c_v act together. {capital(material.cite('sobol'))}.",
+    )
+
+
+def picture_shapley(material: Material) -> Picture | None:
+    """Shapley effects over time."""
+    if "shapley" not in material:
+        return None
+    return Picture(
+        "shapley",
+        "The same where parameters go together",
+        draw_shapley(material.get("shapley")),
+        "Shapley effects of four parameters over time, one panel for each joint, with bands.",
+        "Share of the variance between trials that each parameter gets if those that go together "
+        "share what they cause together (Shapley effects); the shares sum to 1. Bands: equal-"
+        f"tailed interval over the posterior's draws, 90 %. {capital(material.cite('shapley'))}.",
+    )
+
+
+def select_sobol(sobol: xr.Dataset) -> xr.Dataset:
+    """Select the indices by the posterior, their quantiles under the names that are drawn."""
+    chosen = sobol.sel(estimate="posterior") if "estimate" in sobol.dims else sobol
+    for name in ("first_order", "total"):
+        if f"{name}_quantile" in chosen:
+            chosen = chosen.assign({name: chosen[f"{name}_quantile"]})
+    return chosen
+
+
+def picture_densities(material: Material) -> Picture | None:
+    """Density of the joint angle over time."""
+    if "densities" not in material:
+        return None
+    densities = material.get("densities").sel(estimate="posterior")
+    shown = format_percent(float(densities["probability_shown"].min()))
+    return Picture(
+        "densities",
+        "Density of the joint angle over time",
+        draw_densities(densities),
+        "Density of the joint angle at several times; its peak moves and widens.",
+        "Density of the joint angle of a new trial at several times, each scaled to its own peak: "
+        "it moves and widens. Lines: mean over the posterior's draws; within the bands lie 90 % of "
+        f"the draws' densities (equal tails). At least {shown} of the probability lies within the "
+        f"angles drawn. {capital(material.cite('densities'))}.",
+    )
