@@ -14,7 +14,7 @@ from softfinger.mismatch.rank import Candidate
 from softfinger.mismatch.search import Search
 
 SURE = 0.95  # posterior probability from which one set of effects is named
-EXPLAINED = 2 / 3  # share of what is missing that listed effects must explain
+EXPLAINED = 0.5  # share of what is missing that listed effects must explain
 
 Ids = frozenset[str]
 

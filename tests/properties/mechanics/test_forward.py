@@ -41,7 +41,11 @@ EFFECTS = {
     "yield_threshold": {"yield_torque": 0.02, "yield_width": 0.004},
     "yield_with_a_jump": {"yield_torque": 0.02, "yield_width": 0.004, "yield_jump": 1.0},
     "stress_nonlinear_flow": {"flow_sinh": 30.0, "flow_power": 0.5, "flow_reference": 0.03},
-    "coupling": {"coupling_stiffness": 0.01 * PAIR, "coupling_share": 0.1 * PAIR.T},
+    "coupling": {
+        "coupling_stiffness": 0.01 * PAIR,
+        "coupling_share": 0.1 * PAIR.T,
+        "coupling_saturation": 2.0,
+    },
     "kinematic_coupling": {"coupling_kinematic": 0.1 * PAIR},
     "gravity": {"tilt_along": 0.2, "tilt_across": -0.3},
     "inertia": {"inertia_scale": 1.0},

@@ -3,6 +3,7 @@
 import numpy as np
 
 from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, signed
+from softfinger.mechanics.effects.effect import time_constant as between
 
 
 def _build_forms(setting: Setting) -> list[Form] | str:
@@ -11,6 +12,8 @@ def _build_forms(setting: Setting) -> list[Form] | str:
     stiffness = float(np.median(setting.stiffness))
     share = signed("coupling", 0.1, per="pair", floor=2e-3)
     mutual = signed("coupling", 0.1, per="neighbours", floor=2e-3)
+    reach = setting.reach.max()
+    saturation = between("saturation_per_rad", 0.2 / reach, 20.0 / reach, starts=1)
 
     def torque(values: Values) -> dict:
         return {"coupling_stiffness": values["coupling"] * stiffness}
@@ -25,8 +28,12 @@ def _build_forms(setting: Setting) -> list[Form] | str:
         both = values["coupling"] + values["coupling"].T
         return {"coupling_stiffness": both * stiffness}
 
+    def slackening(values: Values) -> dict:
+        return {**mutual_torque(values), "coupling_saturation": values["saturation_per_rad"]}
+
     return [
         Form("mutual_torque", (mutual,), mutual_torque),
+        Form("slackening_torque", (mutual, saturation), slackening),
         Form("torque", (share,), torque),
         Form("share_of_stiffness", (share,), own_share),
         Form("kinematic", (share,), kinematic),

@@ -19,7 +19,8 @@ effect id → slots
     contact_stop         stop_angle, stop_stiffness, stop_width
     yield_threshold      yield_torque, yield_width
     stress_nonlinear_flow  flow_sinh or flow_power
-    joint_coupling       coupling_stiffness, coupling_share or coupling_kinematic
+    joint_coupling       coupling_stiffness or coupling_share, coupling_saturation;
+                         coupling_kinematic
     gravity              tilt_along, tilt_across
     inertia              inertia_scale
     camera_delay         delay
@@ -117,6 +118,7 @@ SLOTS: dict[str, Slot] = {
     "lens_across": Slot("chain", "m", 0.0, "optical centre beyond where it is thought, across"),
     "coupling_stiffness": Slot("coupling", "N m/rad", 0.0, "torque from the other joint's motion"),
     "coupling_share": Slot("coupling", "1", 0.0, "the same, as a share of the joint's k_v"),
+    "coupling_saturation": Slot("coupling", "1/rad", 0.0, "1 / the motion that halves that torque"),
     "coupling_kinematic": Slot("coupling", "1", 0.0, "angle from the other joint's motion"),
 }
 """Every slot by name."""
@@ -259,7 +261,7 @@ def check_slots(slots: SlotArrays) -> None:
     """Raise `Fault` where a slot has a value that no finger has."""
     for name in ("second_time", "stop_width", "flow_reference", "yield_width", "friction_width"):
         require_positive(f"slot {name}", _select(slots, name), SLOTS[name].unit)
-    for name in ("lag", "yield_torque", "stop_stiffness", "flow_power"):
+    for name in ("lag", "yield_torque", "stop_stiffness", "flow_power", "coupling_saturation"):
         require_nonnegative(f"slot {name}", _select(slots, name), SLOTS[name].unit)
     exponent = _select(slots, "springpot_exponent")
     require_nonnegative("slot springpot_exponent", exponent, "1")

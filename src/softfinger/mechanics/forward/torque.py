@@ -38,6 +38,7 @@ _ACROSS = CHAIN_SLOTS.index("tilt_across")
 _INERTIA = CHAIN_SLOTS.index("inertia_scale")
 _STIFFNESS = COUPLING_SLOTS.index("coupling_stiffness")
 _SHARE = COUPLING_SLOTS.index("coupling_share")
+_SATURATION = COUPLING_SLOTS.index("coupling_saturation")
 
 
 @compiled
@@ -145,7 +146,7 @@ def _add_gravity(model: Model, nodes: Nodes, balance: Balance, i: int, tangents:
 
 @compiled
 def _add_coupling(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
-    """Torque from the other joints' motion since the start: Σ (K + c k_v) (q − q_ini)."""
+    """Torque from the other joints' motion x = q − q_ini: Σ (K + c k_v) x / (1 + b |x|)."""
     joints = model.joint.shape[0]
     for j in range(joints):
         own = math.exp(model.joint[j, LOG_K_V])
@@ -153,15 +154,19 @@ def _add_coupling(model: Model, nodes: Nodes, balance: Balance, i: int, tangents
             share = model.coupling[_SHARE, j, k]
             stiffness = model.coupling[_STIFFNESS, j, k] + share * own
             moved = nodes.angle[i, k] - model.joint[k, Q_INI]
-            balance.torque[i, j] += stiffness * moved
-            balance.by_angle[i, j, k] += stiffness
+            ease = 1.0 / (1.0 + model.coupling[_SATURATION, j, k] * abs(moved))
+            slope = stiffness * ease**2
+            balance.torque[i, j] += stiffness * moved * ease
+            balance.by_angle[i, j, k] += slope
             if tangents:
                 for c in model.columns[j]:
                     change = model.d_coupling[c, _STIFFNESS, j, k]
                     change += own * model.d_coupling[c, _SHARE, j, k]
                     change += share * own * model.d_joint[c, j, LOG_K_V]
-                    change *= moved
-                    balance.tangent[i, j, c] += change - stiffness * model.d_joint[c, k, Q_INI]
+                    change *= moved * ease
+                    bent = abs(moved) * moved * model.d_coupling[c, _SATURATION, j, k]
+                    change -= slope * (bent + model.d_joint[c, k, Q_INI])
+                    balance.tangent[i, j, c] += change
 
 
 @compiled
