@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from softfinger.figures.style import (
     BLACK,
@@ -48,6 +49,7 @@ def draw_hyperparameters(hyperparameters: xr.Dataset) -> Figure:
         for ax, parameter in zip(row, parameters, strict=True):
             draw_forest(ax, hyperparameters.sel(statistic=statistic, parameter=parameter))
             ax.set_xlabel(label_axis(statistic, str(parameter)))
+            ax.xaxis.set_major_locator(MaxNLocator(4))
     axes[0, 0].set_yticks(range(joints.size), [f"joint {joint}" for joint in joints])
     axes[0, 0].set_ylim(joints.size - 0.4, -0.6)
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper left", ncols=4)

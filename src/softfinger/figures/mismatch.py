@@ -153,10 +153,11 @@ def draw_location(location: xr.Dataset) -> Figure:
     location
         q_value (model, joint, phase, window).
     """
-    location = location.dropna("phase", how="all", subset=["q_value"])
+    for dim in ("phase", "window"):
+        location = location.dropna(dim, how="all", subset=["q_value"])
     models = [str(name) for name in location["model"].values]
     joints = location["joint"].values
-    figure = new_figure(get_source(location), height=0.8 + 0.75 * joints.size)
+    figure = new_figure(get_source(location), height=max(1.9, 0.8 + 0.75 * joints.size))
     axes = figure.subplots(joints.size, len(models), squeeze=False, sharex=True, sharey=True)
     scale = LogNorm(SMALLEST_Q, 1.0)
     for row, joint in zip(axes, joints, strict=True):
@@ -192,12 +193,11 @@ def draw_masking(masking: xr.Dataset) -> Figure:
     rows = np.arange(len(names))
     left.barh(rows, 100 * shown["share_left"].values, color=SKY, height=0.7)
     for row, gain in zip(rows, shown["expected_gain"].values, strict=True):
-        words = f"{gain:.3g}" if gain < 1e4 else "> 10 000"
-        left.annotate(words, (1, row), (-2, 0), xycoords=("axes fraction", "data"),
+        left.annotate(write_gain(gain), (1, row), (34, 0), xycoords=("axes fraction", "data"),
                       textcoords="offset points", ha="right", va="center", fontsize=6)  # fmt: skip
     left.set_yticks(rows, names)
     left.set(xlabel="signal left after refitting [%]", xlim=(0, 100))
-    left.set_title("masking; right: expected gain [nats]")
+    left.set_title("signal left; right: gain to expect [nats]")
     left.grid(axis="y", visible=False)
     drawn = right.imshow(np.abs(shown["likeness"].values), cmap="cividis", vmin=0, vmax=1,
                          aspect="auto")  # fmt: skip
@@ -206,3 +206,14 @@ def draw_masking(masking: xr.Dataset) -> Figure:
     right.grid(visible=False)
     figure.colorbar(drawn, ax=right)
     return figure
+
+
+def write_gain(gain: float) -> str:
+    """Write a log evidence in few characters.
+
+    >>> write_gain(0.0102), write_gain(546.3), write_gain(6130.0), write_gain(4e7)
+    ('0.01', '546', '6130', '> 10 000')
+    """
+    if gain >= 1e4:
+        return "> 10 000"
+    return f"{gain:.0f}" if gain >= 100 else f"{gain:.2g}"

@@ -76,7 +76,7 @@ def draw_spectrum(ax: Axes, residuals: xr.Dataset) -> None:
                 f"{peak:.1f} Hz", (peak, height), (4, 2), textcoords="offset points", color=colour
             )
     ax.set_xscale("log")
-    ax.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    ax.xaxis.set_major_locator(LogLocator(subs=(1, 3)))
     ax.xaxis.set_major_formatter("{x:g}")
     ax.xaxis.set_minor_formatter(NullFormatter())
     ax.margins(x=0.02, y=0.15)

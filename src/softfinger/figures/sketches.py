@@ -15,8 +15,8 @@ from softfinger.figures.style import BLACK, BLUE, GREY, PALE, RED, SINGLE_COLUMN
 
 BEND = 0.35
 """Angle of each joint in the sketch [rad]."""
-LINK, JOINT, OFFSET = 1.0, 0.3, 0.2
-"""Lengths in the sketch, in link lengths."""
+LINK, JOINT, OFFSET, REACH = 1.0, 0.3, 0.2, 1.55
+"""Lengths in the sketch, in link lengths; REACH is that of the lines between which angles lie."""
 Cords = tuple[tuple[float, str, float], ...]
 WIRES: Cords = ((OFFSET, RED, 1), (-OFFSET, GREY, 1))
 """Distance from the middle, colour and width of what runs along the finger."""
@@ -37,8 +37,9 @@ def draw_finger_sketch(n_joint: int, *, wires: bool = True) -> Figure:
         centre = centre + LINK * along(heading)
     if wires:
         name_wires(ax)
-    ax.set(aspect="equal")
     ax.margins(0.06)
+    right, top = centre
+    ax.set(aspect="equal", xlim=(-2.6, max(right, 2.4) + 0.7), ylim=(-0.8, max(top, 1.2) + 0.6))
     ax.set_axis_off()
     return figure
 
@@ -72,7 +73,15 @@ def draw_link(ax: Axes, start: np.ndarray, heading: float, name: str, cords: Cor
         ax.plot(*ends.T, color=colour, lw=width, zorder=3)
     for share in (0.32, 0.68):
         ax.add_patch(Circle(tuple(start + forward * LINK * share), 0.055, color=BLACK, zorder=4))
-    ax.text(*(start + forward * LINK / 2 - side * 0.5), name, ha="center", va="center", color=GREY)
+    above = 0.42 if heading else -0.42  # the base has its name below, away from link 1's
+    style = {"ha": "right", "va": "bottom"} if heading else {"ha": "center", "va": "top"}
+    ax.text(*(start + forward * LINK / 2 + side * above), name, color=GREY, **style)
+
+
+def draw_direction(ax: Axes, centre: np.ndarray, heading: float) -> None:
+    """Draw where a link points, beyond the joint from which the angle is taken."""
+    ends = np.array([centre, centre + along(heading) * REACH])
+    ax.plot(*ends.T, color=BLUE, lw=0.4, zorder=5)
 
 
 def draw_joint(ax: Axes, centre: np.ndarray, heading: float, joint: int, cords: Cords) -> None:
@@ -85,14 +94,13 @@ def draw_joint(ax: Axes, centre: np.ndarray, heading: float, joint: int, cords: 
         ]
         ax.plot(*np.array(ends).T, color=colour, lw=width, solid_capstyle="butt", zorder=2)
     ax.add_patch(Circle(tuple(centre), 0.045, color="white", ec=BLUE, zorder=5))
-    ends = np.array([centre, centre + along(heading) * 1.0])
-    ax.plot(*ends.T, color=BLUE, lw=0.6, ls=":", zorder=5)
-    degrees = np.degrees((heading, bent))
+    for direction in (heading, bent):
+        draw_direction(ax, centre, direction)
+    first, last = np.degrees((heading, bent))
     style = {"color": BLUE, "zorder": 5}
-    ax.add_patch(
-        Arc(tuple(centre), 1.76, 1.76, theta1=degrees[0], theta2=degrees[1], lw=1, **style)
-    )
-    place = centre + along(heading + BEND / 2) * 1.06
+    size = 2 * (REACH - 0.08)
+    ax.add_patch(Arc(tuple(centre), size, size, theta1=first, theta2=last, lw=1, **style))
+    place = centre + along(heading + BEND / 2) * (REACH + 0.12)
     ax.text(*place, f"$q_{{{joint}}}$", ha="center", va="center", **style)
 
 

@@ -52,11 +52,11 @@ def state_effect(
     sentence = effect.sentence[0].upper() + effect.sentence[1:]
     sizes = []
     for name, value in parameters.items():
-        unit = next(
-            (u for suffix, u in UNITS.items() if name.rstrip("_0123456789").endswith(suffix)), ""
-        )
-        words = name.replace("_", " ")
-        sizes.append(f"{words} {format_estimate(value.mean, value.sd)} {unit}".rstrip())
+        quantity = name.rstrip("_0123456789")
+        suffix = next((suffix for suffix in UNITS if quantity.endswith(suffix)), "")
+        words = (quantity.removesuffix(suffix) + name.removeprefix(quantity)).replace("_", " ")
+        size = format_estimate(value.mean, value.sd)
+        sizes.append(f"{words} {size} {UNITS.get(suffix, '')}".rstrip())
     return (
         f"{sentence}{where}: {effect.id.replace('_', ' ')} was left out, with probability "
         f"{probability:.3g}. Best form: {form.replace('_', ' ')}; {', '.join(sizes)}."

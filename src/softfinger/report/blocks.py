@@ -66,7 +66,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure with alternative text and caption; a photograph keeps its colours in the dark."""
+    """A figure with alternative text and caption; `true_colours` stay as they are in the dark."""
 
     kind: ClassVar[str] = "picture"
     name: str
@@ -74,7 +74,7 @@ class Picture:
     figure: Figure
     alt: str
     caption: str
-    photograph: bool = False
+    true_colours: bool = False
 
     @property
     def address(self) -> str:
@@ -98,6 +98,11 @@ class Check:
     limit: str
     passed: bool | None
     meaning: str
+
+    @property
+    def failed(self) -> bool:
+        """Whether it was made and not passed; holds for numpy's truth values as well."""
+        return self.passed is not None and not self.passed
 
     @property
     def word(self) -> str:

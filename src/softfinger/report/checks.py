@@ -29,7 +29,7 @@ def check_computation(material: Material) -> tuple[Check, ...]:
             "largest R-hat",
             format_number(worst, 4),
             f"below {format_number(limits['r_hat_max'], 4)}",
-            worst < limits["r_hat_max"],
+            bool(worst < limits["r_hat_max"]),
             "Independent chains found the same distribution.",
         )
     ]
@@ -40,7 +40,7 @@ def check_computation(material: Material) -> tuple[Check, ...]:
                 f"fewest effective draws, {kind}",
                 f"{least:.0f}",
                 f"above {limits['ess_min']:.0f}",
-                least > limits["ess_min"],
+                bool(least > limits["ess_min"]),
                 f"Enough independent draws for the {where} of every hyperparameter.",
             )
         )
@@ -50,7 +50,7 @@ def check_computation(material: Material) -> tuple[Check, ...]:
             "divergent transitions",
             str(count),
             f"at most {limits['divergences_max']}",
-            count <= limits["divergences_max"],
+            bool(count <= limits["divergences_max"]),
             "The sampler met no region that it could not follow.",
         )
     )
@@ -90,7 +90,7 @@ def check_fit(material: Material) -> tuple[Check, ...]:
                 f"shared residual, {words}",
                 f"{excess:.1f} times chance" if np.isfinite(excess) else FEW,
                 f"below {limit:.1f} times" if np.isfinite(limit) else "–",
-                excess < limit if np.isfinite(excess) else None,
+                bool(excess < limit) if np.isfinite(excess) else None,
                 "The mean over trials of recording minus model is no larger than what independent "
                 "trials leave by chance.",
             )

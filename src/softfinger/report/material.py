@@ -138,6 +138,12 @@ class Material:
         return sampling.assign(worst_draws=standard).assign_coords(worst_quantity=worst)
 
     @property
+    def duration(self) -> float:
+        """Length of the longest recording [s], its last frame's own interval included."""
+        time = self.angles["time"].values
+        return float(np.nanmax(time) + np.nanmedian(np.diff(time, axis=1)))
+
+    @property
     def n_frames(self) -> int:
         """Frames of all trials."""
         return int(np.isfinite(self.angles["time"]).sum())

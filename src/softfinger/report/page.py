@@ -137,13 +137,18 @@ def render_page(
     )
 
 
-SYMBOL = re.compile(r"\b([kcq])_(v|p|ini)\b")
+SYMBOL = re.compile(r"\b(log_)?([kcq])_(v|p|ini)\b")
 
 
 def set_symbols(words: str) -> Markup:
-    """Escape words and set the model's symbols with their indices low.
+    """Escape words and set the model's symbols with their indices low, their logarithms as ln.
 
-    >>> set_symbols("k_v < c_p")
-    Markup('<i>k</i><sub>v</sub> &lt; <i>c</i><sub>p</sub>')
+    >>> set_symbols("k_v < log_c_p")
+    Markup('<i>k</i><sub>v</sub> &lt; ln <i>c</i><sub>p</sub>')
     """
-    return Markup(SYMBOL.sub(r"<i>\1</i><sub>\2</sub>", str(escape(words))))
+    return Markup(SYMBOL.sub(_set_symbol, str(escape(words))))
+
+
+def _set_symbol(found: re.Match[str]) -> str:
+    logarithm, letter, index = found.groups()
+    return f"{'ln ' if logarithm else ''}<i>{letter}</i><sub>{index}</sub>"

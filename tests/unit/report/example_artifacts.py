@@ -261,8 +261,15 @@ def make_sobol(joints, n_time=31):
     first = np.broadcast_to(0.97 * share, (2, joints.size, n_time, 4))
     bounds = np.stack([0.9 * first[1], first[1], np.minimum(1.1 * first[1], 1)], axis=-1)
     dims = ("joint", "time", "parameter")
+    design = ("running_time", "joint", "parameter")
+    shrinkage = np.broadcast_to([0.3, 0.1, 0.05, 0.01], (2, joints.size, 4))
     return xr.Dataset(
         {
+            "spread_shrinkage": (("change", "estimate", *design), np.stack([shrinkage] * 2)[None]),
+            "spread_shrinkage_quantile": (
+                ("change", *design, "quantile"),
+                np.stack([0.9 * shrinkage, shrinkage, 1.1 * shrinkage], -1)[None],
+            ),
             "first_order": (("estimate", *dims), first),
             "total": (("estimate", *dims), first / 0.97),
             "first_order_quantile": ((*dims, "quantile"), bounds),
@@ -274,6 +281,8 @@ def make_sobol(joints, n_time=31):
             "time": time,
             "parameter": PARAMETERS,
             "quantile": [0.05, 0.5, 0.95],
+            "change": ["halved"],
+            "running_time": [1.0, 30.0],
         },
         attrs={"definition": "variance-based indices", "truncation": "none"},
     )

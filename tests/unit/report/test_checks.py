@@ -16,6 +16,7 @@ from softfinger.report.checks import (
 )
 from softfinger.report.config import read_config
 from softfinger.report.material import Material
+from softfinger.report.sections.outlook import list_failed
 from softfinger.report.sections.summary import describe_fit, judge
 
 
@@ -39,6 +40,17 @@ def test_each_limit_of_the_fit_decides_its_check(artifacts, material):
     assert found["divergent transitions"] is True
     mild = check_computation(with_sampling(artifacts, r_hat_max=1.05, ess_min=300.0))
     assert all(check.passed for check in mild if "Pareto" not in check.name)
+
+
+def test_limits_as_a_file_holds_them_decide_alike(artifacts):
+    limits = {"r_hat_max": np.float64(1.001), "divergences_max": np.int64(0)}
+    material = with_sampling(artifacts, divergences=1, **limits)
+    failed = [check.name for check in check_computation(material) if check.failed]
+    assert failed[0] == "largest R-hat"
+    assert "divergent transitions" in failed
+    assert judge(material)[0].answer == "not sound"
+    assert list_failed(material)[0].startswith("Failed: largest R-hat")
+    assert Check("", "", "", np.bool_(False), "").failed
 
 
 def test_one_divergence_is_one_too_many(artifacts):

@@ -12,6 +12,8 @@ from softfinger.report import write_report
 from softfinger.report.config import read_config
 from softfinger.report.material import Material
 from softfinger.report.page import SECTIONS, render_report
+from softfinger.report.pictures.spread import picture_densities
+from softfinger.report.sections.mismatch import DECISIONS, judge_mismatch, state_verdict
 
 VOID = {"meta", "img", "link", "br", "input", "hr"}
 ORDER = [
@@ -242,7 +244,7 @@ def test_a_frame_of_the_film_keeps_its_colours_in_the_dark(artifacts):
     )
     few = {name: artifacts[name] for name in ("angles", "markers")}
     page = Page(render({**few, "picture": picture}))
-    photographs = [image["data-title"] for image in page.find("img", **{"class": "photograph"})]
+    photographs = [image["data-title"] for image in page.find("img", **{"class": "true-colours"})]
     assert photographs == ["What the tracking saw"]
     assert "Frame 7 of trial trial_002, on the picture itself" in page.text
 
@@ -302,6 +304,39 @@ def test_the_verdict_is_told_in_words(artifacts):
     }
     tables, words = build_tables({"angles": artifacts["angles"], "verdict": verdict})
     assert "Joint 2 keeps relaxing." in words
-    assert "second_retardation and fractional_creep" in words
+    assert "second retardation and fractional creep" in words
+    assert "Left-out physics: Physics is missing, but these recordings cannot tell" in words
     assert tables["effects"][1][4] == "5.9 ± 0.4"
     assert tables["before_after"][1] == ["base model", "6.50"]
+
+
+def test_every_effect_is_told_whether_it_was_tried_or_not(diagnosed):
+    few = {name: diagnosed[name] for name in ("angles", "ranking", "verdict")}
+    rows = build_tables(few)[0]["catalogue"][1:]
+    gains = diagnosed["ranking"]["best_gain"].sel(effect="wire_friction")
+    assert rows[1][0] == "wire friction"
+    assert float(rows[1][2].replace("−", "-")) == pytest.approx(float(gains), rel=0.01)
+    assert rows[-1][0] == "temperature"
+    assert rows[-1][2:] == ["–", "–", "not tried: temperature was not logged"]
+
+
+def test_what_is_named_beside_something_unlisted_is_no_whole_answer(diagnosed):
+    verdict = {**diagnosed["verdict"], "decision": "unlisted"}
+    material = gather({"angles": diagnosed["angles"], "verdict": verdict})
+    tile = judge_mismatch(material)
+    assert tile.detail.endswith("(probability 98 %) and more that no listed effect explains")
+    assert state_verdict(verdict)[0].startswith("Something is missing that no listed effect")
+    assert state_verdict({**verdict, "effects": []})[0] == DECISIONS["unlisted"]
+
+
+def test_nothing_is_claimed_beyond_the_recordings(artifacts):
+    material = gather(artifacts)
+    last = artifacts["angles"]["time"].max() + artifacts["angles"]["time"].diff("frame").median()
+    assert material.duration == pytest.approx(float(last))
+    longer = artifacts["sobol"].assign_coords(running_time=[1.0, 1e3])
+    rows = build_tables({"angles": artifacts["angles"], "sobol": longer})[0]["design"][1:]
+    assert {row[0] for row in rows} == {"1"}
+    later = artifacts["densities"].copy()
+    later["time"] = [*later["time"].values[:-1], 1e3]
+    axes = picture_densities(gather({**artifacts, "densities": later})).figure.axes
+    assert "1000 s" not in [label.get_text() for label in axes[0].get_yticklabels()]

@@ -55,9 +55,23 @@ def picture_sampling(material: Material) -> Picture | None:
         "and the draws of the one whose chains agree least.",
         f"R-hat and effective draws of all {sampling['quantity'].size} hyperparameters, sorted, "
         f"with their limits. Right: draws and running means of "
-        f"{sampling['worst_quantity'].item()}, whose chains agree least. "
+        f"{name_quantity(sampling['worst_quantity'].item())}, whose chains agree least. "
         f"{capital(material.cite('sampling', 'posterior'))}.",
     )
+
+
+def name_quantity(quantity: str) -> str:
+    """Write the name of a hyperparameter as words.
+
+    >>> name_quantity("sigma_log_c_p[2]"), name_quantity("noise_sd[1]")
+    ('the spread of log_c_p at joint 2', 'the noise sd at joint 1')
+    """
+    name, _, joint = quantity.rstrip("]").partition("[")
+    kind, _, rest = name.partition("_")
+    words = {"mu": f"the centre of {rest}", "sigma": f"the spread of {rest}"}.get(
+        kind, f"the {name.replace('_', ' ')}"
+    )
+    return f"{words} at joint {joint}" if joint else words
 
 
 def picture_bands(material: Material, *, early: bool) -> Picture | None:
@@ -78,7 +92,7 @@ def picture_bands(material: Material, *, early: bool) -> Picture | None:
         f"Predictive bands of the joint angle beside the recordings, {title}.",
         f"Blue: posterior predictive median and {share} equal-tailed interval for a new trial; "
         f"red, dashed: the same interval of the two-stage estimate; {DARK}: median and {share} "
-        f"interval of the recordings. n = {count_things(n, 'trial')} in "
+        f"interval (dotted) of the recordings. n = {count_things(n, 'trial')} in "
         f"{count_things(bands['protocol'].size, 'protocol')}.{cut if hidden > 0 else ''} "
         f"{capital(material.cite('bands'))}.",
     )

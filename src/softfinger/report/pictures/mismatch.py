@@ -14,6 +14,11 @@ from softfinger.report.formatting import count_things
 from softfinger.report.material import Material
 
 
+def count_trials(material: Material) -> str:
+    """Count the trials that the diagnosis used."""
+    return count_things(material.angles["trial"].size, "trial")
+
+
 def picture_repair(material: Material) -> Picture | None:
     """The one figure that tells it: recording, both models, what each leaves."""
     if "repair" not in material:
@@ -41,13 +46,15 @@ def picture_ranking(material: Material) -> Picture | None:
     ranking = material.get("ranking")
     return Picture(
         "ranking",
-        "The evidence of every effect",
+        "The evidence of every effect that was fitted",
         draw_ranking(ranking),
         "Gain of each effect's best form over the base model, against what chance gains.",
-        "Log evidence of the best form of each effect alone, each trial's own parameters "
-        "integrated; logarithmic beyond ± 1. Grey: largest gains over the whole catalogue in "
+        "Log evidence over the base model [nats; 2.3 are odds of ten to one] of the best form of "
+        "each effect alone, each trial's own parameters integrated; logarithmic beyond ± 1. Blue: "
+        "needed beside all others. Grey: largest gains over the whole catalogue in "
         f"{ranking['replicate'].size} campaigns drawn from the base model. Dotted: gain that "
-        "chance exceeds with the stated false-alarm probability. Rule diagnose, artifact ranking.",
+        "chance exceeds with the stated false-alarm probability. "
+        f"n = {count_trials(material)}. Rule diagnose, artifact ranking.",
     )
 
 
@@ -61,9 +68,11 @@ def picture_location(material: Material) -> Picture | None:
         draw_location(material.get("location")),
         "False-discovery rate of every cell of joint, phase and time since the load changed, for "
         "the base and the repaired model.",
-        "Rate of false discoveries (Benjamini, Hochberg) at which a cell counts as missed, from "
-        "mean and scatter of whitened residuals; empty: too few angles. Rule diagnose, artifact "
+        "Dark: the model misses there; yellow: it does not. Colour: rate of false discoveries "
+        "(Benjamini, Hochberg) at which a cell counts as missed, from mean and scatter of whitened "
+        f"residuals; empty: too few angles. n = {count_trials(material)}. Rule diagnose, artifact "
         "location.",
+        true_colours=True,
     )
 
 
@@ -78,6 +87,8 @@ def picture_masking(material: Material) -> Picture | None:
         "Share of each effect's signal that is left after refitting, its expected evidence, and "
         "which effects look alike.",
         "Left: share of an effect's signal, at twice its prior standard deviation, that the base "
-        "model does not swallow, and the log evidence to expect. Right: cosine between what is "
-        "left of two effects; 1 cannot be told apart. Rule diagnose, artifact masking.",
+        "model does not swallow, and in numbers the log evidence to expect [nats]. Right: cosine "
+        "between what is left of two effects: 1 (yellow) cannot be told apart, 0 (dark) have "
+        f"nothing in common. n = {count_trials(material)}. Rule diagnose, artifact masking.",
+        true_colours=True,
     )

@@ -72,5 +72,5 @@ def picture_tracking(material: Material) -> Picture | None:
         f"Frame {frame} of trial {trial}, {where}: rings are markers, a red cross marks a "
         f"doubtful one, thin lines are their paths over the trial. Median standard deviation of "
         f"a coordinate: {format_number(sd, 2)} px. {capital(material.cite('markers'))}.",
-        photograph=image is not None,
+        true_colours=image is not None,
     )

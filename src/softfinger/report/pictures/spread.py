@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import numpy as np
 import xarray as xr
 
 from softfinger.figures.propagation import draw_densities, draw_shapley, draw_sobol
 from softfinger.report.blocks import Picture
-from softfinger.report.formatting import capital, format_percent
+from softfinger.report.formatting import capital, count_things, format_number
 from softfinger.report.material import Material
+
+
+def count_source(material: Material, name: str) -> str:
+    """Say how many trials stand behind a figure, and what made it."""
+    n = count_things(material.angles["trial"].size, "trial")
+    return f"n = {n}. {capital(material.cite(name))}."
 
 
 def picture_sobol(material: Material) -> Picture | None:
@@ -22,7 +29,7 @@ def picture_sobol(material: Material) -> Picture | None:
         "Share of the variance between trials that each parameter causes alone (thick, by the "
         "posterior) and together with others (thin); bands: equal-tailed interval over the "
         "posterior's draws, 90 %. Below: the first second. The shares need not sum to 1: k_v and "
-        f"c_v act together. {capital(material.cite('sobol'))}.",
+        f"c_v act together. {count_source(material, 'sobol')}",
     )
 
 
@@ -37,7 +44,7 @@ def picture_shapley(material: Material) -> Picture | None:
         "Shapley effects of four parameters over time, one panel for each joint, with bands.",
         "Share of the variance between trials that each parameter gets if those that go together "
         "share what they cause together (Shapley effects); the shares sum to 1. Bands: equal-"
-        f"tailed interval over the posterior's draws, 90 %. {capital(material.cite('shapley'))}.",
+        f"tailed interval over the posterior's draws, 90 %. {count_source(material, 'shapley')}",
     )
 
 
@@ -55,7 +62,8 @@ def picture_densities(material: Material) -> Picture | None:
     if "densities" not in material:
         return None
     densities = material.get("densities").sel(estimate="posterior")
-    shown = format_percent(float(densities["probability_shown"].min()))
+    densities = densities.sel(time=densities["time"] <= material.duration)
+    shown = np.floor(1e3 * float(densities["probability_shown"].min())) / 10
     return Picture(
         "densities",
         "Density of the joint angle over time",
@@ -63,6 +71,6 @@ def picture_densities(material: Material) -> Picture | None:
         "Density of the joint angle at several times; its peak moves and widens.",
         "Density of the joint angle of a new trial at several times, each scaled to its own peak: "
         "it moves and widens. Lines: mean over the posterior's draws; within the bands lie 90 % of "
-        f"the draws' densities (equal tails). At least {shown} of the probability lies within the "
-        f"angles drawn. {capital(material.cite('densities'))}.",
+        f"the draws' densities (equal tails). At least {format_number(shown)} % of the probability "
+        f"lies within the angles drawn. {count_source(material, 'densities')}",
     )

@@ -17,6 +17,11 @@ from softfinger.report.material import Material
 from softfinger.report.pictures.recordings import picture_recordings, picture_tracking
 
 FLAGS = {"missing": 1, "stale": 2, "jump": 4}
+SAID = {
+    "missing": "missing",
+    "stale": "stale (the camera repeated a frame)",
+    "jump": "jumps (a marker was lost to another spot)",
+}
 ALWAYS_SHOWN = 12
 """A longer table of trials is folded."""
 
@@ -42,16 +47,17 @@ def describe_recordings(material: Material) -> str:
     duration = np.nanmax(time, axis=1)
     interval = float(np.nanmedian(np.diff(time, axis=1)))
     shares = {name: measure_flagged(angles, bit) for name, bit in FLAGS.items()}
-    words = [f"{format_percent(share, 1)} {name}" for name, share in shares.items()]
+    said = {name: share for name, share in shares.items() if share}
+    words = [f"{format_percent(share, 1)} are {SAID[name]}" for name, share in said.items()]
+    flagged = f"Of the angles, {join_words(words)}" if words else "No angle is missing or in doubt"
     verb = "is" if angles["trial"].size == 1 else "are"
     return (
         f"{count_things(angles['trial'].size, 'trial')} of "
         f"{count_things(angles['joint'].size, 'joint')} {verb} used, "
         f"{material.n_frames} frames in all, "
         f"{describe_span(duration)} s long, "
-        f"about {format_number(1 / interval)} frames a second. Of the angles, {join_words(words)} "
-        "(stale: the camera repeated a frame; jump: a marker was lost to another spot). Flagged "
-        "angles take no part in any fit."
+        f"about {format_number(1 / interval)} frames a second. {flagged}. What is flagged takes no "
+        "part in any fit."
     )
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from softfinger.mechanics.effects import list_effects
 from softfinger.report.blocks import (
     Block,
     Listing,
@@ -39,6 +40,13 @@ DECISIONS = {
     "ambiguous": "Physics is missing, but these recordings cannot tell some candidates apart.",
     "unlisted": "Something is missing, and no listed effect explains it.",
 }
+PARTLY = "Something is missing that no listed effect explains; what is named here is a part of it."
+IN_A_WORD = {
+    "adequate": "none seen",
+    "named": "found",
+    "ambiguous": "found, ambiguous",
+    "unlisted": "found, not explained",
+}
 NOT_RUN = (
     "The mismatch diagnosis was not run: this report says whether the model departs from the "
     "recordings, but not which physics was left out."
@@ -51,17 +59,59 @@ def build_mismatch(material: Material) -> Section:
     if "verdict" not in material:
         return Section("mismatch", title, (Paragraph(NOT_RUN, "note"),))
     verdict = material.artifacts["verdict"]
-    blocks: list[Block] = [Paragraph(DECISIONS[verdict["decision"]])]
-    blocks += [Paragraph(str(effect["statement"])) for effect in verdict["effects"]]
+    blocks: list[Block] = [Paragraph(sentence) for sentence in state_verdict(verdict)]
     seen = [picture_repair(material), picture_ranking(material)]
     blocks += [picture for picture in seen if picture is not None]
     blocks += build_effect_tables(verdict)
+    if "ranking" in material:
+        blocks.append(build_catalogue_table(material.get("ranking")))
     if "repair" in material and verdict["decision"] != "adequate":
         blocks += build_repair_tables(material.get("repair"))
     seen = [picture_location(material), picture_masking(material)]
     blocks += [picture for picture in seen if picture is not None]
     blocks += describe_limits(verdict)
     return Section("mismatch", title, tuple(blocks))
+
+
+def state_verdict(verdict: Mapping[str, Any]) -> list[str]:
+    """Say in sentences what the diagnosis found."""
+    partly = verdict["decision"] == "unlisted" and verdict["effects"]
+    decision = PARTLY if partly else DECISIONS[verdict["decision"]]
+    return [decision, *(str(effect["statement"]) for effect in verdict["effects"])]
+
+
+def build_catalogue_table(ranking: xr.Dataset) -> Table:
+    """List every effect that was tried, and those that this campaign cannot show."""
+    known = list_effects()
+    rows = []
+    for name in ranking["effect"].values:
+        gain, needed = (float(ranking[v].sel(effect=name)) for v in ("best_gain", "inclusion"))
+        cells = (number(format_number(gain), gain), number(format_percent(needed), needed))
+        rows.append((name, *cells, text("fitted")))
+    for name in ranking["refused_effect"].values:
+        reason = str(ranking["refused_reason"].sel(refused_effect=name).item())
+        rows.append((name, text("–"), text("–"), text(f"not tried: {reason}")))
+    told = tuple(
+        (text(spell(name)), text(known[name].sentence if name in known else "–"), *rest)
+        for name, *rest in rows
+    )
+    columns = ("effect", "what happens", "gain alone [nats]", "needed", "tried")
+    caption = (
+        "Gain: log evidence of its best form alone over the base model; 2.3 nats are odds of ten "
+        "to one. Needed: probability that it belongs to the model, beside all others. What "
+        "another effect explains better is not needed, whatever its own gain. Rule diagnose, "
+        "artifact ranking."
+    )
+    return Table("catalogue", "Every effect that was considered", caption, columns, told, True)
+
+
+def spell(effect: object) -> str:
+    """Write an effect's id as words.
+
+    >>> spell("wire_friction")
+    'wire friction'
+    """
+    return str(effect).replace("_", " ")
 
 
 def build_repair_tables(repair: xr.Dataset) -> list[Block]:
@@ -152,7 +202,7 @@ def build_effect_tables(verdict: Mapping[str, Any]) -> list[Block]:
         for name, value in effect["parameters"].items():
             rows.append(
                 (
-                    text(effect["id"]),
+                    text(spell(effect["id"])),
                     text(join_words([str(joint) for joint in effect["joints"]]) or "all"),
                     number(format_percent(effect["probability"]), effect["probability"]),
                     text(name),
@@ -179,29 +229,27 @@ def build_effect_tables(verdict: Mapping[str, Any]) -> list[Block]:
         f"{format_measure(elpd['difference'], elpd['se'])} nats."
     )
     caption = f"Residual rms, joints pooled. {gain} From the verdict."
-    return [
-        *found,
-        Table("before_after", "Fit before and after", caption, ("", "residual rms [mrad]"), sizes),
-    ]
+    columns = ("what", "residual rms [mrad]")
+    return [*found, Table("before_after", "Fit before and after", caption, columns, sizes)]
 
 
 def describe_limits(verdict: Mapping[str, Any]) -> list[Block]:
     """Say what these recordings could not tell, and what to record next."""
     items = [
-        f"Cannot be told apart by these recordings: {join_words(list(names))}."
+        f"Cannot be told apart by these recordings: {join_words([spell(n) for n in names])}."
         for names in verdict["equivalent"]
     ]
     if verdict["not_testable"]:
-        names = join_words(list(verdict["not_testable"]))
+        names = join_words([spell(name) for name in verdict["not_testable"]])
         items.append(f"Could not show at any plausible strength: {names}.")
     if verdict["next_experiment"]:
+        statement = str(verdict["next_experiment"]["statement"])
+        for name in verdict["next_experiment"].get("tells_apart", ()):
+            statement = statement.replace(name, spell(name))
         items.append(
-            f"What to record next: {verdict['next_experiment']['statement']} Its load logs lie in "
-            "the folder next_experiment beside this report."
+            f"What to record next: {statement} Its load logs lie in the folder next_experiment "
+            "beside this report."
         )
-    for name, shares in verdict.get("explained_spread", {}).items():
-        parts = [f"{format_percent(s)} at joint {joint}" for joint, s in shares.items()]
-        items.append(f"Spread of {name} between trials that was physics: {join_words(parts)}.")
     return [Listing(tuple(items))] if items else []
 
 
@@ -211,7 +259,12 @@ def judge_mismatch(material: Material) -> Tile:
     if "verdict" not in material:
         return Tile(question, "not diagnosed", None, "The diagnosis was not run.", "mismatch")
     verdict = material.artifacts["verdict"]
-    names = [f"{e['id']} ({format_number(e['probability'], 2)})" for e in verdict["effects"]]
+    names = [
+        f"{spell(effect['id'])} (probability {format_percent(effect['probability'])})"
+        for effect in verdict["effects"]
+    ]
+    if names and verdict["decision"] == "unlisted":
+        names.append("more that no listed effect explains")
     detail = join_words(names) or DECISIONS[verdict["decision"]]
     adequate = verdict["decision"] == "adequate"
-    return Tile(question, verdict["decision"], adequate, detail, "mismatch")
+    return Tile(question, IN_A_WORD[verdict["decision"]], adequate, detail, "mismatch")

@@ -49,7 +49,7 @@ def list_failed(material: Material) -> list[str]:
         f"{PARETO_FAILS if check.name == PARETO else meaning}."
         for checks, meaning in consequence.items()
         for check in checks(material)
-        if check.passed is False
+        if check.failed
     ]
 
 

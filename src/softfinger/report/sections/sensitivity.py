@@ -113,7 +113,9 @@ def build_design_table(material: Material) -> Table | None:
     shrinkage = sobol["spread_shrinkage"].sel(estimate="posterior", change="halved")
     bounds = sobol["spread_shrinkage_quantile"].sel(change="halved")
     rows = []
-    for run in sobol["running_time"].values:
+    times = sobol["running_time"].values
+    recorded = times[times <= material.duration]
+    for run in recorded if recorded.size else times[:1]:
         for joint in sobol["joint"].values:
             for parameter in sobol["parameter"].values:
                 place = {"running_time": run, "joint": joint, "parameter": parameter}

@@ -19,14 +19,14 @@ from softfinger.report.formatting import (
     join_words,
 )
 from softfinger.report.material import Material
-from softfinger.report.sections.mismatch import judge_mismatch
+from softfinger.report.sections.mismatch import judge_mismatch, state_verdict
 from softfinger.report.sections.sensitivity import find_main_cause
 
 
 def judge(material: Material) -> tuple[Tile, ...]:
     """Judge computation, fit and calibration; a single failed check makes a tile red."""
     computation = check_computation(material)
-    only_pareto = {check.name for check in computation if check.passed is False} == {PARETO}
+    only_pareto = {check.name for check in computation if check.failed} == {PARETO}
     bad = "leans on single trials" if only_pareto else "not sound"
     return (
         judge_checks("Computation", ("sound", bad), computation, "computation"),
@@ -45,7 +45,7 @@ def judge_checks(
 ) -> Tile:
     """Sum checks up in one tile that names what failed."""
     passed = combine(checks)
-    failed = [f"{check.name}: {check.found}" for check in checks if check.passed is False]
+    failed = [f"{check.name}: {check.found}" for check in checks if check.failed]
     made = sum(check.passed is not None for check in checks)
     detail = "; ".join(failed) if failed else f"{made} of {len(checks)} checks made, none failed"
     answer = "not judged" if passed is None else answers[0] if passed else answers[1]
@@ -55,6 +55,9 @@ def judge_checks(
 def build_question(material: Material) -> Section:
     """Build the answer in short."""
     sentences = [describe_campaign(material), *describe_fit(material), *describe_causes(material)]
+    if "verdict" in material:
+        found = state_verdict(material.artifacts["verdict"])
+        sentences.append(f"Left-out physics: {' '.join(found)}")
     return Section(
         "question", "The question, and the answer in short", (Listing(tuple(sentences)),)
     )
