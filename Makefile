@@ -27,7 +27,7 @@ recovery: setup ## what both ways of fitting do to the main job's known truth: a
 	$(SNAKEMAKE) recovery --configfile config/default.yaml
 	@cat results/default/recovery.csv
 
-kills: setup ## kill the workflow and its jobs twenty times: it ends as if nothing had been (10 minutes)
+kills: setup ## kill the workflow and its jobs twenty times: it ends as if nothing had been (10 to 20 minutes)
 	$(BIN)/python -m pytest -m slow tests/workflow/test_kills.py
 
 cluster: setup ## the quick run through Slurm on this machine, a job killed on the way (needs slurm-wlm and munge)

@@ -92,6 +92,16 @@ def list_tree_faults(spec: ArtifactSpec, tree: xr.DataTree) -> list[str]:
     return faults
 
 
+def list_unit_faults(declared: Mapping[str, Variable], dataset: xr.Dataset) -> list[str]:
+    """Faults of the units that a file states; arrays in memory need not state any."""
+    stated = {name: dataset[name].attrs.get("units") for name in declared if name in dataset}
+    return [
+        f"variable '{name}' is in {unit}; expected {declared[name].units}"
+        for name, unit in stated.items()
+        if unit != declared[name].units
+    ]
+
+
 def _compare(
     declared: Mapping[str, Variable], dataset: xr.Dataset, present: Mapping, word: str
 ) -> Iterator[str]:

@@ -9,7 +9,14 @@ from pathlib import Path
 
 import xarray as xr
 
-from softfinger.artifacts.spec import ArtifactSpec, Variable, list_faults, list_tree_faults
+from softfinger.artifacts.checksum import append_checksum, is_whole
+from softfinger.artifacts.spec import (
+    ArtifactSpec,
+    Variable,
+    list_faults,
+    list_tree_faults,
+    list_unit_faults,
+)
 from softfinger.faults import ArtifactFault
 from softfinger.provenance import Provenance
 
@@ -53,6 +60,7 @@ def save_artifact(
     }
     with write_atomically(path) as temporary:
         stamped.to_netcdf(temporary, engine=ENGINE, encoding=encoding)
+        append_checksum(temporary)
 
 
 def save_tree(
@@ -72,6 +80,7 @@ def save_tree(
     stamped.attrs = {key: tree.attrs[key] for key in spec.attrs} | _root_attrs(spec, provenance)
     with write_atomically(path) as temporary:
         stamped.to_netcdf(temporary, engine=ENGINE)
+        append_checksum(temporary)
 
 
 def open_artifact(path: Path | str, spec: ArtifactSpec) -> xr.Dataset:
@@ -83,7 +92,9 @@ def open_artifact(path: Path | str, spec: ArtifactSpec) -> xr.Dataset:
         The file is missing, damaged, or not this artifact; all faults are listed.
     """
     dataset = _load(Path(path), xr.load_dataset)
-    _refuse(str(path), [*_list_schema_faults(spec, dataset.attrs), *list_faults(spec, dataset)])
+    faults = [*_list_schema_faults(spec, dataset.attrs), *list_faults(spec, dataset)]
+    faults += list_unit_faults({**spec.variables, **spec.coords}, dataset)
+    _refuse(str(path), faults)
     return dataset
 
 
@@ -96,13 +107,22 @@ def open_tree(path: Path | str, spec: ArtifactSpec) -> xr.DataTree:
         As :func:`open_artifact`.
     """
     tree = _load(Path(path), xr.load_datatree)
-    _refuse(str(path), [*_list_schema_faults(spec, tree.attrs), *list_tree_faults(spec, tree)])
+    faults = [*_list_schema_faults(spec, tree.attrs), *list_tree_faults(spec, tree)]
+    for group in [name for name in spec.groups if name in tree.children]:
+        faults += list_unit_faults(spec.groups[group], tree[group].dataset)
+    _refuse(str(path), faults)
     return tree
 
 
 def _load[Content](path: Path, load: Callable[..., Content]) -> Content:
     if not path.is_file():
         raise ArtifactFault(str(path), ["the file does not exist; run the rule that makes it"])
+    if not is_whole(path):
+        message = (
+            "it does not end in the checksum of its content: it is damaged, cut off, or no "
+            "artifact as softfinger wrote it; delete it and make it again"
+        )
+        raise ArtifactFault(str(path), [message])
     try:
         return load(path, engine=ENGINE)
     except (OSError, ValueError, KeyError, RuntimeError) as error:

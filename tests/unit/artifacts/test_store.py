@@ -110,7 +110,7 @@ def test_a_damaged_or_missing_file_is_a_sentence(tmp_path):
     save_artifact(make_toy(), SPEC, tmp_path / "toy.nc", ORIGIN)
     whole = (tmp_path / "toy.nc").read_bytes()
     (tmp_path / "toy.nc").write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(ArtifactFault, match="no whole NetCDF file"):
+    with pytest.raises(ArtifactFault, match="does not end in the checksum"):
         open_artifact(tmp_path / "toy.nc", SPEC)
     with pytest.raises(ArtifactFault, match="does not exist"):
         open_artifact(tmp_path / "nowhere.nc", SPEC)
