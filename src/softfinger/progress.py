@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sized
+import os
+from collections.abc import Callable, Iterable, Iterator, Sized
+from contextlib import contextmanager
 
 from rich.console import Console
 from rich.progress import (
@@ -14,13 +16,13 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-_quiet = False
+QUIET = "SOFTFINGER_QUIET"
+"""Variable of the environment that silences the bars, in the jobs of a workflow as well."""
 
 
 def silence_progress() -> None:
-    """Show no bar any more in this process."""
-    global _quiet
-    _quiet = True
+    """Show no bar any more in this process and in those that it starts."""
+    os.environ[QUIET] = "1"
 
 
 def track_progress[Item](
@@ -42,9 +44,25 @@ def track_progress[Item](
     >>> list(track_progress([3, 4], "counting"))
     [3, 4]
     """
-    console = Console(stderr=True)
     if total is None and isinstance(items, Sized):
         total = len(items)
+    with _open_bar() as bar:
+        yield from bar.track(items, total=total, description=description)
+
+
+@contextmanager
+def follow_progress(description: str, total: int) -> Iterator[Callable[[int], None]]:
+    """Show a bar for work that tells by itself how much of it is done.
+
+    Gives the function that takes the number of steps done so far, from any thread.
+    """
+    with _open_bar() as bar:
+        task = bar.add_task(description, total=total)
+        yield lambda done: bar.update(task, completed=done)
+
+
+def _open_bar() -> Progress:
+    console = Console(stderr=True)
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
@@ -52,7 +70,5 @@ def track_progress[Item](
         TimeElapsedColumn(),
         TimeRemainingColumn(),
     )
-    with Progress(
-        *columns, console=console, transient=True, disable=_quiet or not console.is_terminal
-    ) as bar:
-        yield from bar.track(items, total=total, description=description)
+    silent = QUIET in os.environ or not console.is_terminal
+    return Progress(*columns, console=console, transient=True, disable=silent)

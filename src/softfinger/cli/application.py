@@ -32,7 +32,10 @@ PhysicsFile = Annotated[
 
 @app.callback()
 def options(
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress bars.")] = False,
+    quiet: Annotated[
+        bool,
+        typer.Option("--quiet", "-q", help="No progress bars; of `run`, only what goes wrong."),
+    ] = False,
 ) -> None:
     """From rig videos of a wire-driven soft finger to its posterior, its spread and a report."""
     if quiet:

@@ -14,6 +14,7 @@ import typer
 from softfinger.campaign import check_campaign, read_campaign
 from softfinger.cli.application import CampaignFolder, ConfigFile, Json, Out, app
 from softfinger.config import read_config
+from softfinger.progress import QUIET
 from softfinger.provenance import PROJECT
 
 
@@ -69,6 +70,7 @@ def run(
     files = ["--configfile", str(config.resolve())] if config else []
     settings = [f"campaign={campaign.resolve()}", f"out={out.resolve()}"]
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(PROJECT / "Snakefile")]
+    command += ["--quiet"] if QUIET in os.environ else []
     command += ["--cores", str(cores), "--directory", str(out), *files, "--config", *settings]
     raise typer.Exit(code=subprocess.call(command, env=os.environ))
 

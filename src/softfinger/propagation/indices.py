@@ -27,6 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 from softfinger.mechanics import PARAMETERS
 from softfinger.mechanics.load import integrate_load_array
 from softfinger.mechanics.three_element import compute_elastic_basis_array
+from softfinger.progress import track_progress
 from softfinger.propagation.moments import C_P, C_V, K_V, Q_INI, compute_inverse_moments
 from softfinger.propagation.quadrature import REACH, compute_log_step, compute_normal_weights
 
@@ -68,7 +69,8 @@ def compute_sobol_array(
     mu, sigma = mu.reshape(-1, 4), sigma.reshape(-1, 4)
     share = np.full((len(mu), time.size, 5), np.nan)
     impulse = integrate_load_array(time, load_time, load_torque)
-    for row in np.flatnonzero(np.isfinite(mu).all(axis=1) & (sigma > 0).all(axis=1)):
+    known = np.flatnonzero(np.isfinite(mu).all(axis=1) & (sigma > 0).all(axis=1))
+    for row in track_progress(known, "splitting the spread"):
         elastic = split_elastic_variance_array(mu[row], sigma[row], time, load_time, load_torque)
         _, log_inverse = compute_inverse_moments(mu[row, C_P], sigma[row, C_P], c_p_truncation_sd)
         share[row] = _share_variance(elastic, log_inverse, impulse, sigma[row, Q_INI])
