@@ -26,6 +26,7 @@ from softfinger.population.covariance import find_partials_array
 from softfinger.population.pilot import Pilot
 from softfinger.population.priors import Prior
 from softfinger.population.whitening import colour_trials, place_mean
+from softfinger.progress import follow_progress
 
 DISPERSION = 2.0  # of the starts, in approximate posterior standard deviations
 STATISTICS = ("diverging", "energy", "logp", "n_steps", "step_size", "tree_depth", "depth")
@@ -200,10 +201,12 @@ def sample_density(
         coords={"value": np.arange(density.size)},
         make_initial_point_fn=start,
     )
-    trace = nutpie.sample(
-        compiled, draws=draws, tune=tune, chains=chains, cores=cores,
-        seed=int(rng.integers(2**31)), progress_bar=False, save_warmup=False,
-    )  # fmt: skip
+    with follow_progress("sampling chains", chains * (tune + draws)) as follow:
+        trace = nutpie.sample(
+            compiled, draws=draws, tune=tune, chains=chains, cores=cores,
+            seed=int(rng.integers(2**31)), save_warmup=False, progress_bar=False,
+            progress_callback=lambda each: follow(sum(chain.finished_draws for chain in each)),
+        )  # fmt: skip
     statistics = trace["sample_stats"].to_dataset()
     kept = [name for name in STATISTICS if name in statistics]
     return trace["posterior"]["point"].values, statistics[kept]
