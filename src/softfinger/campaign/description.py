@@ -10,12 +10,13 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 from ruamel.yaml import YAML, YAMLError
 from ruamel.yaml.comments import CommentedMap
-from ruamel.yaml.events import AliasEvent
+from ruamel.yaml.events import AliasEvent, CollectionEndEvent, CollectionStartEvent
 
 from softfinger.faults import CampaignFault
 
 FILE_NAME = "campaign.yaml"
 LARGEST_FILE_BYTES = 1_000_000
+DEEPEST = 20
 
 # Bounds far outside any soft finger: what they refuse is a slip of the unit.
 Length = Annotated[float, Field(gt=1e-5, lt=2.0)]
@@ -141,14 +142,10 @@ def _load_yaml(path: Path) -> CommentedMap:
         )
     try:
         text = path.read_text(encoding="utf-8")
-        # Aliases can make a small file expand without end, and no campaign needs one.
-        if any(isinstance(event, AliasEvent) for event in YAML(typ="safe").parse(text)):
-            raise CampaignFault(str(path), ["it holds a YAML alias (*name); write values out"])
+        _refuse_bombs(path, text)
         content = YAML(typ="rt").load(text)
     except UnicodeDecodeError as error:
         raise CampaignFault(str(path), [f"byte {error.start} is not UTF-8 text"]) from None
-    except RecursionError:
-        raise CampaignFault(str(path), ["it nests keys or lists without end"]) from None
     except YAMLError as error:
         raise CampaignFault(
             str(path), [f"it is not YAML: {' '.join(str(error).split())}"]
@@ -156,6 +153,19 @@ def _load_yaml(path: Path) -> CommentedMap:
     if not isinstance(content, CommentedMap):
         raise CampaignFault(str(path), ["it must hold keys and values, as in 'version: 1'"])
     return content
+
+
+def _refuse_bombs(path: Path, text: str) -> None:
+    """Refuse aliases, which can make a small file expand without end, and deep nesting."""
+    depth = 0
+    for event in YAML(typ="safe").parse(text):
+        if isinstance(event, AliasEvent):
+            raise CampaignFault(str(path), ["it holds a YAML alias (*name); write values out"])
+        depth += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
+        if depth > DEEPEST:
+            raise CampaignFault(
+                str(path), [f"it nests keys or lists deeper than {DEEPEST} times; expected 4"]
+            )
 
 
 def _to_plain(node: Any) -> Any:  # noqa: ANN401 (a YAML tree holds anything)
