@@ -168,7 +168,7 @@ def rank_pieces(
 
     Promising are the best forms of the leading effects, and every form whose score is near the best
     fit so far. Each gets a few linearisations; those that then stand within reach of the best go on
-    until they come to rest. One that does not come to rest is missing, not evidence against it.
+    until they come to rest. One that does not cannot be chosen, and counts by what it has reached.
     Forms that are not fitted count by their score.
     """
     scores = score_pieces(problem, origin, columns)
@@ -197,4 +197,6 @@ def rank_pieces(
             fit = problem.fit(model, (fit.own, fit.shared, fit.omega))
         if fit is not None and fit.converged:
             candidates.append(prune(problem, Candidate(model, fit, fit.log_evidence)))
+        elif fit is not None:
+            candidates.append(Candidate(model, None, fit.log_evidence))
     return sorted(candidates, key=lambda c: -c.log_evidence), scores

@@ -9,7 +9,6 @@ References
 Lindstrom, Bates (1990), Biometrics 46, 673. Wolfinger (1993), Biometrika 80, 791.
 """
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -17,11 +16,9 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from softfinger.population.mixed_effects import LinearFit, Prior, fit_linear, hold_omega
-
-Linearise = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
+from softfinger.population.mixed_effects_step import Linearise, take_step
 
 PINNED = 1e12  # precision, over the prior's, of a parameter held at its bound
-SHORTENINGS = 6
 
 
 class SharedBounds(NamedTuple):
@@ -109,10 +106,8 @@ def fit_nonlinear(
         omega = linear.omega
         linear, target = _hold_bounds(moved, near, bounds, linear, centre)
         step = linear.own - own
-        reach = 1.0 / max(1.0, np.max(np.abs(step) / own_step))
-        candidate = _search(
-            linearise, prior, linear, (own, shared), (step, target - shared), gram, reach
-        )
+        moves = step, target - shared
+        candidate = take_step(linearise, prior, linear, (own, shared), moves, gram, own_step)
         evidence = linear.log_evidence
         if candidate is None:
             break
@@ -271,37 +266,3 @@ def _hold_bounds(
 
 def _spread(linear: LinearFit) -> NDArray:
     return np.sqrt(np.einsum("tii->ti", linear.own_covariance)) + 1e-12
-
-
-def _search(
-    linearise: Linearise,
-    prior: Prior,
-    linear: LinearFit,
-    place: tuple[NDArray, NDArray],
-    step: tuple[NDArray, NDArray],
-    gram: NDArray,
-    fraction: float,
-) -> tuple[NDArray, NDArray, NDArray] | None:
-    """Take a fraction of the step, a third of it, … until the joint log posterior does not fall.
-
-    All trials and φ take the same fraction: only so is the step a way down.
-    """
-    now = _penalise(prior, linear, *place, gram)
-    for _ in range(SHORTENINGS):
-        own, shared = (p + fraction * s for p, s in zip(place, step, strict=True))
-        there = linearise(own, shared)
-        if np.isfinite(there).all():
-            value = _penalise(prior, linear, own, shared, there)
-            if value <= now + 1e-6 * abs(now) + 0.01:
-                return own, shared, there
-        fraction /= 3.0
-    return None
-
-
-def _penalise(
-    prior: Prior, linear: LinearFit, own: NDArray, shared: NDArray, gram: NDArray
-) -> float:
-    d = len(linear.omega)
-    away = own - linear.shared[:d]
-    value = gram[:, -1, -1].sum() + np.sum(away @ np.linalg.inv(linear.omega) * away)
-    return float(value + np.sum(prior.precision[d:] * (shared - prior.mean[d:]) ** 2))

@@ -9,6 +9,7 @@ from softfinger.population.mixed_effects import (
     fit_linear,
     hold_omega,
 )
+from softfinger.population.mixed_effects_laplace import SharedBounds, fit_nonlinear
 
 TRIALS, OWN, SHARED = 7, 4, 2
 
@@ -90,3 +91,28 @@ def test_a_trial_that_hardly_shows_a_parameter_does_not_send_its_spread_to_infin
     prior = Prior(np.zeros(1), np.full(1, 0.1), np.full(1, 0.4), 2.0, 1)
     fit = fit_linear(rows[:, :, None] * rows[:, None, :], prior, np.eye(1), rounds=400)
     assert fit.omega[0, 0] == pytest.approx((WIDEST * prior.spread[0]) ** 2)
+
+
+def test_a_fit_goes_through_a_narrow_bent_valley_in_a_few_steps():
+    """η = φ² is known a thousand times better than φ is: a straight step leaves the valley."""
+    trials, precise, vague = 3, 1000.0, 10.0
+
+    def linearise(own, shared):
+        gram = np.zeros((trials, 3, 3))
+        for i, eta in enumerate(own[:, 0]):
+            rows = np.array(
+                [
+                    [precise, -2 * precise * shared[0], precise * (shared[0] ** 2 - eta)],
+                    [0.0, vague, vague * (1.5 - shared[0])],
+                ]
+            )
+            gram[i] = rows.T @ rows
+        return gram
+
+    prior = Prior(np.zeros(2), np.full(2, 0.01), np.ones(1), 2.0, 1)
+    bounds = SharedBounds(np.full(1, -np.inf), np.full(1, np.inf), np.full(1, 10.0))
+    start = np.zeros((trials, 1)), np.zeros(1), np.eye(1)
+    fit = fit_nonlinear(linearise, prior, bounds, np.full(1, 5.0), start, steps=10)
+    assert fit.converged
+    assert fit.shared[0] == pytest.approx(1.5, abs=0.01)
+    np.testing.assert_allclose(fit.own[:, 0], fit.shared[0] ** 2, atol=1e-3)
