@@ -6,7 +6,7 @@ arrays, so PyTensor's compiled function is handed over as it is, free of Python'
 
 from collections.abc import Callable, Mapping, Sequence
 from types import FunctionType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import nutpie
@@ -202,11 +202,25 @@ def sample_density(
         make_initial_point_fn=start,
     )
     with follow_progress("sampling chains", chains * (tune + draws)) as follow:
-        trace = nutpie.sample(
+        sampler = nutpie.sample(
             compiled, draws=draws, tune=tune, chains=chains, cores=cores,
             seed=int(rng.integers(2**31)), save_warmup=False, progress_bar=False,
             progress_callback=lambda each: follow(sum(chain.finished_draws for chain in each)),
+            blocking=False,
         )  # fmt: skip
+        trace = wait_for_draws(sampler)
     statistics = trace["sample_stats"].to_dataset()
     kept = [name for name in STATISTICS if name in statistics]
     return trace["posterior"]["point"].values, statistics[kept]
+
+
+def wait_for_draws(sampler: Any) -> xr.DataTree:  # noqa: ANN401 (nutpie names no class)
+    """Wait until a sampler has drawn all; Ctrl-C ends it.
+
+    nutpie's own waiting takes Ctrl-C for a wish to go on with the draws so far.
+    """
+    try:
+        return sampler.wait()
+    except BaseException:
+        sampler.cancel()
+        raise
