@@ -77,6 +77,8 @@ def draw_panel(ax: Axes, bands: xr.Dataset) -> None:
         colour, label = ESTIMATE_COLOURS[str(estimate)], ESTIMATE_LABELS[str(estimate)]
         quantiles = bands["predicted_quantile"].sel(estimate=estimate)
         low, high = quantiles.isel(quantile=0).values, quantiles.isel(quantile=-1).values
+        if not np.isfinite(low).any():
+            continue
         if estimate == "posterior":
             ax.fill_between(time, low, high, color=colour, alpha=0.22, linewidth=0)
             ax.plot(time, quantiles.sel(**middle).values, color=colour, label=label)

@@ -33,7 +33,7 @@ SINCE = np.geomspace(0.05, 100.0, 12)
 def draw_repair(repair: xr.Dataset) -> Figure:
     """Draw the trial that the base model misses most, with both models, and all residuals.
 
-    Columns are joints. Top: the recording and both models at the trial's own mode. Middle: what
+    Columns are joints. Top: the recording and its models at the trial's own mode. Middle: what
     each leaves of that trial; grey is twice the noise of a bin. Bottom: mean square of what each
     leaves of all trials over that of the noise, against the time since the load changed; 1 is
     noise alone.
@@ -67,9 +67,15 @@ def draw_repair(repair: xr.Dataset) -> Figure:
 
 
 def choose_trial(repair: xr.Dataset) -> str:
-    """Name the trial in which the repair takes away most of the misfit, over the noise."""
+    """Name the trial in which the repair takes away most of the misfit, over the noise.
+
+    Without a repaired model, the one of which the base model leaves most.
+    """
     away = (repair["recorded_angle"] - repair["fitted_angle"]) / repair["bin_noise_sd"]
-    gain = (away.sel(model="base") ** 2 - away.sel(model="final") ** 2).sum(("joint", "bin"))
+    misfit = (away**2).sum(("joint", "bin"))
+    gain = misfit.sel(model="base")
+    if "final" in repair["model"]:
+        gain = gain - misfit.sel(model="final")
     return str(repair["trial"].values[int(gain.values.argmax())])
 
 
@@ -77,7 +83,8 @@ def draw_fit(ax: Axes, repair: xr.Dataset) -> None:
     """Draw one trial and joint with both models (bin)."""
     time = repair["time"].values
     ax.plot(time, repair["recorded_angle"].values, ".", color=RECORDED, ms=1.6, label="recording")
-    for model, (colour, line, label) in MODEL_STYLES.items():
+    for model in repair["model"].values:
+        colour, line, label = MODEL_STYLES[str(model)]
         ax.plot(time, repair["fitted_angle"].sel(model=model).values, line, color=colour,
                 lw=0.9, label=label)  # fmt: skip
 
@@ -86,7 +93,8 @@ def draw_leftover(ax: Axes, repair: xr.Dataset) -> None:
     """Draw what both models leave of one trial and joint [mrad]."""
     time, noise = repair["time"].values, 2e3 * repair["bin_noise_sd"].values
     ax.fill_between(time, -noise, noise, color=PALE, alpha=0.6, linewidth=0)
-    for model, (colour, line, _) in MODEL_STYLES.items():
+    for model in repair["model"].values:
+        colour, line, _ = MODEL_STYLES[str(model)]
         left = repair["recorded_angle"] - repair["fitted_angle"].sel(model=model)
         ax.plot(time, 1e3 * left.values, line, color=colour, lw=0.8)
 
@@ -97,7 +105,8 @@ def draw_misfit(ax: Axes, repair: xr.Dataset) -> None:
     place = np.digitize(since, SINCE)
     middle = np.sqrt(SINCE[1:] * SINCE[:-1])
     ax.axhline(1.0, color=GREY, lw=0.7)
-    for model, (colour, line, _) in MODEL_STYLES.items():
+    for model in repair["model"].values:
+        colour, line, _ = MODEL_STYLES[str(model)]
         left = repair["recorded_angle"] - repair["fitted_angle"].sel(model=model)
         square = ((left / repair["bin_noise_sd"]) ** 2).values
         known = np.isfinite(square)

@@ -7,12 +7,14 @@ import xarray as xr
 from scipy.special import stdtrit
 
 from softfinger.report.blocks import Check
-from softfinger.report.formatting import format_number, format_percent, join_words
+from softfinger.report.formatting import format_number, format_percent, format_shares, join_words
 from softfinger.report.material import Material
 
 NOT_RUN = "the fit was not run"
 FEW = "needs two trials"
 PARETO = "largest Pareto k, leaving one trial out"
+RING = "ring in the residual"
+NO_RING = "No oscillation that most trials share is missing in the model."
 EARLY = 1.0
 """End of the early look at the residuals [s]; what inertia or a lag does is over soon."""
 
@@ -123,14 +125,16 @@ def measure_shared_residual(residuals: xr.Dataset) -> float:
 
 def check_ring(residuals: xr.Dataset) -> Check:
     """Check that no narrow line stands out of the residual's spectrum."""
+    if int(residuals["n_segments"].max()) < 2:
+        return Check(RING, FEW, "none", None, NO_RING)
     peaks = residuals["peak_frequency"].values
     rings = sorted({f"{peak:.1f} Hz" for peak in peaks[np.isfinite(peaks)]})
     return Check(
-        "ring in the residual",
+        RING,
         join_words(rings) or "none",
         "none",
         not rings,
-        "No oscillation that most trials share is missing in the model.",
+        NO_RING,
     )
 
 
@@ -155,7 +159,7 @@ def check_calibration(material: Material) -> tuple[Check, ...]:
             Check(
                 f"coverage of the {format_percent(claimed)} bands, {words}",
                 f"{format_percent(found, 1)} (joint {joint})" if enough else FEW,
-                f"{format_percent(low, 1)} to {format_percent(high, 1)}",
+                format_shares(low, high, 1),
                 bool((gap <= allowed).all()) if enough else None,
                 "The predictive bands hold the share of recorded frames that they claim, but for "
                 "what so few trials leave open.",

@@ -86,6 +86,17 @@ def format_percent(share: float, decimals: int = 0) -> str:
     return "–" if not math.isfinite(share) else f"{fix(100 * share, decimals)} %"
 
 
+def format_shares(low: float, high: float, decimals: int = 0) -> str:
+    """Write an interval of shares as percent.
+
+    >>> format_shares(0.05, 0.125, 1), format_shares(float("nan"), float("nan"))
+    ('5.0 % to 12.5 %', '–')
+    """
+    if not (math.isfinite(low) and math.isfinite(high)):
+        return "–"
+    return f"{format_percent(low, decimals)} to {format_percent(high, decimals)}"
+
+
 def fix(value: float, decimals: int) -> str:
     """Write with fixed decimals, a true minus sign, and no minus before zero."""
     text = f"{value:.{decimals}f}"

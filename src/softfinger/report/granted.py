@@ -20,7 +20,7 @@ LITTLE = "the recordings say little"
 def show_independence(material: Material) -> tuple[Block, ...]:
     """Say whether the data agree that a trial's parameters are independent, pair by pair."""
     found = find_group(material, "independence")
-    if found is None:
+    if found is None or is_alone(material):
         return ()
     own = [name_own(str(label)) for label in found["own"].values]
     p_value, product = found["p_value"].values, found["mean_product"].values
@@ -59,7 +59,7 @@ def show_independence(material: Material) -> tuple[Block, ...]:
 def show_loo_pit(material: Material) -> tuple[Block, ...]:
     """Say whether trials lie where the others predict them, at a few moments of every joint."""
     found = find_group(material, "loo_pit")
-    if found is None:
+    if found is None or is_alone(material):
         return ()
     smallest, tests = float(found["smallest_p"]), found["p_value"].size
     answer = "are not" if smallest < UNLIKELY else "are"
@@ -142,6 +142,11 @@ def judge_sensitivity(prior: float, likelihood: float) -> str:
     if not prior > SENSITIVE:
         return "–"
     return DISAGREE if likelihood > SENSITIVE else LITTLE
+
+
+def is_alone(material: Material) -> bool:
+    """Say whether there is but one trial, which nothing can be held against."""
+    return material.angles.sizes["trial"] < 2
 
 
 def find_group(material: Material, name: str) -> xr.Dataset | None:

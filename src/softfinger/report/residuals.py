@@ -37,7 +37,8 @@ def compute_residuals(angles: xr.Dataset, parameters: xr.Dataset) -> xr.Dataset:
     Dataset
         residual (trial, joint, frame) [rad]; n_segments (change);
         mean_residual, residual_se (change, joint, since_change) [rad], over the stretches after
-        each change of load, NaN where fewer than two reach that time;
+        each change of load, NaN where fewer than two reach that time; of a single stretch the
+        mean is its own, and its error NaN;
         residual_power (change, joint, frequency) [rad2], frequency times power spectral density,
         the mean over stretches; peak_frequency (change, joint) [Hz], NaN without a ring.
         Changes of load are jumps of at least 5 % of the load's range; a load without any counts
@@ -132,9 +133,10 @@ def summarise_segments(
     for row, segment in zip(padded, segments, strict=True):
         row[:, : segment.shape[1]] = segment
     count = np.isfinite(padded).sum(axis=0)
-    enough = np.where(count > 1, count, np.nan)
-    mean = np.where(count > 1, np.nansum(padded, axis=0) / enough, np.nan)
-    spread = np.sqrt(np.nansum((padded - mean) ** 2, axis=0) / (enough - 1))
+    enough = np.where(count >= min(2, len(segments)), count, np.nan)
+    mean = np.nansum(padded, axis=0) / np.where(enough > 0, enough, np.nan)
+    freedom = np.where(enough > 1, enough - 1, np.nan)
+    spread = np.sqrt(np.nansum((padded - mean) ** 2, axis=0) / freedom)
     frequency, power, shared = compute_spectrum(segments, window, interval)
     ring = [find_ring(frequency, *pair, len(segments)) for pair in zip(power, shared, strict=True)]
     return xr.Dataset(

@@ -16,8 +16,8 @@ from softfinger.report.checks import (
 )
 from softfinger.report.config import read_config
 from softfinger.report.material import Material
-from softfinger.report.sections.outlook import list_failed
-from softfinger.report.sections.summary import describe_fit, judge
+from softfinger.report.sections.outlook import list_data_limits, list_failed
+from softfinger.report.sections.summary import describe_causes, describe_fit, judge
 
 
 def find(checks, word):
@@ -127,7 +127,7 @@ def test_chance_alone_rarely_exceeds_its_limit_even_if_every_moment_is_the_same(
 
 def test_a_single_trial_shares_nothing():
     material = Material(make_artifacts(n_trial=1, n_joint=1), read_config(CONFIG), CONFIG)
-    assert [check.passed for check in check_fit(material)] == [None, None, True]
+    assert [check.passed for check in check_fit(material)] == [None] * 3
 
 
 @pytest.mark.parametrize(("held", "passed"), [(0.88, True), (0.6, False), (1.0, False)])
@@ -187,5 +187,10 @@ def test_one_trial_is_not_judged_by_what_needs_two():
     material = Material(artifacts, read_config(CONFIG), CONFIG)
     checks = [find(check_computation(material), "Pareto"), *check_calibration(material)]
     assert {(check.found, check.passed) for check in checks} == {("needs two trials", None)}
-    assert judge(material)[1].answer == "not judged"
-    assert "One trial cannot tell" in " ".join(describe_fit(material))
+    assert [tile.answer for tile in judge(material)[1:3]] == ["not judged", "not judged"]
+    assert {check.found for check in check_fit(material)} == {"needs two trials"}
+    said = describe_fit(material)
+    assert "±" not in said[0]
+    assert "One trial cannot tell" in said[1]
+    assert describe_causes(material) == []
+    assert "1 trial tells nothing of the spread" in list_data_limits(material)[0]

@@ -12,8 +12,14 @@ from softfinger.report import write_report
 from softfinger.report.config import read_config
 from softfinger.report.material import Material
 from softfinger.report.page import SECTIONS, render_report
+from softfinger.report.pictures.mismatch import picture_location, picture_repair
 from softfinger.report.pictures.spread import picture_densities
-from softfinger.report.sections.mismatch import DECISIONS, judge_mismatch, state_verdict
+from softfinger.report.sections.mismatch import (
+    DECISIONS,
+    build_mismatch,
+    judge_mismatch,
+    state_verdict,
+)
 
 VOID = {"meta", "img", "link", "br", "input", "hr"}
 ORDER = [
@@ -218,6 +224,9 @@ def test_any_number_of_joints_and_trials_has_its_report(n_joint, n_trial):
     assert len(tables["centres"]) == 1 + 4 * n_joint
     assert len(tables["trials"]) == 1 + n_trial
     assert "nan" not in words
+    alone = n_trial == 1
+    assert ("coverage" not in tables) == alone
+    assert ("all shares of the spread that follow are those of the prior" in words) == alone
 
 
 def test_the_main_cause_is_told_where_the_spread_is_widest(artifacts):
@@ -340,3 +349,17 @@ def test_nothing_is_claimed_beyond_the_recordings(artifacts):
     later["time"] = [*later["time"].values[:-1], 1e3]
     axes = picture_densities(gather({**artifacts, "densities": later})).figure.axes
     assert "1000 s" not in [label.get_text() for label in axes[0].get_yticklabels()]
+
+
+def test_a_model_that_needed_no_repair_is_shown_once(diagnosed):
+    verdict = {**diagnosed["verdict"], "decision": "adequate", "effects": []}
+    material = gather({**diagnosed, "verdict": verdict})
+    tables = {b.name: b for b in build_mismatch(material).blocks if b.kind == "table"}
+    assert [row[0].text for row in tables["before_after"].rows] == [
+        "base model",
+        "noise, measured without a model",
+    ]
+    assert "the base model" in picture_repair(material).alt
+    assert len(picture_repair(material).figure.axes[0].lines) == 2
+    titles = [ax.get_title() for ax in picture_location(material).figure.axes]
+    assert not [title for title in titles if "repaired" in title]

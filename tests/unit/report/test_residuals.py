@@ -100,9 +100,11 @@ def test_small_steps_of_a_logged_load_are_no_changes():
     assert find_jumps(time, np.array([1.0, 1.0, 1.04, 1.04])) == [(0.0, 1.0)]
 
 
-def test_a_single_trial_has_no_error_and_no_mean():
+def test_a_single_trial_is_its_own_mean_and_has_no_error():
     residuals = compute_residuals(*make_campaign(n_trial=1))
-    assert np.isnan(residuals["mean_residual"]).all()
+    own = residuals["residual"].isel(trial=0)
+    np.testing.assert_allclose(residuals["mean_residual"].sel(change="rise"), own)
+    assert np.isnan(residuals["residual_se"]).all()
 
 
 def test_trials_of_different_length_are_averaged_where_they_reach():

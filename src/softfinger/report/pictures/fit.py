@@ -114,8 +114,9 @@ def picture_residuals(material: Material) -> Picture | None:
         "Mean of recording minus model over the time since the load changed, with the band that "
         f"chance would leave, and its spectrum.{seen}",
         "Left: recording minus model at each trial's posterior mean parameters, the mean over "
-        f"n = {n} stretches after a change of load; grey: two standard errors about zero, what "
-        "chance leaves. Motion outside the grey is shared by the trials and missing in the model. "
+        f"n = {n} {'stretch' if n == 1 else 'stretches'} after a change of load; grey: two "
+        "standard errors about zero, what chance leaves. Motion outside the grey is shared by the "
+        "trials and missing in the model. "
         "Right: the power of the residual times frequency; equal areas are equal variance, and a "
         f"narrow peak is a ring.{seen} {capital(material.cite('posterior', 'angles'))}.",
     )

@@ -19,20 +19,32 @@ def count_trials(material: Material) -> str:
     return count_things(material.angles["trial"].size, "trial")
 
 
+def list_models(material: Material) -> list[str]:
+    """List the models to show: the repaired one is the base model where nothing was left out."""
+    repaired = "verdict" not in material or material.artifacts["verdict"]["effects"]
+    return ["base", "final"] if repaired else ["base"]
+
+
 def picture_repair(material: Material) -> Picture | None:
     """The one figure that tells it: recording, both models, what each leaves."""
     if "repair" not in material:
         return None
-    repair = material.get("repair")
+    repair = material.get("repair").sel(model=list_models(material))
+    both = repair["model"].size > 1
+    models, most = (
+        ("both models", "the repair takes away most")
+        if both
+        else ("the base model", "the base model leaves most")
+    )
     return Picture(
         "repair",
-        "The fit before and after",
+        "The fit before and after" if both else "The fit of the base model",
         draw_repair(repair),
-        "Recording, base model and repaired model of one trial; what each leaves over time; and "
-        "the squared residuals of all trials over their noise.",
-        f"Top: recording (dots: means of bins) and both models at the trial's own mode, in the "
-        f"trial where the repair takes away most, {choose_trial(repair)}. Middle: what each model "
-        "leaves of it; grey: twice the standard deviation of the noise of a bin. Bottom: mean "
+        f"Recording and {models} of one trial; what is left over time; and the squared residuals "
+        "of all trials over their noise.",
+        f"Top: recording (dots: means of bins) and {models} at the trial's own mode, in the "
+        f"trial of which {most}, {choose_trial(repair)}. Middle: what is left "
+        "of it; grey: twice the standard deviation of the noise of a bin. Bottom: mean "
         f"square of the residuals of n = {count_things(repair['trial'].size, 'trial')} over that "
         "of the noise, which was estimated without a model; 1 is noise alone. Rule diagnose, "
         "artifact repair.",
@@ -65,7 +77,7 @@ def picture_location(material: Material) -> Picture | None:
     return Picture(
         "location",
         "Where the models miss",
-        draw_location(material.get("location")),
+        draw_location(material.get("location").sel(model=list_models(material))),
         "False-discovery rate of every cell of joint, phase and time since the load changed, for "
         "the base and the repaired model.",
         "Dark: the model misses there; yellow: it does not. Colour: rate of false discoveries "

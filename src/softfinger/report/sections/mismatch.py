@@ -24,6 +24,7 @@ from softfinger.report.formatting import (
     format_measure,
     format_number,
     format_percent,
+    format_shares,
     join_words,
 )
 from softfinger.report.material import Material
@@ -153,7 +154,7 @@ def build_prediction_tables(repair: xr.Dataset) -> list[Block]:
         for model, label in (("base", "base model"), ("final", "repaired model")):
             share, span = float(shares.sel(model=model)), bounds.sel(model=model).values
             if np.isfinite(share):
-                interval = f"{format_percent(span[0])} to {format_percent(span[1])}"
+                interval = format_shares(span[0], span[1])
                 cells = (text(joint), text(label), number(format_percent(share), share))
                 rows.append((*cells, text(interval)))
     caption = (
@@ -221,16 +222,18 @@ def build_effect_tables(verdict: Mapping[str, Any]) -> list[Block]:
             ("final", "repaired model"),
             ("noise", "noise, measured without a model"),
         )
+        if key != "final" or verdict["effects"]
     )
     gain = (
-        "Leave-one-trial-out score not computed."
+        ""
         if elpd is None
-        else f"Leave-one-trial-out log score, repaired minus base: "
+        else f" Leave-one-trial-out log score, repaired minus base: "
         f"{format_measure(elpd['difference'], elpd['se'])} nats."
     )
-    caption = f"Residual rms, joints pooled. {gain} From the verdict."
+    caption = f"Residual rms, joints pooled.{gain} From the verdict."
     columns = ("what", "residual rms [mrad]")
-    return [*found, Table("before_after", "Fit before and after", caption, columns, sizes)]
+    title = "Fit before and after" if verdict["effects"] else "Fit and noise"
+    return [*found, Table("before_after", title, caption, columns, sizes)]
 
 
 def describe_limits(verdict: Mapping[str, Any]) -> list[Block]:

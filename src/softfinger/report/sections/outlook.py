@@ -57,10 +57,10 @@ def list_data_limits(material: Material) -> list[str]:
     """List what the amount and kind of data leave open."""
     angles = material.angles
     n = angles["trial"].size
-    reach = format_percent(1 / np.sqrt(2 * max(n - 1, 1)))
-    items = [
-        f"The number of trials: {count_things(n, 'trial')} tell the spread to ± {reach} at best."
-    ]
+    told = "tells nothing of the spread between trials"
+    if n > 1:
+        told = f"tell the spread to ± {format_percent(1 / np.sqrt(2 * (n - 1)))} at best"
+    items = [f"The number of trials: {count_things(n, 'trial')} {told}."]
     if holds_one_load(angles):
         items.append(
             "The protocol: one constant load per trial. Effects that depend on the load or show "

@@ -9,6 +9,7 @@ from softfinger.figures.style import label_parameter_unit
 from softfinger.report.blocks import Block, Cell, Paragraph, Section, Table, number, text
 from softfinger.report.formatting import (
     capital,
+    count_things,
     format_interval,
     format_measure,
     format_number,
@@ -76,7 +77,7 @@ def build_centre_table(material: Material) -> Table:
         rows.append(tuple(row))
     columns = ("parameter", "joint", "unit", "centre, median ± sd", f"{share} interval")
     caption = (
-        f"Over n = {material.angles['trial'].size} trials: posterior "
+        f"Over n = {count_things(material.angles['trial'].size, 'trial')}: posterior "
         f"median ± posterior standard deviation, {share} equal-tailed interval"
         f"{explain_rivals(summary)}. {capital(material.cite('posterior', 'least_squares'))}."
     )
@@ -108,7 +109,7 @@ def build_spread_table(material: Material) -> Table:
         rows.append(tuple(row))
     columns = ("parameter", "joint", "unit", "spread σ, median ± sd", f"{share} interval")
     caption = (
-        f"Over n = {material.angles['trial'].size} trials: posterior "
+        f"Over n = {count_things(material.angles['trial'].size, 'trial')}: posterior "
         f"median ± posterior standard deviation, {share} equal-tailed interval"
         f"{explain_rivals(summary)}. {capital(material.cite('posterior', 'least_squares'))}."
     )

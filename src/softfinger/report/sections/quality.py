@@ -15,7 +15,13 @@ from softfinger.report.blocks import (
     text,
 )
 from softfinger.report.checks import check_calibration, check_computation, check_fit
-from softfinger.report.formatting import capital, format_interval, format_measure, format_percent
+from softfinger.report.formatting import (
+    capital,
+    format_interval,
+    format_measure,
+    format_percent,
+    format_shares,
+)
 from softfinger.report.granted import show_loo_pit
 from softfinger.report.material import Material
 from softfinger.report.pictures.fit import picture_bands, picture_residuals, picture_sampling
@@ -50,14 +56,15 @@ def build_calibration(material: Material) -> Section:
         build_coverage_table(material),
         build_truth_table(material),
     ]
-    if "bands" in material and "bands_are" in material.bands.attrs:
+    several = material.angles.sizes["trial"] > 1
+    if several and "bands" in material and "bands_are" in material.bands.attrs:
         blocks.insert(1, Paragraph(f"{capital(material.get('bands').attrs['bands_are'])}.", "note"))
     return Section("calibration", "Do intervals hold what they claim?", tuple(filter(None, blocks)))
 
 
 def build_coverage_table(material: Material) -> Table | None:
-    """Tabulate coverage per estimate, protocol, window and joint."""
-    if "bands" not in material:
+    """Tabulate coverage per estimate, protocol, window and joint; a single trial has none."""
+    if "bands" not in material or material.angles.sizes["trial"] < 2:
         return None
     bands = material.bands
     rows = []
@@ -77,7 +84,7 @@ def build_coverage_table(material: Material) -> Table | None:
                     number(format_percent(labels[3]), labels[3]),
                     text(str(labels[4]).replace("_", "-")),
                     number(format_percent(value, 1), value),
-                    text(f"{format_percent(low, 1)} to {format_percent(high, 1)}"),
+                    text(format_shares(low, high, 1)),
                 )
             )
     columns = ("protocol", "window", "joint", "claimed", "estimate", "held", "90 % interval")

@@ -7,9 +7,19 @@ from itertools import combinations
 import xarray as xr
 
 from softfinger.report.blocks import Block, Paragraph, Section, Table, number, text
-from softfinger.report.formatting import capital, format_number, format_percent, join_words
+from softfinger.report.formatting import (
+    capital,
+    format_number,
+    format_percent,
+    join_words,
+)
 from softfinger.report.material import Material
 from softfinger.report.pictures.spread import picture_densities, picture_shapley, picture_sobol
+
+ALONE = (
+    "One trial cannot tell how much trials differ: all shares of the spread that follow are those "
+    "of the prior."
+)
 
 
 def build_sensitivity(material: Material) -> Section:
@@ -21,6 +31,7 @@ def build_sensitivity(material: Material) -> Section:
         words = f"{capital(sobol['definition'])}. Truncation of c_p: {sobol['truncation']}."
         blocks = (
             Paragraph(words),
+            Paragraph(ALONE, "warning") if material.angles.sizes["trial"] == 1 else None,
             picture_sobol(material),
             build_sobol_table(material),
             build_design_table(material),

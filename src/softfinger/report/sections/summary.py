@@ -82,16 +82,19 @@ def describe_fit(material: Material) -> list[str]:
     if summary is None or residuals is None:
         return ["The fit was not run."]
     stiff = summary.sel(parameter="k_v")
+    alone = material.angles.sizes["trial"] == 1
     spread = stiff["quantile_value"].sel(statistic="sigma", quantile=0.5)
     parts = [
-        f"{format_number(float(centre))} (± {format_percent(float(sigma))}) at joint {joint}"
+        f"{format_number(float(centre))}{'' if alone else f' (± {format_percent(float(sigma))})'} "
+        f"at joint {joint}"
         for joint, centre, sigma in zip(
             stiff["joint"].values, stiff["centre"].values, spread.values, strict=True
         )
     ]
-    unit = f"{material.load_unit}/rad"
-    sentences = [f"Stiffness k_v [{unit}], with its spread between trials: {join_words(parts)}."]
-    if material.angles.sizes["trial"] == 1:
+    words = f"Stiffness k_v [{material.load_unit}/rad]"
+    words += "" if alone else ", with its spread between trials"
+    sentences = [f"{words}: {join_words(parts)}."]
+    if alone:
         sentences.append(
             "One trial cannot tell how much trials differ: every spread in this report, and every "
             "share of it, is what was assumed before."
@@ -117,7 +120,7 @@ def describe_fit(material: Material) -> list[str]:
 
 def describe_causes(material: Material) -> list[str]:
     """Say which parameter causes most of the spread where it is widest."""
-    if "sobol" not in material:
+    if "sobol" not in material or material.angles.sizes["trial"] == 1:
         return []
     parts = []
     for joint in material.angles["joint"].values:
