@@ -143,18 +143,19 @@ def check_calibration(material: Material) -> tuple[Check, ...]:
     if "bands" not in material:
         meaning = "Bands come from the rule propagate."
         return (Check("coverage", "the bands were not computed", "bands", None, meaning),)
-    limits = material.limits
+    limits, n = material.limits, material.angles.sizes["trial"]
+    enough = n > 1
     checks = []
     for window, words in (("whole", "whole recording"), ("first_second", "first second")):
         pooled = pool_coverage(material.bands, limits.ci_prob, window)
         claimed = float(pooled["ci_prob"])
         gap = np.abs(pooled["coverage"] - claimed)
         worst = pooled.isel(joint=int(gap.argmax("joint")))
-        allowed = np.maximum(limits.coverage_tolerance, 2 * pooled["coverage_se"].fillna(0))
+        error = expect_error(pooled, claimed, n)
+        allowed = np.maximum(limits.coverage_tolerance, 2 * error)
         joint, found = worst["joint"].item(), float(worst["coverage"])
         reach = float(allowed.max())
         low, high = claimed - reach, min(claimed + reach, 1.0)
-        enough = material.angles.sizes["trial"] > 1
         checks.append(
             Check(
                 f"coverage of the {format_percent(claimed)} bands, {words}",
@@ -166,6 +167,28 @@ def check_calibration(material: Material) -> tuple[Check, ...]:
             )
         )
     return tuple(checks)
+
+
+def expect_error(pooled: xr.Dataset, claimed: float, n_trials: int) -> xr.DataArray:
+    """Return the standard error (joint) that the coverage of n trials has if the claim is true.
+
+    That of the bootstrap, sqrt(s² / n), is of the coverage that was found; it is 0 where all trials
+    lie inside, and not known of a protocol of one trial. The variance of shares goes with p (1 − p), and is never more than that of trials
+    that lie inside as a whole or not at all.
+
+    Examples
+    --------
+    Two trials that lie inside a 90 % band tell little:
+
+    >>> found = xr.Dataset({"coverage": ("joint", [1.0]), "coverage_se": ("joint", [0.0])})
+    >>> expect_error(found, 0.9, 2).values.round(3)
+    array([0.212])
+    """
+    held = pooled["coverage"]
+    variance, most = held * (1 - held), claimed * (1 - claimed)
+    scale = np.sqrt(most / variance.where(variance > 0))
+    error = (pooled["coverage_se"] * scale).where(pooled["coverage_se"] > 0, np.inf)
+    return np.minimum(error, np.sqrt(most / n_trials))
 
 
 def pool_coverage(bands: xr.Dataset, ci_prob: float, window: str) -> xr.Dataset:

@@ -130,8 +130,12 @@ def test_a_single_trial_shares_nothing():
     assert [check.passed for check in check_fit(material)] == [None] * 3
 
 
-@pytest.mark.parametrize(("held", "passed"), [(0.88, True), (0.6, False), (1.0, False)])
-def test_coverage_far_from_its_claim_fails(artifacts, held, passed):
+@pytest.mark.parametrize(
+    ("n_trial", "held", "passed"),
+    [(5, 0.88, True), (5, 0.6, False), (2, 1.0, True), (41, 1.0, False)],
+)
+def test_coverage_far_from_its_claim_fails(n_trial, held, passed):
+    artifacts = make_artifacts(n_trial=n_trial, n_joint=1)
     bands = artifacts["bands"].copy(deep=True)
     bands["coverage"].values = np.full(bands["coverage"].shape, held)
     bands["coverage_bound"].values = np.full(bands["coverage_bound"].shape, held)
