@@ -173,8 +173,8 @@ def expect_error(pooled: xr.Dataset, claimed: float, n_trials: int) -> xr.DataAr
     """Return the standard error (joint) that the coverage of n trials has if the claim is true.
 
     That of the bootstrap, sqrt(s² / n), is of the coverage that was found; it is 0 where all trials
-    lie inside, and not known of a protocol of one trial. The variance of shares goes with p (1 − p), and is never more than that of trials
-    that lie inside as a whole or not at all.
+    lie inside, and not known of a protocol of one trial. The variance of shares goes with
+    p (1 − p), and is never more than that of trials that lie inside as a whole or not at all.
 
     Examples
     --------
