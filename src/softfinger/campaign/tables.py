@@ -10,6 +10,7 @@ import pandas as pd
 
 from softfinger.faults import TrialFault
 
+LONGEST_HEADING_BYTES = 20_000
 MISSING_WORDS = frozenset({"", "nan", "na"})
 
 
@@ -19,10 +20,18 @@ def read_text_table(path: Path) -> pd.DataFrame:
     Raises
     ------
     TrialFault
-        The file is missing, empty, not UTF-8, or its rows do not have one width.
+        The file is missing, empty, not UTF-8, its rows do not have one width, or its first line
+        is too long to be a heading.
     """
     if not path.is_file():
         raise TrialFault(f"{path.name}: the file {path} does not exist")
+    with path.open("rb") as stream:
+        # Each of a million columns would take its time.
+        if len(stream.readline(LONGEST_HEADING_BYTES + 1)) > LONGEST_HEADING_BYTES:
+            raise TrialFault(
+                f"{path.name}: its first line has more than {LONGEST_HEADING_BYTES} bytes; "
+                "expected the headings of the columns"
+            )
     try:
         table = pd.read_csv(path, dtype=str, keep_default_na=False, encoding="utf-8-sig")
     except UnicodeDecodeError as error:

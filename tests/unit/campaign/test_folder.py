@@ -117,3 +117,16 @@ def test_what_is_no_mapping_of_text_is_refused(folder, text):
 def test_a_missing_folder_is_named(tmp_path):
     with pytest.raises(CampaignFault, match="does not exist"):
         read_campaign(tmp_path / "nowhere")
+
+
+def test_lists_within_lists_without_end_are_refused_at_once(folder):
+    with (folder / "campaign.yaml").open("a") as stream:
+        stream.write("deep: " + "[" * 100_000 + "]" * 100_000 + "\n")
+    with pytest.raises(CampaignFault, match="nests keys or lists deeper than 20 times"):
+        read_campaign(folder)
+
+
+def test_a_heading_without_end_is_refused_at_once(folder):
+    (folder / "trials.csv").write_text("trial,angles" + ",0" * 600_000 + "\n")
+    with pytest.raises(CampaignFault, match="its first line has more than 20000 bytes"):
+        read_campaign(folder)
