@@ -17,6 +17,10 @@ class TrialFault(Fault):
     """A recording that cannot be used: its trial is set aside with this reason."""
 
 
+class Interruption(Fault):
+    """Ctrl-C where more than the usual is to be said about it."""
+
+
 class ListedFault(Fault):
     """A thing that is refused whole, with all of its faults listed at once.
 

@@ -72,7 +72,23 @@ def run(
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(PROJECT / "Snakefile")]
     command += ["--quiet"] if QUIET in os.environ else []
     command += ["--cores", str(cores), "--directory", str(out), *files, "--config", *settings]
-    raise typer.Exit(code=subprocess.call(command, env=os.environ))
+    raise typer.Exit(code=_run_to_end(command))
+
+
+def _run_to_end(command: list[str]) -> int:
+    """Exit status of a command; Ctrl-C is its own to answer, and then ours."""
+    running = subprocess.Popen(command, env=os.environ)
+    interrupted = False
+    while True:
+        try:
+            status = running.wait()
+        except KeyboardInterrupt:
+            interrupted = True
+        else:
+            break
+    if interrupted:
+        raise KeyboardInterrupt
+    return status
 
 
 def _dump_json(content: object) -> str:

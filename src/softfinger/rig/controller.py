@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
-from softfinger.faults import Fault
+from softfinger.faults import Fault, Interruption
 from softfinger.rig.clocks import FLASHES
 from softfinger.rig.link import SerialLink, Silence
 from softfinger.rig.messages import VERSION, LineFault, Message
@@ -221,7 +221,7 @@ def connect_controller(port: str, plan: Plan) -> Iterator[Controller]:
         except Fault as fault:
             raise Fault(f"{fault}; {controller.release_for_certain()}") from None
         except KeyboardInterrupt:
-            raise Fault(f"interrupted; {controller.release_for_certain()}") from None
+            raise Interruption(f"interrupted; {controller.release_for_certain()}") from None
         except BaseException:
             controller.release_for_certain()
             raise

@@ -7,6 +7,7 @@ import sys
 import traceback
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from types import TracebackType
 from typing import Any, Protocol
 
 from softfinger.faults import Fault
@@ -19,6 +20,15 @@ class Job(Protocol):
     output: Any
     params: Any
     log: Sequence[str]
+
+
+def end_quietly(kind: type[BaseException], error: BaseException, trace: TracebackType) -> None:
+    """Print what ended a program, but for Ctrl-C: Snakemake says that once, for all its jobs."""
+    if not issubclass(kind, KeyboardInterrupt):
+        sys.__excepthook__(kind, error, trace)
+
+
+sys.excepthook = end_quietly
 
 
 def run_stage(stage: Callable[..., None], job: Job) -> None:
