@@ -14,7 +14,7 @@ help: ## list the commands
 
 setup: .venv/.ready ## install everything that environment.lock names into .venv
 
-run: setup ## set-up and the main job: 100 filmed trials to a report (about 10 minutes)
+run: setup ## set-up and the main job: 100 filmed trials to a report (14 minutes on two cores)
 	$(SNAKEMAKE) --configfile config/default.yaml
 
 quick: setup ## the same with 12 trials (about 2 minutes)
@@ -33,7 +33,7 @@ kills: setup ## kill the workflow and its jobs twenty times: it ends as if nothi
 cluster: setup ## the quick run through Slurm on this machine, a job killed on the way (needs slurm-wlm and munge)
 	$(BIN)/python -m pytest -m slow tests/cluster
 
-coverage: setup ## whether the quick run's 90 % intervals hold the virtual rig's truth, under ten seeds (about 10 minutes)
+coverage: setup ## whether the quick run's 90 % intervals hold the virtual rig's truth, under ten seeds
 	$(BIN)/python -m benchmarks._coverage 10
 
 test: setup ## set-up and all the tests but the slow ones
@@ -64,17 +64,17 @@ manifest: setup ## rebuild the quick run, and write data/manifest.json from it
 	$(REBUILD)
 	$(BIN)/python -m softfinger.reproduction manifest results/reproduce data/manifest.json
 
-benchmark: setup ## time us beside our rivals, into results/benchmarks.json (at most 15 minutes)
+benchmark: setup ## time us beside our rivals, into results/benchmarks.json
 	$(BIN)/python -m benchmarks
 
 benchmark-long: setup ## the benchmarks that take hours, into the same file
 	$(BIN)/python -m benchmarks --long
 
-concealed: setup ## the proof: a sample of campaigns with concealed physics, diagnosed blind (20 minutes; SEED=1)
+concealed: setup ## the proof: a sample of campaigns with concealed physics, diagnosed blind (SEED=1)
 	$(SNAKEMAKE) --snakefile workflow/concealed.smk --workflow-profile profiles/default --configfile config/concealed.yaml --config seed=$(SEED)
 	$(BIN)/python -m benchmarks._concealed results/concealed/seed_$(SEED)/benchmarks.json
 
-concealed-long: setup ## the proof in full: 200 campaigns (3 hours; SEED=1)
+concealed-long: setup ## the proof in full: 200 campaigns (hours; SEED=1)
 	$(SNAKEMAKE) --snakefile workflow/concealed.smk --workflow-profile profiles/default --configfile config/concealed.yaml config/concealed_long.yaml --config seed=$(SEED)
 	$(BIN)/python -m benchmarks._concealed results/concealed_long/seed_$(SEED)/benchmarks.json
 
