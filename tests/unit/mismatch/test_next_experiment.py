@@ -1,6 +1,7 @@
 """What to record next: a protocol within the rig's limits that shows what is open."""
 
 import numpy as np
+import pytest
 import xarray as xr
 
 from softfinger.mismatch.next_experiment import list_open_questions, propose_experiment
@@ -34,17 +35,26 @@ def test_nothing_is_proposed_where_nothing_would_show():
     assert choose_protocol({"step": make_table(gravity=99.0)}, ["wire_friction"], 15.0) is None
 
 
-def test_a_proposal_keeps_within_what_was_recorded(clean, draw_campaign):
-    recorded = draw_campaign(2, 0.0).assign(load_kind=("trial", np.full(7, "torque_nm")))
+@pytest.fixture(scope="module")
+def told(draw_campaign):
+    """The campaign of `clean`, its loads logged as torques."""
+    return draw_campaign(2, 0.0).assign(load_kind=("trial", np.full(7, "torque_nm")))
+
+
+def test_a_proposal_keeps_within_what_was_recorded(clean, told):
     wanted = list_open_questions(clean)
+    assert "yield_threshold" in wanted
     assert wanted == clean.verdict.not_testable
-    found = propose_experiment(clean, recorded)
-    if not wanted:
-        assert found is None
-        return
+    found = propose_experiment(clean, told)
     assert found["load_column"] == "torque_nm"
+    assert "yield_threshold" in found["tells_apart"]
     assert set(found["tells_apart"]) <= set(wanted)
     for load in found["loads"]:
-        assert max(load["load"]) <= 0.04 + 1e-12
-        assert load["time_s"][-1] <= float(recorded["time"].max()) + 1e-9
+        assert 0 < max(load["load"]) <= 0.04 + 1e-12
+        assert 0 < load["time_s"][-1] <= float(told["time"].max()) + 1e-9
         assert (np.diff(load["time_s"]) >= 0).all()
+
+
+def test_where_nothing_is_open_nothing_is_proposed(clean, told):
+    settled = clean.verdict.model_copy(update={"not_testable": []})
+    assert propose_experiment(clean._replace(verdict=settled), told) is None

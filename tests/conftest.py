@@ -1,3 +1,5 @@
+"""What tests of several folders share: the finger of the paper."""
+
 import numpy as np
 import pytest
 import xarray as xr
