@@ -19,6 +19,8 @@ class EstimationConfig(Settings):
     tune: Count
     draws: Count
     cores: Count
+    target_accept: Annotated[float, Field(gt=0, lt=1)]
+    max_depth: Count
     predictive_draws: Count
     r_hat_max: Annotated[float, Field(gt=1)]
     ess_min: Positive

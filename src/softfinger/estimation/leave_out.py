@@ -20,11 +20,11 @@ import numpy as np
 import xarray as xr
 from scipy.special import logsumexp
 
-from softfinger.population.collapse import Collapse
 from softfinger.population.laplace import Modes
 from softfinger.population.likelihood import PARAMETERS
 from softfinger.population.pilot import Pilot
 from softfinger.population.priors import Prior
+from softfinger.population.windows import LocalCollapse
 
 LARGEST_K = 0.7
 UNKNOWN = 1e-9  # information of a trial that was left out, of the prior's
@@ -96,13 +96,13 @@ def _resample(draws: xr.Dataset, weight: np.ndarray, rng: np.random.Generator) -
 
 
 def forget_trial(
-    collapse: Collapse, pilot: Pilot, prior: Prior, trial: int
-) -> tuple[Collapse, Pilot]:
+    collapse: LocalCollapse, pilot: Pilot, prior: Prior, trial: int
+) -> tuple[LocalCollapse, Pilot]:
     """Take the recording of one trial out of the likelihood; the trial itself stays, unknown."""
     products, first, count = (
         array.copy() for array in (collapse.products, collapse.first, collapse.count)
     )
-    products[trial], first[trial], count[trial] = 0.0, 0.0, 0.0
+    products[:, trial], first[trial], count[trial] = 0.0, 0.0, 0.0
     curvature, pull = pilot.modes.curvature.copy(), pilot.modes.pull.copy()
     curvature[trial], pull[trial] = UNKNOWN * np.eye(pull.shape[1]), 0.0
     value, variance = pilot.value.copy(), pilot.variance.copy()
@@ -113,8 +113,9 @@ def forget_trial(
     return collapse._replace(products=products, first=first, count=count), left
 
 
-def keep_trial(collapse: Collapse, modes: Modes, trial: int) -> tuple[Collapse, Modes]:
+def keep_trial(collapse: LocalCollapse, modes: Modes, trial: int) -> tuple[LocalCollapse, Modes]:
     """Reduce a campaign to one trial."""
-    names = ("products", "first", "count", "offset", "pattern")
+    names = ("window", "first", "count", "offset", "pattern")
     alone = {name: getattr(collapse, name)[trial : trial + 1] for name in names}
+    alone["products"] = collapse.products[:, trial : trial + 1].copy()
     return collapse._replace(**alone), Modes(*(array[trial : trial + 1] for array in modes))

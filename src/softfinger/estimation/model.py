@@ -18,11 +18,11 @@ from pytensor.graph.basic import Variable
 from pytensor.tensor.variable import TensorVariable
 
 from softfinger.estimation.operations import CollapsedLikelihood, ColourTrials
-from softfinger.population.collapse import Collapse
 from softfinger.population.likelihood import PARAMETERS
 from softfinger.population.pilot import Pilot, count_patterns
 from softfinger.population.priors import Prior
 from softfinger.population.whitening import place_mean
+from softfinger.population.windows import LocalCollapse
 
 LKJ_SHAPE = 2.0
 
@@ -78,6 +78,40 @@ class Placing(Transform):
         return pt.sum(pt.log(place_mean(*inputs[-5:])[1]))
 
 
+class Unbounding(Transform):
+    """Autocorrelation ρ in (0, 1) as a number z: −log(1 − ρ) = s log(1 + eᶻ).
+
+    With s half of the sd that ρ has near 0, a ρ that may be 0 is nearly normal in z, as one well
+    away from 0 is; log ρ, and so its logit, would have a long tail towards 0.
+    The input of the distribution is s.
+    """
+
+    name = "unbounded"
+
+    def backward(self, value: Variable, *inputs: Variable) -> TensorVariable:
+        """ρ from z."""
+        return -pt.expm1(-inputs[-1] * pt.softplus(value))
+
+    def forward(self, value: Variable, *inputs: Variable) -> TensorVariable:
+        """Z from ρ."""
+        ratio = -pt.log1p(-value) / inputs[-1]
+        return ratio + pt.log(-pt.expm1(-ratio))
+
+    def log_jac_det(self, value: Variable, *inputs: Variable) -> TensorVariable:
+        """Log of dρ/dz."""
+        s = inputs[-1]
+        return pt.log(s) - pt.softplus(-value) - s * pt.softplus(value)
+
+
+def _uniform_logp(rho: Variable, _: Variable) -> TensorVariable:
+    """Uniform on (0, 1); the resolution serves the unbounding only."""
+    return pt.zeros_like(rho)
+
+
+def _draw_uniform(_: NDArray, rng: np.random.Generator, size: object) -> NDArray:
+    return rng.uniform(size=size)
+
+
 def _mean_logp(mu: Variable, mean: Variable, sd: Variable, *_: Variable) -> TensorVariable:
     """Independent normals; σ and what the trials say serve the placing only."""
     return pt.sum(pm.logp(pm.Normal.dist(mean, sd), mu))
@@ -113,13 +147,13 @@ def _draw_population(
     return rng.normal(mean[:, None], sd[:, None], np.shape(pull))
 
 
-def build_model(collapse: Collapse, prior: Prior, pilot: Pilot, coords: dict) -> pm.Model:
+def build_model(collapse: LocalCollapse, prior: Prior, pilot: Pilot, coords: dict) -> pm.Model:
     """Build the hierarchical model.
 
     Parameters
     ----------
     collapse, prior, pilot
-        What `collapse_angles`, `build_prior` and `fit_pilot` make.
+        What `localise_collapse`, `build_prior` and `fit_pilot` make.
     coords
         Names of trial and joint.
     """
@@ -141,7 +175,10 @@ def build_model(collapse: Collapse, prior: Prior, pilot: Pilot, coords: dict) ->
             transform=Whitening(), dims=("own", "trial"),
         )  # fmt: skip
         sd = pm.LogNormal("noise_sd", given["log_noise"], given["noise_log_sd"], dims="joint")
-        rho = pm.Uniform("noise_autocorrelation", dims="joint")
+        rho = pm.CustomDist(
+            "noise_autocorrelation", data["resolution"], logp=_uniform_logp, random=_draw_uniform,
+            signature="()->()", transform=Unbounding(), dims="joint",
+        )  # fmt: skip
         partial = _draw_partials(joints) if joints > 1 else np.empty(0)
         likelihood = CollapsedLikelihood()(
             eta.T.reshape((-1, joints, len(PARAMETERS))), sd, rho, partial,
@@ -152,8 +189,8 @@ def build_model(collapse: Collapse, prior: Prior, pilot: Pilot, coords: dict) ->
 
 
 LIKELIHOOD_DATA = (
-    "place", "table_value", "table_slope", "products", "first_row", "pattern", "patterns", "gap",
-    "total",
+    "place", "begin", "modes", "table_value", "table_slope", "window", "products", "first_row",
+    "pattern", "patterns", "gap", "total",
 )  # fmt: skip
 
 
@@ -164,25 +201,40 @@ def _draw_partials(joints: int) -> TensorVariable:
     return 2 * pm.Beta("noise_partial", shape, shape) - 1
 
 
-def gather_data(collapse: Collapse, pilot: Pilot) -> dict[str, NDArray]:
+def gather_data(collapse: LocalCollapse, pilot: Pilot) -> dict[str, NDArray]:
     """Gather everything that the compiled model reads and that another campaign replaces."""
     data = {
-        "place": collapse.table.place,
-        "table_value": collapse.table.value,
-        "table_slope": collapse.table.slope,
+        "place": collapse.windows.place,
+        "begin": collapse.windows.begin,
+        "modes": collapse.windows.modes,
+        "table_value": collapse.windows.value,
+        "table_slope": collapse.windows.slope,
+        "window": collapse.window,
         "products": collapse.products,
         "first_row": collapse.first,
-        "pattern": collapse.pattern.astype(np.int32),
+        "pattern": collapse.pattern,
         "patterns": collapse.patterns,
         "gap": collapse.gap,
         "total": count_patterns(collapse),
         "offset": collapse.offset.sum(),
+        "resolution": resolve_autocorrelation(collapse),
         "curvature": np.moveaxis(pilot.modes.curvature, 0, -1),
         "pull": pilot.modes.pull.T,
         "value": pilot.value.T,
         "variance": pilot.variance.T,
     }
-    return {name: np.array(value, order="C") for name, value in data.items()}
+    return {name: _store(value) for name, value in data.items()}
+
+
+def _store(value: NDArray | float) -> NDArray:
+    """Keep a copy row by row, whole numbers as PyMC keeps them."""
+    array = np.array(value, order="C")
+    return array.astype(np.int32) if array.dtype == np.int64 else array
+
+
+def resolve_autocorrelation(collapse: LocalCollapse) -> float:
+    """Half of the sd that so many frames leave of an autocorrelation near 0."""
+    return 0.5 / np.sqrt(max(collapse.count[:, :-1].sum(), 1.0))
 
 
 def _tile_prior(prior: Prior, joints: int) -> dict[str, NDArray]:

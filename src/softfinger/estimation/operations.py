@@ -21,10 +21,18 @@ from pytensor.link.numba.dispatch.basic import (
     register_funcify_default_op_cache_key,
 )
 
-from softfinger.population import basis, covariance, likelihood, weights, whitening
+from softfinger.population import (
+    basis,
+    covariance,
+    likelihood,
+    weights,
+    whitening,
+    windows,
+)
 from softfinger.population.covariance import factorise_partials, pull_partials_back
 from softfinger.population.likelihood import sum_log_likelihood
 from softfinger.population.whitening import colour_trials, pull_colours_back
+from softfinger.population.windows import Windows
 
 own = np.ascontiguousarray  # linear algebra wants whole rows
 
@@ -36,8 +44,11 @@ def evaluate_likelihood(
     rho: NDArray,
     partial: NDArray,
     place: NDArray,
+    begin: NDArray,
+    modes: NDArray,
     table_value: NDArray,
     table_slope: NDArray,
+    window: NDArray,
     products: NDArray,
     first: NDArray,
     pattern: NDArray,
@@ -48,21 +59,22 @@ def evaluate_likelihood(
     """Sum log p over trials but for constants; also its slopes by η, σ, ρ and the partials."""
     factor = factorise_partials(partial)
     value, eta_bar, sd_bar, rho_bar, correlation_bar = sum_log_likelihood(
-        eta, sd, rho, factor @ factor.T, place, table_value, table_slope, products, first,
-        pattern, patterns, gap, total,
+        eta, sd, rho, factor @ factor.T, Windows(place, begin, modes, table_value, table_slope),
+        window, products, first, pattern, patterns, gap, total,
     )  # fmt: skip
     partial_bar = pull_partials_back(partial, factor, correlation_bar)
     return np.asarray(value), eta_bar, sd_bar, rho_bar, partial_bar
 
 
 def _run_likelihood(  # noqa: ANN202
-    eta: NDArray, sd: NDArray, rho: NDArray, partial: NDArray, place: NDArray, table_value: NDArray,
-    table_slope: NDArray, products: NDArray, first: NDArray, pattern: NDArray, patterns: NDArray,
-    gap: NDArray, total: NDArray,
+    eta: NDArray, sd: NDArray, rho: NDArray, partial: NDArray, place: NDArray, begin: NDArray,
+    modes: NDArray, table_value: NDArray, table_slope: NDArray, window: NDArray, products: NDArray,
+    first: NDArray, pattern: NDArray, patterns: NDArray, gap: NDArray, total: NDArray,
 ):  # fmt: skip
     return evaluate_likelihood(
-        own(eta), own(sd), own(rho), own(partial), own(place), own(table_value), own(table_slope),
-        own(products), own(first), own(pattern), own(patterns), own(gap), own(total),
+        own(eta), own(sd), own(rho), own(partial), own(place), own(begin), own(modes),
+        own(table_value), own(table_slope), own(window), own(products), own(first), own(pattern),
+        own(patterns), own(gap), own(total),
     )  # fmt: skip
 
 
@@ -189,7 +201,7 @@ class PullColoursBack(_Compiled):
 @cache
 def _hash_sources() -> int:
     """Hash the code that the operations run, for PyTensor's cache sees only their names."""
-    modules = (basis, covariance, likelihood, weights, whitening)
+    modules = (basis, covariance, likelihood, weights, whitening, windows)
     files = [Path(__file__), *(Path(module.__file__) for module in modules)]
     digest = sha256(b"".join(path.read_bytes() for path in files)).hexdigest()
     return int(digest[:15], 16)

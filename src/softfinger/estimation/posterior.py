@@ -13,16 +13,17 @@ from softfinger.estimation.model import build_model, gather_data
 from softfinger.estimation.sampling import (
     Density,
     compile_density,
-    draw_starts,
     expand_points,
     sample_density,
+    scale_points,
 )
-from softfinger.population.collapse import Collapse, collapse_angles, restrict_collapse
+from softfinger.population.collapse import collapse_angles
 from softfinger.population.frames import select_frames
 from softfinger.population.integrate import compute_integrated_log_likelihood
 from softfinger.population.outliers import find_outliers
 from softfinger.population.pilot import Pilot, find_plausible_rates, fit_pilot
 from softfinger.population.priors import Prior, build_prior
+from softfinger.population.windows import LocalCollapse, localise_collapse
 
 REFIT = {"chains": 2, "tune": 150, "draws": 200}  # enough for the mean of one trial's likelihood
 
@@ -31,7 +32,7 @@ class Preparation(NamedTuple):
     """Everything that is known of a campaign before sampling."""
 
     frames: xr.Dataset
-    collapse: Collapse
+    collapse: LocalCollapse
     prior: Prior
     pilot: Pilot
     coords: dict[str, NDArray]
@@ -45,7 +46,8 @@ def fit_posterior(angles: xr.Dataset, config: Mapping[str, Any], seed: int) -> x
     angles
         The `angles` artifact.
     config
-        The `estimation` block: chains, tune, draws, cores, predictive_draws.
+        The `estimation` block: chains, tune, draws, cores, target_accept, max_depth,
+        predictive_draws.
     seed
         Of this stage's random stream.
 
@@ -85,9 +87,9 @@ def prepare_fit(angles: xr.Dataset) -> Preparation:
     if outlier.any():
         collapse = collapse_angles(angles, frames)
         pilot = fit_pilot(collapse, prior)
-    collapse = restrict_collapse(collapse, *find_plausible_rates(collapse, pilot))
+    local = localise_collapse(collapse, *find_plausible_rates(collapse, pilot))
     coords = {name: angles[name].values for name in ("trial", "joint")}
-    return Preparation(frames, collapse, prior, pilot, coords)
+    return Preparation(frames, local, prior, pilot, coords)
 
 
 def sample_posterior(
@@ -109,15 +111,19 @@ def sample_posterior(
     data = gather_data(prepared.collapse, prepared.pilot)
     points, stats = sample_density(
         density,
-        draw_starts(density.shapes, prepared.pilot),
+        scale_points(density.shapes, prepared.pilot, data["resolution"]),
         chains=config["chains"],
         tune=config["tune"],
         draws=config["draws"],
         cores=config["cores"],
+        target_accept=config["target_accept"],
+        max_depth=config["max_depth"],
         rng=rng,
         data={name: data[name] for name in density.data if name in data},
     )
-    variables = expand_points(points, density.shapes, prepared.prior, prepared.pilot)
+    variables = expand_points(
+        points, density.shapes, prepared.prior, prepared.pilot, data["resolution"]
+    )
     return name_draws(variables, prepared.coords), stats
 
 

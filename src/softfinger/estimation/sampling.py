@@ -29,6 +29,7 @@ from softfinger.population.whitening import colour_trials, place_mean
 from softfinger.progress import follow_progress
 
 DISPERSION = 2.0  # of the starts, in approximate posterior standard deviations
+FIRST_STEP = 0.3  # the sampler's units are already those of the posterior
 STATISTICS = ("diverging", "energy", "logp", "n_steps", "step_size", "tree_depth", "depth")
 
 
@@ -98,6 +99,7 @@ def expand_points(
     shapes: Mapping[str, tuple[int, ...]],
     prior: Prior,
     pilot: Pilot,
+    resolution: float,
 ) -> dict[str, NDArray[np.float64]]:
     """Turn unconstrained points (chain, draw, n) into the model's variables (chain, draw, …).
 
@@ -122,45 +124,60 @@ def expand_points(
         variables["eta"][at] = colour_trials(raw["eta"][at], curvature, pull, *population)[0]
     variables["eta"] = np.swapaxes(variables["eta"], -1, -2)
     variables["noise_sd"] = np.exp(raw["noise_sd"])
-    variables["noise_autocorrelation"] = expit(raw["noise_autocorrelation"])
+    kept = np.logaddexp(0.0, raw["noise_autocorrelation"])
+    variables["noise_autocorrelation"] = -np.expm1(-resolution * kept)
     if "noise_partial" in raw:
         variables["noise_partial"] = 2 * expit(raw["noise_partial"]) - 1
     return variables
 
 
-def draw_starts(
-    shapes: Mapping[str, tuple[int, ...]], pilot: Pilot
-) -> Callable[[int], NDArray[np.float64]]:
-    """Make a function from a chain's seed to its dispersed start (n,), around the pilot fit."""
+def scale_points(
+    shapes: Mapping[str, tuple[int, ...]], pilot: Pilot, resolution: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Find the centre and the sd (n,), about, of the posterior in every unconstrained direction.
+
+    Parameters
+    ----------
+    shapes
+        Of the density's variables.
+    pilot
+        What `fit_pilot` makes.
+    resolution
+        What `resolve_autocorrelation` makes.
+    """
     trials, joints = len(pilot.modes.eta), len(pilot.mu)
-    centre = {
-        "mu": (np.zeros((joints, 4)), np.ones((joints, 4))),
-        "sigma": (np.log(pilot.sigma), np.full((joints, 4), 1 / np.sqrt(2 * trials))),
-        "eta": (np.zeros((4 * joints, trials)), np.full((4 * joints, trials), 1 / DISPERSION)),
-        "noise_sd": (np.log(pilot.noise.sd), np.full(joints, 0.02)),
-        "noise_autocorrelation": (logit(pilot.noise.autocorrelation), np.full(joints, 0.05)),
-    }
-    if joints > 1:
-        partial = find_partials_array(pilot.noise.correlation)
-        centre["noise_partial"] = (logit((1 + partial) / 2), np.full(len(partial), 0.05))
-    order = [centre[name] for name in shapes]
-    middle = np.concatenate([np.ravel(at) for at, _ in order])
-    width = DISPERSION * np.concatenate([np.ravel(spread) for _, spread in order])
-
-    def start(seed: int) -> NDArray[np.float64]:
-        return middle + width * np.random.default_rng(seed).standard_normal(middle.size)
-
-    return start
+    rho, frames = pilot.noise.autocorrelation, 0.25 / resolution**2
+    ratio = np.maximum(-np.log1p(-rho) / resolution, 1.0)
+    partial = find_partials_array(pilot.noise.correlation)
+    places = {
+        "mu": (np.zeros(4 * joints), 1.0),
+        "sigma": (np.log(pilot.sigma), 1 / np.sqrt(2 * trials)),
+        "eta": (np.zeros(4 * joints * trials), 1.0),
+        "noise_sd": (
+            np.log(pilot.noise.sd), np.sqrt((1 + rho**2) / (1 - rho**2) / (2 * frames))
+        ),
+        "noise_autocorrelation": (
+            ratio + np.log(-np.expm1(-ratio)), 2 * np.sqrt((1 + rho) / (1 - rho))
+        ),
+        "noise_partial": (logit((1 + partial) / 2), 2 / np.sqrt(frames)),
+    }  # fmt: skip
+    centre = [np.ravel(places[name][0]) for name in shapes]
+    spread = [
+        np.broadcast_to(places[name][1], at.shape) for name, at in zip(shapes, centre, strict=True)
+    ]
+    return np.concatenate(centre), np.concatenate(spread)
 
 
 def sample_density(
     density: Density,
-    start: Callable[[int], NDArray[np.float64]],
+    scale: tuple[NDArray[np.float64], NDArray[np.float64]],
     *,
     chains: int,
     tune: int,
     draws: int,
     cores: int,
+    target_accept: float,
+    max_depth: int,
     rng: np.random.Generator,
     data: Mapping[str, NDArray] | None = None,
 ) -> tuple[NDArray[np.float64], xr.Dataset]:
@@ -170,9 +187,9 @@ def sample_density(
     ----------
     density
         What `compile_density` makes.
-    start
-        An unconstrained point (n,) from a chain's seed.
-    chains, tune, draws, cores
+    scale
+        Centre and sd (n,), about: the sampler's units, and where its chains start, dispersed.
+    chains, tune, draws, cores, target_accept, max_depth
         As usual.
     rng
         Gives the sampler's seed.
@@ -185,10 +202,14 @@ def sample_density(
         (chain, draw, n) and the sampler's statistics (chain, draw).
     """
     arrays = tuple((density.data if data is None else {**density.data, **data}).values())
+    centre, spread = scale
 
     def log_density(x: NDArray) -> tuple[float, NDArray]:
-        value, slope = density.evaluate(x, *arrays)
-        return float(value), slope
+        value, slope = density.evaluate(centre + spread * x, *arrays)
+        return float(value), spread * slope
+
+    def start(seed: int) -> NDArray[np.float64]:
+        return DISPERSION * np.random.default_rng(seed).standard_normal(density.size)
 
     compiled = nutpie.compiled_pyfunc.from_pyfunc(
         density.size,
@@ -204,6 +225,7 @@ def sample_density(
     with follow_progress("sampling chains", chains * (tune + draws)) as follow:
         sampler = nutpie.sample(
             compiled, draws=draws, tune=tune, chains=chains, cores=cores,
+            target_accept=target_accept, maxdepth=max_depth, initial_step=FIRST_STEP,
             seed=int(rng.integers(2**31)), save_warmup=False, progress_bar=False,
             progress_callback=lambda each: follow(sum(chain.finished_draws for chain in each)),
             blocking=False,
@@ -211,7 +233,7 @@ def sample_density(
         trace = wait_for_draws(sampler)
     statistics = trace["sample_stats"].to_dataset()
     kept = [name for name in STATISTICS if name in statistics]
-    return trace["posterior"]["point"].values, statistics[kept]
+    return centre + spread * trace["posterior"]["point"].values, statistics[kept]
 
 
 def wait_for_draws(sampler: Any) -> xr.DataTree:  # noqa: ANN401 (nutpie names no class)

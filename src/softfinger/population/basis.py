@@ -88,7 +88,7 @@ def interpolate_coefficients_array(
     """Interpolate c(x) and dc/dx (mode,) at x = log(k_v/c_v)."""
     modes = table.value.shape[1]
     value, slope = np.empty(modes), np.empty(modes)
-    fill_coefficients(log_rate, *table, value, slope)
+    fill_coefficients(log_rate, *table, 0, len(table.value) - 1, modes, value, slope)
     return value, slope
 
 
@@ -98,32 +98,37 @@ def fill_coefficients(
     place: NDArray,
     table_value: NDArray,
     table_slope: NDArray,
+    first: int,
+    last: int,
+    modes: int,
     value: NDArray,
     slope: NDArray,
 ) -> None:
-    """Write c(x) and dc/dx into `value` and `slope` (mode,); limits outside of the table."""
-    last = table_value.shape[0] - 1
+    """Write c(x) and dc/dx into `value` and `slope`; limits outside of the table.
+
+    Its nodes are those from `first` to `last`, the first of which lies at `place[0]`.
+    """
     step = place[1]
     where = (x - place[0]) / step
     if not where > 0.0:  # NaN as well
         share = np.exp(x - place[0])
-        for m in range(value.size):
-            value[m] = table_value[0, m] * share
+        for m in range(modes):
+            value[m] = table_value[first, m] * share
             slope[m] = value[m]
         return
-    if where >= last:
-        for m in range(value.size):
+    if where >= last - first:
+        for m in range(modes):
             value[m] = table_value[last, m]
             slope[m] = 0.0
         return
-    k = int(where)
-    s = where - k
+    s = where - int(where)
+    k = first + int(where)
     r = 1.0 - s
     h00, h01 = (1.0 + 2.0 * s) * r * r, s * s * (3.0 - 2.0 * s)
     h10, h11 = s * r * r * step, -s * s * r * step
     d00 = -6.0 * s * r / step
     d10, d11 = r * (1.0 - 3.0 * s), s * (3.0 * s - 2.0)
-    for m in range(value.size):
+    for m in range(modes):
         a, b = table_value[k, m], table_value[k + 1, m]
         da, db = table_slope[k, m], table_slope[k + 1, m]
         value[m] = h00 * a + h01 * b + h10 * da + h11 * db

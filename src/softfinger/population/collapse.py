@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 
 from softfinger.mechanics.load import integrate_load_array
 from softfinger.population.basis import (
-    TOLERANCE,
     ElasticTable,
     Protocol,
     build_elastic_modes,
@@ -58,7 +57,7 @@ def collapse_angles(angles: xr.Dataset, frames: xr.Dataset) -> Collapse:
     frames
         What `select_frames` says of it.
     """
-    series = [_gather_trial(angles, frames, i) for i in range(angles.sizes["trial"])]
+    series = _gather_trials(angles, frames)
     protocols = {_fingerprint(s.protocol): s.protocol for s in series if len(s.angle)}
     table = build_elastic_table(list(protocols.values()))
     modes = {key: build_elastic_modes(table, value) for key, value in protocols.items()}
@@ -80,29 +79,6 @@ def collapse_angles(angles: xr.Dataset, frames: xr.Dataset) -> Collapse:
     return Collapse(table, nodes, products, first, count, offset, patterns, pattern.ravel())
 
 
-def restrict_collapse(collapse: Collapse, low: float, high: float) -> Collapse:
-    """Reduce the curves to those of rates between two values of x, which need fewer modes.
-
-    Between low and high the likelihood stays the same to rounding; beyond, it is that of the
-    curves' projection.
-    """
-    table = collapse.table
-    inside = (table.nodes >= low) & (table.nodes <= high)
-    _, size, modes = np.linalg.svd(table.value[inside], full_matrices=False)
-    modes = modes[size > TOLERANCE * size[0]]
-    rest = collapse.first.shape[1] - table.value.shape[1]
-    turn = np.block(
-        [
-            [modes, np.zeros((len(modes), rest))],
-            [np.zeros((rest, modes.shape[1])), np.eye(rest)],
-        ]
-    )
-    smaller = ElasticTable(table.place, table.value @ modes.T, table.slope @ modes.T)
-    return collapse._replace(
-        table=smaller, products=turn @ collapse.products @ turn.T, first=collapse.first @ turn.T
-    )
-
-
 class _Series(NamedTuple):
     """One trial: its protocol at all its times, the frames kept of it, and what they show."""
 
@@ -112,15 +88,18 @@ class _Series(NamedTuple):
     scale: NDArray  # (kept,)
 
 
-def _gather_trial(angles: xr.Dataset, frames: xr.Dataset, trial: int) -> _Series:
-    time = angles["time"].transpose("trial", "frame").values[trial]
-    used = frames["used"].values[trial]
-    load = [angles[name].transpose("trial", "knot").values[trial] for name in _LOAD]
-    angle = angles["joint_angle"].transpose("trial", "frame", "joint").values[trial]
-    angle = np.where(frames["present"].values[trial], angle, 0.0)
-    usable = _find_increasing(time, used)
-    protocol = (time[usable], load[0], load[1])
-    return _Series(protocol, used[usable], angle[used], frames["frame_scale"].values[trial][used])
+def _gather_trials(angles: xr.Dataset, frames: xr.Dataset) -> list[_Series]:
+    clock = angles["time"].transpose("trial", "frame").values
+    load = [angles[name].transpose("trial", "knot").values for name in _LOAD]
+    recorded = angles["joint_angle"].transpose("trial", "frame", "joint").values
+    present, scale = frames["present"].values, frames["frame_scale"].values
+    series = []
+    for trial, used in enumerate(frames["used"].values):
+        usable = _find_increasing(clock[trial], used)
+        protocol = (clock[trial, usable], load[0][trial], load[1][trial])
+        angle = np.where(present[trial], recorded[trial, used], 0.0)
+        series.append(_Series(protocol, used[usable], angle, scale[trial, used]))
+    return series
 
 
 _LOAD = ("load_time", "load_torque")

@@ -12,17 +12,17 @@ import xarray as xr
 from numba import njit
 from numpy.typing import NDArray
 
-from softfinger.population.collapse import Collapse
 from softfinger.population.laplace import Modes
 from softfinger.population.likelihood import PARAMETERS, fill_squares
 from softfinger.population.weights import weigh_noise
 from softfinger.population.whitening import colour_trials
+from softfinger.population.windows import LocalCollapse, Windows
 
 PAIRS = 4
 
 
 def compute_integrated_log_likelihood(
-    collapse: Collapse, modes: Modes, posterior: xr.Dataset, rng: np.random.Generator
+    collapse: LocalCollapse, modes: Modes, posterior: xr.Dataset, rng: np.random.Generator
 ) -> xr.DataArray:
     """Compute log p(y_i | population, noise) [nats] for every draw and trial.
 
@@ -63,7 +63,7 @@ _NOISE = ("sd", "autocorrelation", "correlation")
 
 
 def integrate_trials_array(
-    collapse: Collapse,
+    collapse: LocalCollapse,
     stand_in: tuple[NDArray[np.float64], NDArray[np.float64]],
     mean: NDArray[np.float64],
     sd: NDArray[np.float64],
@@ -89,7 +89,7 @@ def integrate_trials_array(
     """
     weights = weigh_noise(collapse.gap, collapse.patterns, noise_sd, autocorrelation, correlation)
     log_weight = _weigh_points(
-        points, *stand_in, mean, sd, *collapse.table, collapse.products,
+        points, *stand_in, mean, sd, collapse.windows, collapse.window, collapse.products,
         collapse.first, weights.pair, weights.precision[:, -1].copy(), collapse.pattern,
         len(noise_sd),
     )  # fmt: skip
@@ -106,9 +106,8 @@ def _weigh_points(
     pull: NDArray,
     mean: NDArray,
     sd: NDArray,
-    place: NDArray,
-    table_value: NDArray,
-    table_slope: NDArray,
+    windows: Windows,
+    window: NDArray,
     products: NDArray,
     first: NDArray,
     pair: NDArray,
@@ -125,8 +124,7 @@ def _weigh_points(
         eta, volume, _ = colour_trials(points[m], curvature, pull, mean, precision)
         own = eta.T.copy().reshape((trials, joints, 4))
         fill_squares(
-            own, place, table_value, table_slope, products, first,
-            pair, initial, pattern, quadratic,
+            own, windows, window, products, first, pair, initial, pattern, quadratic,
         )  # fmt: skip
         for i in range(trials):
             total = volume[i] - 0.5 * quadratic[i]

@@ -154,6 +154,15 @@ def _expand(eta: NDArray, table: tuple, data: tuple) -> tuple[float, NDArray, ND
 
 
 @njit(cache=True, error_model="numpy")
+def stack_weights(eta: NDArray, table: tuple, size: int) -> NDArray:
+    """Weights w (trial, joint, D) of the residuals of parameters eta (trial, joint, 4)."""
+    weights = np.empty((*eta.shape[:2], size))
+    for i in range(eta.shape[0]):
+        weights[i] = _stack_vectors(eta[i].ravel(), table, size, eta.shape[1])[::5]
+    return weights
+
+
+@njit(cache=True, error_model="numpy")
 def _stack_vectors(eta: NDArray, table: tuple, size: int, joints: int) -> NDArray:
     """Per joint the weights w of its residual and their slopes by its four parameters."""
     modes = size - 2 - joints
@@ -162,7 +171,8 @@ def _stack_vectors(eta: NDArray, table: tuple, size: int, joints: int) -> NDArra
         w = vectors[5 * j]
         bent = vectors[5 * j + 2, :modes]
         rate = eta[4 * j] - eta[4 * j + 1]
-        fill_coefficients(rate, table[0], table[1], table[2], w[:modes], bent)
+        last = table[1].shape[0] - 1
+        fill_coefficients(rate, table[0], table[1], table[2], 0, last, modes, w, bent)
         compliance = np.exp(-eta[4 * j])
         w[:modes] *= compliance
         bent *= -compliance

@@ -3,9 +3,9 @@
     log p(y | η) = −½ [Σ_g Σ_jk P_jk (N_jk − 2 ρ_j^g X_jk + ρ_j^g ρ_k^g B_jk) + r₀ᵀ S⁻¹ r₀]
                    −½ [Σ_g n_g log|2π Q_g| + log|2π S|] − J Σ log scale
 
-with N_jk = w_jᵀ N w_k and so on (`collapse`), P = Q_g⁻¹, Q_g the covariance of what the noise gains
-over the gap g, and S = Q_∞ (`covariance`). Only the joints present in a trial take part; trials
-with the same joints present share a pattern.
+with N_jk = w_jᵀ N w_k and so on (`collapse`, `windows`), P = Q_g⁻¹, Q_g the covariance of what the
+noise gains over the gap g, and S = Q_∞ (`covariance`). Only the joints present in a trial take
+part; trials with the same joints present share a pattern.
 """
 
 import numpy as np
@@ -13,14 +13,14 @@ from numba import njit
 from numpy.typing import NDArray
 
 from softfinger.population.basis import fill_coefficients
-from softfinger.population.collapse import Collapse
 from softfinger.population.weights import pull_weights_back, weigh_noise
+from softfinger.population.windows import LocalCollapse, Windows
 
 PARAMETERS = ("log_k_v", "log_c_v", "log_c_p", "q_ini")
 
 
 def compute_log_likelihood_array(
-    collapse: Collapse,
+    collapse: LocalCollapse,
     eta: NDArray[np.float64],
     sd: NDArray[np.float64],
     autocorrelation: NDArray[np.float64],
@@ -31,7 +31,7 @@ def compute_log_likelihood_array(
     Parameters
     ----------
     collapse
-        What `collapse_angles` makes.
+        What `localise_collapse` makes.
     eta
         (trial, joint, 4): log k_v, log c_v, log c_p, q_ini.
     sd, autocorrelation, correlation
@@ -45,8 +45,8 @@ def compute_log_likelihood_array(
     weights = weigh_noise(collapse.gap, collapse.patterns, *noise)
     quadratic = np.empty(len(eta))
     fill_squares(
-        np.ascontiguousarray(eta, float), *collapse.table, collapse.products, collapse.first,
-        weights.pair, weights.precision[:, -1].copy(), collapse.pattern, quadratic,
+        np.ascontiguousarray(eta, float), collapse.windows, collapse.window, collapse.products,
+        collapse.first, weights.pair, weights.precision[:, -1].copy(), collapse.pattern, quadratic,
     )  # fmt: skip
     logdet = (collapse.count * weights.logdet[collapse.pattern]).sum(axis=1)
     return collapse.offset - 0.5 * (quadratic + logdet)
@@ -55,9 +55,8 @@ def compute_log_likelihood_array(
 @njit(cache=True, error_model="numpy")
 def fill_squares(
     eta: NDArray,
-    place: NDArray,
-    table_value: NDArray,
-    table_slope: NDArray,
+    windows: Windows,
+    window: NDArray,
     products: NDArray,
     first: NDArray,
     pair: NDArray,
@@ -66,34 +65,34 @@ def fill_squares(
     quadratic: NDArray,
 ) -> None:
     """Write each trial's weighted square (trial,): `fill_quadratics` without any slope."""
-    trials, joints = eta.shape[0], eta.shape[1]
-    size = first.shape[1]
-    weight, bent = np.zeros((joints, size)), np.empty((joints, size - 2 - joints))
-    pull, unused = np.empty((joints, size)), np.zeros((joints, joints))
-    for i in range(trials):
+    joints, most = eta.shape[1], windows.value.shape[1]
+    weight, bent = np.zeros((joints, most + 3)), np.empty((joints, most))
+    pull, unused = np.empty(weight.shape), np.zeros((joints, joints))
+    begin = np.empty(joints + 1, np.int64)
+    for i in range(eta.shape[0]):
         here = pattern[i]
-        for j in range(joints):
-            _fill_weight(eta[i, j], j, place, table_value, table_slope, weight[j], bent[j])
-        quadratic[i] = _start_pull(weight, first[i], initial[here], pull, unused)
+        _fill_weights(eta[i], windows, window[i], weight, bent, begin)
+        one = begin[1] - 2
+        quadratic[i] = _start_pull(weight, begin, first[i], initial[here], pull, unused)
         for g in range(pair.shape[1]):
-            if products[i, g, 0, size - joints - 1, size - joints - 1] != 0.0:  # such gaps occur
-                quadratic[i] += _square_pairs(weight, products[i, g], pair[here, g])
+            if products[g, i, 0, one, one] != 0.0:  # such gaps occur
+                quadratic[i] += _square_pairs(weight, begin, products[g, i], pair[here, g])
 
 
 @njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
-def _square_pairs(weight: NDArray, products: NDArray, pair: NDArray) -> float:
+def _square_pairs(weight: NDArray, begin: NDArray, products: NDArray, pair: NDArray) -> float:
     """Square of the residuals' gains over a gap."""
-    joints, size = weight.shape
+    joints = weight.shape[0]
     total = 0.0
-    for r in range(size):
+    for j in range(joints):
         for k in range(joints):
-            now, before, cross = 0.0, 0.0, 0.0
-            for c in range(size):
-                w = weight[k, c]
-                now += products[0, r, c] * w
-                before += products[1, r, c] * w
-                cross += products[2, r, c] * w
-            for j in range(joints):
+            for r in range(begin[j + 1] - begin[j]):
+                now, before, cross = 0.0, 0.0, 0.0
+                for c in range(begin[k + 1] - begin[k]):
+                    w = weight[k, c]
+                    now += products[0, begin[j] + r, begin[k] + c] * w
+                    before += products[1, begin[j] + r, begin[k] + c] * w
+                    cross += products[2, begin[j] + r, begin[k] + c] * w
                 total += weight[j, r] * (
                     pair[0, j, k] * now + pair[1, j, k] * before + pair[2, j, k] * cross
                 )
@@ -106,9 +105,8 @@ def sum_log_likelihood(
     sd: NDArray,
     rho: NDArray,
     correlation: NDArray,
-    place: NDArray,
-    table_value: NDArray,
-    table_slope: NDArray,
+    windows: Windows,
+    window: NDArray,
     products: NDArray,
     first: NDArray,
     pattern: NDArray,
@@ -126,7 +124,7 @@ def sum_log_likelihood(
     initial = weights.precision[:, -1].copy()
     first_sums = np.zeros(initial.shape)
     fill_quadratics(
-        eta, place, table_value, table_slope, products, first, weights.pair, initial, pattern,
+        eta, windows, window, products, first, weights.pair, initial, pattern,
         quadratic, slope, sums, first_sums,
     )  # fmt: skip
     value = -0.5 * (quadratic.sum() + (total * weights.logdet).sum())
@@ -139,9 +137,8 @@ def sum_log_likelihood(
 @njit(cache=True, error_model="numpy")
 def fill_quadratics(
     eta: NDArray,
-    place: NDArray,
-    table_value: NDArray,
-    table_slope: NDArray,
+    windows: Windows,
+    window: NDArray,
     products: NDArray,
     first: NDArray,
     pair: NDArray,
@@ -153,23 +150,22 @@ def fill_quadratics(
     first_sums: NDArray,
 ) -> None:
     """Write each trial's weighted square (trial,) and its slope by η; add the sums by pattern."""
-    trials, joints = eta.shape[0], eta.shape[1]
-    size = first.shape[1]
-    modes = size - 2 - joints
-    weight, bent = np.zeros((joints, size)), np.zeros((joints, modes))
-    pull = np.empty((joints, size))
-    moved = np.empty((4, joints, size))
-    for i in range(trials):
+    joints, most = eta.shape[1], windows.value.shape[1]
+    weight, bent = np.zeros((joints, most + 3)), np.zeros((joints, most))
+    pull, moved = np.empty(weight.shape), np.empty((joints, 3, first.shape[1]))
+    begin = np.empty(joints + 1, np.int64)
+    for i in range(eta.shape[0]):
         here = pattern[i]
-        for j in range(joints):
-            _fill_weight(eta[i, j], j, place, table_value, table_slope, weight[j], bent[j])
-        quadratic[i] = _start_pull(weight, first[i], initial[here], pull, first_sums[here])
+        _fill_weights(eta[i], windows, window[i], weight, bent, begin)
+        one = begin[1] - 2
+        quadratic[i] = _start_pull(weight, begin, first[i], initial[here], pull, first_sums[here])
         for g in range(pair.shape[1]):
-            if products[i, g, 0, modes + 1, modes + 1] == 0.0:  # no such gap in this trial
+            if products[g, i, 0, one, one] == 0.0:  # no such gap in this trial
                 continue
-            _move(weight, products[i, g], moved)
-            quadratic[i] += _add_pairs(weight, moved, pair[here, g], pull, sums[here, g])
+            _move(weight, begin, products[g, i], pair[here, g, 2], moved, pull)
+            quadratic[i] += _add_pairs(weight, begin, moved, pair[here, g], pull, sums[here, g])
         for j in range(joints):
+            modes = begin[j + 1] - begin[j] - 3
             elastic, lagging = 0.0, 0.0
             for m in range(modes):
                 elastic += pull[j, m] * weight[j, m]
@@ -181,38 +177,43 @@ def fill_quadratics(
 
 
 @njit(cache=True, error_model="numpy")
-def _fill_weight(
+def _fill_weights(
     eta: NDArray,
-    joint: int,
-    place: NDArray,
-    table_value: NDArray,
-    table_slope: NDArray,
+    windows: Windows,
+    window: NDArray,
     weight: NDArray,
     bent: NDArray,
+    begin: NDArray,
 ) -> None:
-    """Write w of a joint's residual and the elastic part's slope by x."""
-    modes = bent.size
-    rate = eta[0] - eta[1]
-    fill_coefficients(rate, place, table_value, table_slope, weight[:modes], bent)
-    compliance = np.exp(-eta[0])
-    for m in range(modes):
-        weight[m] *= compliance
-        bent[m] *= compliance
-    weight[modes] = np.exp(-eta[2])
-    weight[modes + 1] = eta[3]
-    weight[modes + 2 + joint] = -1.0
+    """Write w of every joint's residual, the elastic part's slope by x, and where blocks begin."""
+    begin[0] = 0
+    for j in range(eta.shape[0]):
+        w = window[j]
+        modes = windows.modes[w]
+        fill_coefficients(
+            eta[j, 0] - eta[j, 1], windows.place[w], windows.value, windows.slope,
+            windows.begin[w], windows.begin[w + 1] - 1, modes, weight[j], bent[j],
+        )  # fmt: skip
+        compliance = np.exp(-eta[j, 0])
+        for m in range(modes):
+            weight[j, m] *= compliance
+            bent[j, m] *= compliance
+        weight[j, modes] = np.exp(-eta[j, 2])
+        weight[j, modes + 1] = eta[j, 3]
+        weight[j, modes + 2] = -1.0
+        begin[j + 1] = begin[j] + modes + 3
 
 
 @njit(cache=True, error_model="numpy")
 def _start_pull(
-    weight: NDArray, row: NDArray, initial: NDArray, pull: NDArray, sums: NDArray
+    weight: NDArray, begin: NDArray, row: NDArray, initial: NDArray, pull: NDArray, sums: NDArray
 ) -> float:
     """Square of the first residuals; `pull` becomes its slope by the weights."""
-    joints, size = weight.shape
+    joints = weight.shape[0]
     residual = np.zeros(joints)
     for j in range(joints):
-        for r in range(size):
-            residual[j] += weight[j, r] * row[r]
+        for r in range(begin[j + 1] - begin[j]):
+            residual[j] += weight[j, r] * row[begin[j] + r]
     total = 0.0
     for j in range(joints):
         force = 0.0
@@ -220,55 +221,68 @@ def _start_pull(
             force += initial[j, k] * residual[k]
             sums[j, k] += residual[j] * residual[k]
         total += residual[j] * force
-        for r in range(size):
-            pull[j, r] = 2.0 * force * row[r]
+        for r in range(begin[j + 1] - begin[j]):
+            pull[j, r] = 2.0 * force * row[begin[j] + r]
     return total
 
 
 @njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
-def _move(weight: NDArray, products: NDArray, moved: NDArray) -> None:
-    """Write N w, B w, X w, Xᵀ w of every joint into `moved` (4, joint, D)."""
-    joints, size = weight.shape
-    for k in range(joints):
-        for r in range(size):
-            moved[3, k, r] = 0.0
-    for r in range(size):
+def _move(
+    weight: NDArray,
+    begin: NDArray,
+    products: NDArray,
+    crossing: NDArray,
+    moved: NDArray,
+    pull: NDArray,
+) -> None:
+    """Write N w, B w, Xᵀ w of every joint into `moved` (joint, 3, D); every row is read once.
+
+    `pull` gains Σ_k −2 ρ_j^g P_jk X w_k, whose weights `crossing` (joint, joint) are.
+    """
+    joints = weight.shape[0]
+    size = begin[joints]
+    mixed = np.empty(size)
+    for j in range(joints):
         for k in range(joints):
-            now, before, cross = 0.0, 0.0, 0.0
-            own = weight[k, r]
+            for c in range(begin[k], begin[k + 1]):
+                mixed[c] = crossing[j, k] * weight[k, c - begin[k]]
+        now, before, cross = moved[j, 0], moved[j, 1], moved[j, 2]
+        for c in range(size):
+            now[c], before[c], cross[c] = 0.0, 0.0, 0.0
+        for r in range(begin[j], begin[j + 1]):
+            w, row = weight[j, r - begin[j]], products[0, r]
             for c in range(size):
-                w = weight[k, c]
-                now += products[0, r, c] * w
-                before += products[1, r, c] * w
-                cross += products[2, r, c] * w
-                moved[3, k, c] += products[2, r, c] * own
-            moved[0, k, r] = now
-            moved[1, k, r] = before
-            moved[2, k, r] = cross
+                now[c] += w * row[c]
+            row = products[1, r]
+            for c in range(size):
+                before[c] += w * row[c]
+            row, total = products[2, r], 0.0
+            for c in range(size):
+                cross[c] += w * row[c]
+                total += mixed[c] * row[c]
+            pull[j, r - begin[j]] += total
 
 
 @njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
 def _add_pairs(
-    weight: NDArray, moved: NDArray, pair: NDArray, pull: NDArray, sums: NDArray
+    weight: NDArray, begin: NDArray, moved: NDArray, pair: NDArray, pull: NDArray, sums: NDArray
 ) -> float:
     """Square of the residuals' gains over a gap; adds slopes to `pull`, parts to `sums`."""
-    joints, size = weight.shape
+    joints = weight.shape[0]
     total = 0.0
     for j in range(joints):
         for k in range(joints):
-            w0, w1 = 2.0 * pair[0, j, k], 2.0 * pair[1, j, k]
-            w2, w3 = pair[2, j, k], pair[2, k, j]
+            w0, w1, w2 = 2.0 * pair[0, k, j], 2.0 * pair[1, k, j], pair[2, k, j]
             now, before, cross = 0.0, 0.0, 0.0
-            for r in range(size):
-                pull[j, r] += (
-                    w0 * moved[0, k, r] + w1 * moved[1, k, r]
-                    + w2 * moved[2, k, r] + w3 * moved[3, k, r]
-                )  # fmt: skip
-                now += weight[j, r] * moved[0, k, r]
-                before += weight[j, r] * moved[1, k, r]
-                cross += weight[j, r] * moved[2, k, r]
-            sums[0, j, k] += now
-            sums[1, j, k] += before
-            sums[2, j, k] += cross
-            total += pair[0, j, k] * now + pair[1, j, k] * before + pair[2, j, k] * cross
+            for r in range(begin[j + 1] - begin[j]):
+                place = begin[j] + r
+                n, b, x = moved[k, 0, place], moved[k, 1, place], moved[k, 2, place]
+                pull[j, r] += w0 * n + w1 * b + w2 * x
+                now += weight[j, r] * n
+                before += weight[j, r] * b
+                cross += weight[j, r] * x
+            sums[0, k, j] += now
+            sums[1, k, j] += before
+            sums[2, k, j] += cross
+            total += pair[0, k, j] * now + pair[1, k, j] * before + pair[2, k, j] * cross
     return total

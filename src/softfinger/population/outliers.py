@@ -41,11 +41,14 @@ def find_outliers(angles: xr.Dataset, frames: xr.Dataset, pilot: Pilot) -> xr.Da
     used = frames["used"].values.copy()
     found = np.zeros_like(used)
     freedom = np.maximum(frames["present"].values.sum(axis=1), 1)[:, None]
+    distance, since = (np.full(used.shape, np.nan) for _ in range(2))
+    changed = used.any(axis=1)
     for _ in range(ROUNDS):
-        distance, since = _measure_trials(angles, frames, pilot, used & ~found)
+        _measure_trials(angles, frames, pilot, used & ~found, changed, distance, since)
         usual = _find_usual(distance / chi2.median(freedom), since)
         standing = (distance > usual * chi2.isf(TAIL, freedom)) & _find_peaks(distance)
         found |= standing
+        changed = standing.any(axis=1)
         if not standing.any():
             break
     too_many = found.sum(axis=1) > MOST_SHARE * used.sum(axis=1)
@@ -53,18 +56,23 @@ def find_outliers(angles: xr.Dataset, frames: xr.Dataset, pilot: Pilot) -> xr.Da
 
 
 def _measure_trials(
-    angles: xr.Dataset, frames: xr.Dataset, pilot: Pilot, used: NDArray
-) -> tuple[NDArray, NDArray]:
-    """t² and the time since the last change of load (trial, frame); NaN where not used."""
-    distance, since = (np.full(used.shape, np.nan) for _ in range(2))
+    angles: xr.Dataset,
+    frames: xr.Dataset,
+    pilot: Pilot,
+    used: NDArray,
+    which: NDArray,
+    distance: NDArray,
+    since: NDArray,
+) -> None:
+    """Write t² and the time since the last change of load of some trials; NaN where not used."""
+    distance[which], since[which] = np.nan, np.nan
     time = angles["time"].transpose("trial", "frame").values
-    for trial in np.flatnonzero(used.any(axis=1)):
+    for trial in np.flatnonzero(which):
         here, some = np.flatnonzero(frames["present"].values[trial]), used[trial]
         residual = _compute_residual(angles, frames, pilot, trial, here)[some]
         gap = np.diff(time[trial, some]) / float(frames["frame_interval"])
         distance[trial, some] = measure_distance_array(residual, gap, pilot.noise, here)
         since[trial, some] = _measure_since(angles, trial, time[trial, some])
-    return distance, since
 
 
 def _find_peaks(distance: NDArray) -> NDArray[np.bool_]:

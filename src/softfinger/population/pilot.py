@@ -18,8 +18,7 @@ from softfinger.population.covariance import (
     find_partials_array,
     pull_partials_back,
 )
-from softfinger.population.laplace import Modes, find_modes
-from softfinger.population.likelihood import fill_quadratics
+from softfinger.population.laplace import Modes, find_modes, stack_weights
 from softfinger.population.priors import Prior
 from softfinger.population.profile import GRID, build_joint_gram, profile_rates, solve_linear_array
 from softfinger.population.weights import pull_weights_back, weigh_noise
@@ -186,14 +185,14 @@ def _start(collapse: Collapse, prior: Prior) -> tuple[NDArray, Noise]:
 
 
 def _sum_residuals(collapse: Collapse, eta: NDArray) -> tuple[NDArray, NDArray]:
-    trials, joints = eta.shape[:2]
-    shape = (len(collapse.patterns), len(collapse.gap), 3, joints, joints)
-    sums, first_sums = np.zeros(shape), np.zeros((shape[0], joints, joints))
-    fill_quadratics(
-        np.ascontiguousarray(eta), *collapse.table, collapse.products, collapse.first,
-        np.zeros(shape), np.zeros_like(first_sums), collapse.pattern, np.empty(trials),
-        np.empty((trials, joints, 4)), sums, first_sums,
-    )  # fmt: skip
+    """Sum the residuals' products by pattern (pattern, gap, 3, J, J), and those of the first."""
+    weight = stack_weights(eta, collapse.table, collapse.first.shape[1])
+    each = weight[:, None, None] @ collapse.products @ weight.transpose(0, 2, 1)[:, None, None]
+    first = np.einsum("ijr,ir->ij", weight, collapse.first)
+    sums = np.zeros((len(collapse.patterns), *each.shape[1:]))
+    first_sums = np.zeros((len(collapse.patterns), *each.shape[3:]))
+    np.add.at(sums, collapse.pattern, each)
+    np.add.at(first_sums, collapse.pattern, first[:, :, None] * first[:, None])
     return sums, first_sums
 
 
@@ -201,23 +200,34 @@ def _logit(share: NDArray) -> NDArray:
     return np.log(share) - np.log1p(-share)
 
 
-def find_plausible_rates(collapse: Collapse, pilot: Pilot) -> tuple[float, float]:
-    """Find the range of x = log(k_v/c_v) outside of which no trial's likelihood is worth a thing.
+def find_plausible_rates(
+    collapse: Collapse, pilot: Pilot
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Find the range of x = log(k_v/c_v) outside of which a likelihood is not worth a thing.
 
-    Inside, some trial and joint has a likelihood, its other parameters at their best, within
-    `NEGLIGIBLE` nats of its largest.
+    Returns
+    -------
+    low, high
+        (trial, joint): inside lie the pilot's mode and all x at which the likelihood of that trial
+        and joint, its other parameters at their best, is within `NEGLIGIBLE` nats of its largest.
     """
     grid = np.linspace(*collapse.table.nodes[[0, -1]], GRID)
-    plausible = np.zeros(GRID, bool)
+    mode = pilot.modes.eta.reshape(*collapse.present.shape, 4)
+    place = mode[..., 0] - mode[..., 1]
+    low, high = place.copy(), place.copy()
     for joint, (sd, rho) in enumerate(
         zip(pilot.noise.sd, pilot.noise.autocorrelation, strict=True)
     ):
-        here = collapse.present[:, joint]
-        gram = build_joint_gram(collapse, joint, sd, rho)[here]
-        rss = solve_linear_array(gram, np.tile(grid, (here.sum(), 1)), collapse.table)[1]
+        gram = build_joint_gram(collapse, joint, sd, rho)
+        rss = solve_linear_array(gram, np.tile(grid, (len(gram), 1)), collapse.table)[1]
         best = profile_rates(gram, collapse.table)
-        plausible |= (rss <= best.rss[:, None] + 2 * NEGLIGIBLE).any(axis=0)
-        plausible[np.abs(best.log_rate[:, None] - grid).argmin(axis=1)] = True
-    places = np.flatnonzero(plausible)
-    low, high = max(places[0] - 2, 0), min(places[-1] + 2, GRID - 1)
-    return float(grid[low]), float(grid[high])
+        plausible = rss <= best.rss[:, None] + 2 * NEGLIGIBLE
+        lowest = np.where(plausible, grid, best.log_rate[:, None]).min(axis=1)
+        highest = np.where(plausible, grid, best.log_rate[:, None]).max(axis=1)
+        low[:, joint] = np.minimum(lowest, place[:, joint])
+        high[:, joint] = np.maximum(highest, place[:, joint])
+    margin = grid[1] - grid[0]
+    # whole steps of the grid, so that trials share windows
+    steps = [np.floor((low - grid[0]) / margin) - 1, np.ceil((high - grid[0]) / margin) + 1]
+    here = collapse.present
+    return tuple(grid[0] + margin * np.where(here, side, 0) for side in steps)

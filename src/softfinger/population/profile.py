@@ -118,10 +118,11 @@ def _reduce(
     """Gram (trial, rate, 4, 4) of [e(x), ∫u, 1, y]."""
     modes = value.shape[1]
     reduced = np.empty((*log_rate.shape, 4, 4))
+    last = value.shape[0] - 1
     curve, unused = np.empty(modes), np.empty(modes)
     for i in range(log_rate.shape[0]):
         for r in range(log_rate.shape[1]):
-            fill_coefficients(log_rate[i, r], place, value, slope, curve, unused)
+            fill_coefficients(log_rate[i, r], place, value, slope, 0, last, modes, curve, unused)
             moved = curve @ gram[i, :modes]
             reduced[i, r, 0, 0] = moved[:modes] @ curve
             reduced[i, r, 0, 1:] = moved[modes:]

@@ -13,6 +13,7 @@ from softfinger.population.simulate import (
     draw_angles,
     draw_parameters,
 )
+from softfinger.population.windows import localise_collapse
 
 TRIALS, JOINTS, TORQUE = 2, 3, 0.04
 SD, RHO = np.array([0.002, 0.003, 0.004]), np.array([0.3, 0.5, 0.9])
@@ -46,7 +47,9 @@ def test_collapsed_and_direct_sum_agree_within_1e_5_nats(frames):
     collapse = collapse_angles(angles, select_frames(angles))
     eta = np.stack([np.log(own[k]) for k in ("k_v", "c_v", "c_p")] + [own["q_ini"]], axis=-1)
     eta = eta + 0.01 * rng.standard_normal(eta.shape)
-    collapsed = compute_log_likelihood_array(collapse, eta, SD, RHO, CORRELATION)
-    for i in range(TRIALS):
-        direct = sum_directly(time, angles["joint_angle"].values[i], eta[i])
-        assert abs(collapsed[i] - direct) < 1e-5
+    direct = [sum_directly(time, angles["joint_angle"].values[i], eta[i]) for i in range(TRIALS)]
+    x = eta[..., 0] - eta[..., 1]
+    for limits in ((), (x - 0.3, x + 0.5)):
+        local = localise_collapse(collapse, *limits)
+        collapsed = compute_log_likelihood_array(local, eta, SD, RHO, CORRELATION)
+        assert np.abs(collapsed - direct).max() < 1e-5

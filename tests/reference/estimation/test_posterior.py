@@ -49,7 +49,14 @@ def test_posterior_is_that_of_a_long_run_on_all_frames():
     angles = draw_angles(recording, draw_parameters(MEAN, SPREAD, recording, rng), noise, rng)
     prepared = prepare_fit(angles)
     assert not prepared.frames["outlier"].any()
-    config = {"chains": 4, "tune": 1000, "draws": 5000, "cores": 1}
+    config = {
+        "chains": 4,
+        "tune": 1000,
+        "draws": 5000,
+        "cores": 1,
+        "target_accept": 0.8,
+        "max_depth": 10,
+    }
     ours, _ = sample_posterior(prepared, config, rng)
     rival = sample_plainly(angles, prepared.prior, 5000)
     for k, name in enumerate(NAMES):
