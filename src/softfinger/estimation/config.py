@@ -18,6 +18,7 @@ class EstimationConfig(Settings):
     chains: Annotated[int, Field(ge=2)]
     tune: Count
     draws: Count
+    covariance: Literal["independent", "joint", "full"]
     cores: Count
     target_accept: Annotated[float, Field(gt=0, lt=1)]
     max_depth: Count

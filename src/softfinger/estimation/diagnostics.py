@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-HYPERPARAMETERS = ("mu", "sigma", "noise", "effect")
+HYPERPARAMETERS = ("mu", "sigma", "parameter", "noise", "effect")
 
 
 def diagnose_sampling(tree: xr.DataTree, config: Mapping[str, Any]) -> xr.Dataset:

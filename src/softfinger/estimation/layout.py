@@ -28,7 +28,8 @@ def name_draws(
     ----------
     variables
         mu, sigma (…, 4 · joint), eta (…, trial, 4 · joint), noise_sd, noise_autocorrelation
-        (…, joint) and, with several joints, noise_partial (…, pair); eta may be absent.
+        (…, joint), with several joints noise_partial (…, pair) and, unless parameters are
+        independent, parameter_correlation (…, 4 · joint, 4 · joint); eta may be absent.
     coords
         trial and joint.
     """
@@ -51,8 +52,15 @@ def name_draws(
         variables.get("noise_partial", np.empty((*variables["mu"].shape[:2], 0)))
     )
     named["noise_correlation"] = ((*dims, "joint", "other_joint"), correlation)
+    if "parameter_correlation" in variables:
+        own = [f"{name}[{joint}]" for joint in coords["joint"] for name in PARAMETERS]
+        matrix = xr.Variable((*dims, "own", "other_own"), variables["parameter_correlation"])
+        named["parameter_correlation"] = matrix
+        labels = {"own": own, "other_own": own}
+    else:
+        labels = {}
     chains, draws = variables["mu"].shape[:2]
-    labels = {"chain": np.arange(chains), "draw": np.arange(draws), "joint": coords["joint"]}
+    labels |= {"chain": np.arange(chains), "draw": np.arange(draws), "joint": coords["joint"]}
     if "eta" in by_joint:
         labels["trial"] = coords["trial"]
     return xr.Dataset(named, {**labels, "other_joint": coords["joint"]})
@@ -69,7 +77,8 @@ def build_tree(
 ) -> xr.DataTree:
     """Lay the fit out in ArviZ's groups, with predictions and the trials' scores."""
     frames, collapse, prior_constants, _, coords = prepared
-    prior = name_draws(draw_prior(prior_constants, len(coords["joint"]), rng), coords)
+    drawn = draw_prior(prior_constants, len(coords["joint"]), rng, config["covariance"])
+    prior = name_draws(drawn, coords)
     draws = config["predictive_draws"]
     observed = angles[["joint_angle", "time"]].transpose("trial", "joint", "frame")
     groups = {
@@ -83,11 +92,12 @@ def build_tree(
         "log_likelihood": scores[0].to_dataset(name="recording"),
         "leave_one_out": scores[1],
         "loo_pit": compute_loo_pit(angles, frames, scores[2], *rng.spawn(1)),
-        "independence": judge_independence(posterior),
         "prior_sensitivity": measure_prior_sensitivity(posterior, scores[0], prior_constants),
         "observed_data": observed.reset_coords(drop=True),
         "constant_data": _describe_constants(angles, frames, prior_constants),
     }
+    if "parameter_correlation" not in posterior:  # asks what the fit took for granted
+        groups["independence"] = judge_independence(posterior)
     tree = xr.DataTree.from_dict({f"/{name}": group for name, group in groups.items()})
     tree.attrs["note"] = describe_limits(collapse.present)
     return tree

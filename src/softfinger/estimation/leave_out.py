@@ -92,7 +92,8 @@ def _resample(draws: xr.Dataset, weight: np.ndarray, rng: np.random.Generator) -
     names = [f"{level}_{name}" for level in ("mu", "sigma") for name in PARAMETERS]
     place = rng.choice(weight.size, KEPT_DRAWS, p=weight.ravel())
     chain, draw = (xr.DataArray(at, dims="sample") for at in np.unravel_index(place, weight.shape))
-    return draws[[*names, "noise_sd"]].isel(chain=chain, draw=draw)
+    names += [name for name in ("noise_sd", "parameter_correlation") if name in draws]
+    return draws[names].isel(chain=chain, draw=draw).transpose("sample", ...)
 
 
 def forget_trial(

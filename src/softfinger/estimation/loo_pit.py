@@ -16,7 +16,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import kstest, norm
 
-from softfinger.estimation.predictive import LARGEST_LOG, LOGS
+from softfinger.estimation.predictive import LARGEST_LOG, LOGS, draw_standard
 from softfinger.mechanics.three_element import compute_joint_angle_array
 from softfinger.population.likelihood import PARAMETERS
 
@@ -98,12 +98,13 @@ def _draw_angles(
 ) -> NDArray[np.float64]:
     """Angles (sample, joint, moment) of one new trial for every draw of a population."""
     values = []
-    for name in PARAMETERS:
+    standard = draw_standard(population, 1, rng)[:, 0]
+    for k, name in enumerate(PARAMETERS):
         mu, sigma = (
             population[f"{level}_{name}"].transpose("sample", "joint").values
             for level in ("mu", "sigma")
         )
-        drawn = mu + sigma * rng.standard_normal(mu.shape)
+        drawn = mu + sigma * standard[..., k]
         if name in LOGS:
             drawn = np.exp(np.clip(drawn, -LARGEST_LOG, LARGEST_LOG))
         values.append(drawn)

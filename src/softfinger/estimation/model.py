@@ -1,7 +1,7 @@
 """The hierarchical model in PyMC: a textbook population of trials with a collapsed likelihood.
 
     μ_jk ~ normal, log σ_jk ~ normal        (joint j; k = log k_v, log c_v, log c_p, q_ini)
-    η_ijk ~ normal(μ_jk, σ_jk)              (trial i)
+    η_ijk ~ normal(μ_jk, σ_jk)              (trial i; independent, or correlated: LKJ(2))
     y_i ~ normal(q(t; η_i), AR(1) noise: sd s_j, autocorrelation ρ_j, joints' correlation C)
 
 The likelihood of all frames enters through `population.collapse`, exactly. The sampler sees η
@@ -17,28 +17,33 @@ from pymc.logprob.transforms import Transform
 from pytensor.graph.basic import Variable
 from pytensor.tensor.variable import TensorVariable
 
-from softfinger.estimation.operations import CollapsedLikelihood, ColourTrials
+from softfinger.estimation.operations import CollapsedLikelihood, ColourTrials, FactorisePartials
+from softfinger.population.correlation import (
+    Covariance,
+    mark_free_partials,
+    shape_free_partials,
+    shape_partials,
+)
 from softfinger.population.likelihood import PARAMETERS
 from softfinger.population.pilot import Pilot, count_patterns
 from softfinger.population.priors import Prior
 from softfinger.population.whitening import place_mean
 from softfinger.population.windows import LocalCollapse
 
-LKJ_SHAPE = 2.0
-
 
 class Whitening(Transform):
     """The trials' parameters seen as standard normals, given the population (`whitening`).
 
-    The inputs of the distribution end in mean, sd (p,), curvature (p, p, trial), pull (p, trial).
+    The inputs of the distribution end in mean (p,), root (p, p) of the precision, curvature
+    (p, p, trial), pull (p, trial).
     """
 
     name = "whitened"
     ndim_supp = 2
 
     def _colour(self, z: Variable, inputs: tuple[Variable, ...]) -> list[Variable]:
-        mean, sd, curvature, pull = inputs[-4:]
-        return ColourTrials()(z, curvature, pull, mean, pt.diag(sd**-2))
+        mean, root, curvature, pull = inputs[-4:]
+        return ColourTrials()(z, curvature, pull, mean, root.T @ root)
 
     def backward(self, value: Variable, *inputs: Variable) -> TensorVariable:
         """Parameters from standard normals."""
@@ -130,24 +135,32 @@ def _draw_mean(
 
 
 def _population_logp(
-    eta: Variable, mean: Variable, sd: Variable, curvature: Variable, pull: Variable
+    eta: Variable, mean: Variable, root: Variable, curvature: Variable, pull: Variable
 ) -> TensorVariable:
-    """Independent normals; the likelihood's normal stand-in serves the whitening only."""
-    return pt.sum(pm.logp(pm.Normal.dist(mean[:, None], sd[:, None]), eta))
+    """Normal, of precision AᵀA; the likelihood's stand-in serves the whitening only."""
+    z = root @ (eta - mean[:, None])
+    volume = pt.log(pt.diag(root)).sum() - 0.5 * np.log(2 * np.pi) * root.shape[0]
+    return volume * eta.shape[1] - 0.5 * pt.sum(z**2)
 
 
 def _draw_population(
     mean: NDArray,
-    sd: NDArray,
+    root: NDArray,
     curvature: NDArray,
     pull: NDArray,
     rng: np.random.Generator,
     size: object,
 ) -> NDArray:
-    return rng.normal(mean[:, None], sd[:, None], np.shape(pull))
+    return mean[:, None] + np.linalg.solve(root, rng.standard_normal(np.shape(pull)))
 
 
-def build_model(collapse: LocalCollapse, prior: Prior, pilot: Pilot, coords: dict) -> pm.Model:
+def build_model(
+    collapse: LocalCollapse,
+    prior: Prior,
+    pilot: Pilot,
+    coords: dict,
+    covariance: Covariance = "independent",
+) -> pm.Model:
     """Build the hierarchical model.
 
     Parameters
@@ -156,6 +169,8 @@ def build_model(collapse: LocalCollapse, prior: Prior, pilot: Pilot, coords: dic
         What `localise_collapse`, `build_prior` and `fit_pilot` make.
     coords
         Names of trial and joint.
+    covariance
+        Which parameters of a trial may go together over trials.
     """
     joints = collapse.present.shape[1]
     own = [f"{name}[{joint}]" for joint in coords["joint"] for name in PARAMETERS]
@@ -170,8 +185,9 @@ def build_model(collapse: LocalCollapse, prior: Prior, pilot: Pilot, coords: dic
             transform=Placing(), dims="own",
         )  # fmt: skip
         eta = pm.CustomDist(
-            "eta", mu, sigma, data["curvature"], data["pull"], logp=_population_logp,
-            random=_draw_population, signature="(p),(p),(p,p,n),(p,n)->(p,n)",
+            "eta", mu, _root_precision(sigma, joints, covariance), data["curvature"], data["pull"],
+            logp=_population_logp, random=_draw_population,
+            signature="(p),(p,p),(p,p,n),(p,n)->(p,n)",
             transform=Whitening(), dims=("own", "trial"),
         )  # fmt: skip
         sd = pm.LogNormal("noise_sd", given["log_noise"], given["noise_log_sd"], dims="joint")
@@ -196,9 +212,19 @@ LIKELIHOOD_DATA = (
 
 def _draw_partials(joints: int) -> TensorVariable:
     """Partial correlations of the joints' noise whose correlation matrix is LKJ(2)."""
-    column = np.concatenate([np.arange(row) for row in range(1, joints)])
-    shape = LKJ_SHAPE + (joints - 2 - column) / 2
+    shape = shape_partials(joints)
     return 2 * pm.Beta("noise_partial", shape, shape) - 1
+
+
+def _root_precision(sigma: Variable, joints: int, covariance: Covariance) -> TensorVariable:
+    """Lower triangular A (p, p) of the precision AᵀA of a trial's parameters."""
+    if covariance == "independent":
+        return pt.diag(1 / sigma)
+    free = mark_free_partials(joints, covariance)
+    shape = shape_free_partials(joints, covariance)
+    drawn = 2 * pm.Beta("parameter_partial", shape, shape) - 1
+    partial = pt.set_subtensor(pt.zeros(len(free))[np.flatnonzero(free)], drawn)
+    return pt.linalg.solve_triangular(FactorisePartials()(partial), pt.diag(1 / sigma), lower=True)
 
 
 def gather_data(collapse: LocalCollapse, pilot: Pilot) -> dict[str, NDArray]:

@@ -29,7 +29,11 @@ from softfinger.population import (
     whitening,
     windows,
 )
-from softfinger.population.covariance import factorise_partials, pull_partials_back
+from softfinger.population.covariance import (
+    factorise_partials,
+    pull_factor_back,
+    pull_partials_back,
+)
 from softfinger.population.likelihood import sum_log_likelihood
 from softfinger.population.whitening import colour_trials, pull_colours_back
 from softfinger.population.windows import Windows
@@ -93,6 +97,14 @@ def _run_colours_back(  # noqa: ANN202
     )
 
 
+def _run_factor(partial: NDArray):  # noqa: ANN202
+    return factorise_partials(own(partial))
+
+
+def _run_factor_back(partial: NDArray, factor: NDArray, factor_bar: NDArray):  # noqa: ANN202
+    return pull_factor_back(own(partial), own(factor), own(factor_bar))
+
+
 class _Compiled(Op):
     """An operation that is one numba function of arrays.
 
@@ -106,6 +118,8 @@ class _Compiled(Op):
     def perform(self, node: Apply, inputs: Sequence, output_storage: Sequence) -> None:
         """Evaluate with numpy arrays."""
         results = type(self).function(*(np.ascontiguousarray(x) for x in inputs))
+        if len(output_storage) == 1:
+            results = (results,)
         for storage, result in zip(output_storage, results, strict=True):
             storage[0] = np.asarray(result)
 
@@ -198,6 +212,44 @@ class PullColoursBack(_Compiled):
         return [shapes[k] for k in (1, 3, 4)]
 
 
+class FactorisePartials(_Compiled):
+    """Cholesky factor (p, p) of a correlation matrix from its partials (pair,) (`covariance`)."""
+
+    function = staticmethod(factorise_partials)
+    run = staticmethod(_run_factor)
+
+    def make_node(self, partial: Variable) -> Apply:
+        """Build the node."""
+        return Apply(self, [pt.as_tensor_variable(partial)], [pt.dmatrix()])
+
+    def infer_shape(self, node: Apply, shapes: Sequence) -> list:
+        """Shape of the output."""
+        size = pt.cast((1 + pt.sqrt(1 + 8 * shapes[0][0])) // 2, "int64")
+        return [(size, size)]
+
+    def pullback(
+        self, inputs: Sequence[Variable], outputs: Sequence[Variable], cotangents: Sequence
+    ) -> list[Variable]:
+        """Pull the cotangent of the factor back."""
+        return [PullFactorBack()(inputs[0], outputs[0], cotangents[0])]
+
+
+class PullFactorBack(_Compiled):
+    """The derivative of `FactorisePartials`."""
+
+    function = staticmethod(pull_factor_back)
+    run = staticmethod(_run_factor_back)
+
+    def make_node(self, *inputs: Variable) -> Apply:
+        """Build the node."""
+        variables = [pt.as_tensor_variable(x) for x in inputs]
+        return Apply(self, variables, [variables[0].type()])
+
+    def infer_shape(self, node: Apply, shapes: Sequence) -> list:
+        """Shape of the output."""
+        return [shapes[0]]
+
+
 @cache
 def _hash_sources() -> int:
     """Hash the code that the operations run, for PyTensor's cache sees only their names."""
@@ -211,5 +263,7 @@ def _compile(op: _Compiled, **_: object) -> tuple[Callable, int]:
     return numba_njit(type(op).run), _hash_sources()
 
 
-for _operation in (CollapsedLikelihood, ColourTrials, PullColoursBack):
+for _operation in (
+    CollapsedLikelihood, ColourTrials, PullColoursBack, FactorisePartials, PullFactorBack
+):  # fmt: skip
     register_funcify_default_op_cache_key(_operation)(_compile)

@@ -18,6 +18,7 @@ from softfinger.estimation.sampling import (
     scale_points,
 )
 from softfinger.population.collapse import collapse_angles
+from softfinger.population.correlation import Covariance
 from softfinger.population.frames import select_frames
 from softfinger.population.integrate import compute_integrated_log_likelihood
 from softfinger.population.outliers import find_outliers
@@ -46,7 +47,7 @@ def fit_posterior(angles: xr.Dataset, config: Mapping[str, Any], seed: int) -> x
     angles
         The `angles` artifact.
     config
-        The `estimation` block: chains, tune, draws, cores, target_accept, max_depth,
+        The `estimation` block: chains, tune, draws, cores, target_accept, max_depth, covariance,
         predictive_draws.
     seed
         Of this stage's random stream.
@@ -66,7 +67,7 @@ def fit_posterior(angles: xr.Dataset, config: Mapping[str, Any], seed: int) -> x
     """
     rng = np.random.default_rng(seed)
     prepared = prepare_fit(angles)
-    density = compile_fit(prepared)
+    density = compile_fit(prepared, config["covariance"])
     posterior, stats = sample_posterior(prepared, config, rng, density)
     scores = score_trials(prepared, density, posterior, config, rng)
     return build_tree(angles, prepared, posterior, stats, scores, config, rng)
@@ -107,7 +108,7 @@ def sample_posterior(
     density
         Compiled for a campaign of the same trials and joints.
     """
-    density = compile_fit(prepared) if density is None else density
+    density = compile_fit(prepared, config["covariance"]) if density is None else density
     data = gather_data(prepared.collapse, prepared.pilot)
     points, stats = sample_density(
         density,
@@ -122,16 +123,20 @@ def sample_posterior(
         data={name: data[name] for name in density.data if name in data},
     )
     variables = expand_points(
-        points, density.shapes, prepared.prior, prepared.pilot, data["resolution"]
+        points,
+        density.shapes,
+        prepared.prior,
+        prepared.pilot,
+        data["resolution"],
+        config["covariance"],
     )
     return name_draws(variables, prepared.coords), stats
 
 
-def compile_fit(prepared: Preparation) -> Density:
+def compile_fit(prepared: Preparation, covariance: Covariance = "independent") -> Density:
     """Compile the model of a campaign."""
-    return compile_density(
-        build_model(prepared.collapse, prepared.prior, prepared.pilot, prepared.coords)
-    )
+    _, collapse, prior, pilot, coords = prepared
+    return compile_density(build_model(collapse, prior, pilot, coords, covariance))
 
 
 def score_trials(

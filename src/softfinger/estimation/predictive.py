@@ -4,6 +4,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from softfinger.population.correlation import (
+    Covariance,
+    correlate_free_partials_array,
+    shape_free_partials,
+    shape_partials,
+)
 from softfinger.population.likelihood import PARAMETERS
 from softfinger.population.priors import Prior
 from softfinger.population.simulate import compute_motion, draw_noise_array, group_clocks
@@ -11,27 +17,32 @@ from softfinger.population.simulate import compute_motion, draw_noise_array, gro
 PRIOR_DRAWS = 1000
 PREDICTED_FRAMES = 60  # of each trial, evenly spaced
 MOST_PROTOCOLS = 8
-LKJ_SHAPE = 2.0
 LOGS = PARAMETERS[:3]
 LARGEST_LOG = 300.0  # a prior draw beyond it would leave the floating-point range
 
 
-def draw_prior(prior: Prior, joints: int, rng: np.random.Generator) -> dict[str, NDArray]:
+def draw_prior(
+    prior: Prior, joints: int, rng: np.random.Generator, covariance: Covariance = "independent"
+) -> dict[str, NDArray]:
     """Draw population and noise (1, draw, …) from the prior, as the model's variables."""
     shape = (1, PRIOR_DRAWS, joints, 4)
     mu = rng.normal(prior.mu_mean, prior.mu_sd, shape)
     sigma = np.exp(rng.normal(np.log(prior.sigma_median), prior.sigma_log_sd, shape))
     lead = (1, PRIOR_DRAWS)
     noise = rng.normal(np.log(prior.noise_median), prior.noise_log_sd, (*lead, joints))
-    column = np.array([k for row in range(joints) for k in range(row)], float)
-    beta = LKJ_SHAPE + (joints - 2 - column) / 2
-    return {
+    beta = shape_partials(joints)
+    drawn = {
         "mu": mu.reshape(*lead, -1),
         "sigma": sigma.reshape(*lead, -1),
         "noise_sd": np.exp(noise),
         "noise_autocorrelation": rng.uniform(size=(*lead, joints)),
-        "noise_partial": 2 * rng.beta(beta, beta, (*lead, len(column))) - 1,
+        "noise_partial": 2 * rng.beta(beta, beta, (*lead, len(beta))) - 1,
     }
+    if covariance != "independent":
+        beta = shape_free_partials(joints, covariance)
+        partial = 2 * rng.beta(beta, beta, (*lead, len(beta))) - 1
+        drawn["parameter_correlation"] = correlate_free_partials_array(partial, joints, covariance)
+    return drawn
 
 
 def predict_trials(
@@ -74,13 +85,32 @@ def predict_new_trials(
     thinned = _thin_frames(angles.isel(trial=first), frames.isel(trial=first))
     shape = (*(chosen.sizes[d] for d in ("chain", "draw")), len(first), chosen.sizes["joint"])
     parameters = xr.Dataset()
-    for name in PARAMETERS:
-        spread = chosen[f"sigma_{name}"].values[:, :, None] * rng.standard_normal(shape)
+    standard = draw_standard(chosen, shape[2], rng)
+    for k, name in enumerate(PARAMETERS):
+        spread = chosen[f"sigma_{name}"].values[:, :, None] * standard[..., k]
         values = chosen[f"mu_{name}"].values[:, :, None] + spread
         parameters[name] = (("chain", "draw", "trial", "joint"), values)
     recorded = _record(thinned, parameters, chosen, rng)
     renamed = {name: f"new_{name}" for name in recorded.data_vars}
     return recorded.rename({**renamed, "trial": "like_trial"})
+
+
+def draw_standard(
+    population: xr.Dataset, trials: int, rng: np.random.Generator
+) -> NDArray[np.float64]:
+    """Draw new trials' (η − μ)/σ, as correlated as each draw of a population has them.
+
+    Returns
+    -------
+    (…, trial, joint, 4), led by the population's sample dims.
+    """
+    mean = population["mu_q_ini"]
+    lead, joints = mean.shape[:-1], mean.sizes["joint"]
+    drawn = rng.standard_normal((*lead, trials, joints * len(PARAMETERS)))
+    if "parameter_correlation" in population:
+        root = np.linalg.cholesky(population["parameter_correlation"].values)
+        drawn = drawn @ root.swapaxes(-1, -2)
+    return drawn.reshape(*lead, trials, joints, len(PARAMETERS))
 
 
 def thin_draws(posterior: xr.Dataset, draws: int) -> xr.Dataset:

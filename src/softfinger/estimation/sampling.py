@@ -22,6 +22,11 @@ from pytensor.link.numba.cache import CACHED_SRC_FUNCTIONS
 from pytensor.tensor.variable import TensorVariable
 from scipy.special import expit, logit
 
+from softfinger.population.correlation import (
+    Covariance,
+    correlate_free_partials_array,
+    invert_covariance_array,
+)
 from softfinger.population.covariance import find_partials_array
 from softfinger.population.pilot import Pilot
 from softfinger.population.priors import Prior
@@ -100,6 +105,7 @@ def expand_points(
     prior: Prior,
     pilot: Pilot,
     resolution: float,
+    covariance: Covariance,
 ) -> dict[str, NDArray[np.float64]]:
     """Turn unconstrained points (chain, draw, n) into the model's variables (chain, draw, …).
 
@@ -119,8 +125,14 @@ def expand_points(
     centre, spread = place_mean(*known, variables["sigma"], pilot.value.T, pilot.variance.T)
     variables["mu"] = centre + spread * raw["mu"]
     curvature, pull = np.moveaxis(pilot.modes.curvature, 0, -1).copy(), pilot.modes.pull.T.copy()
+    correlation = np.full(lead, None)
+    if "parameter_partial" in raw:
+        partial = 2 * expit(raw["parameter_partial"]) - 1
+        correlation = correlate_free_partials_array(partial, joints, covariance)
+        variables["parameter_correlation"] = correlation
     for at in np.ndindex(*lead):
-        population = (variables["mu"][at], np.diag(variables["sigma"][at] ** -2.0))
+        precision = invert_covariance_array(variables["sigma"][at], correlation[at])
+        population = (variables["mu"][at], precision)
         variables["eta"][at] = colour_trials(raw["eta"][at], curvature, pull, *population)[0]
     variables["eta"] = np.swapaxes(variables["eta"], -1, -2)
     variables["noise_sd"] = np.exp(raw["noise_sd"])
@@ -160,6 +172,9 @@ def scale_points(
             ratio + np.log(-np.expm1(-ratio)), 2 * np.sqrt((1 + rho) / (1 - rho))
         ),
         "noise_partial": (logit((1 + partial) / 2), 2 / np.sqrt(frames)),
+        "parameter_partial": (
+            np.zeros(shapes.get("parameter_partial", 0)), min(2 / np.sqrt(trials), 1.0)
+        ),
     }  # fmt: skip
     centre = [np.ravel(places[name][0]) for name in shapes]
     spread = [

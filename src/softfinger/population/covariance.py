@@ -100,8 +100,13 @@ def factorise_partials(partial: NDArray) -> NDArray:
 @njit(cache=True, error_model="numpy")
 def pull_partials_back(partial: NDArray, factor: NDArray, correlation_bar: NDArray) -> NDArray:
     """Slope by the partial correlations (pair,) from the slope by C (joint, joint)."""
+    return pull_factor_back(partial, factor, (correlation_bar + correlation_bar.T) @ factor)
+
+
+@njit(cache=True, error_model="numpy")
+def pull_factor_back(partial: NDArray, factor: NDArray, factor_bar: NDArray) -> NDArray:
+    """Slope by the partial correlations (pair,) from the slope by L (joint, joint)."""
     joints = factor.shape[0]
-    factor_bar = (correlation_bar + correlation_bar.T) @ factor
     bar = np.empty(partial.size)
     pair = partial.size
     for j in range(joints - 1, 0, -1):

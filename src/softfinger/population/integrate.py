@@ -12,6 +12,7 @@ import xarray as xr
 from numba import njit
 from numpy.typing import NDArray
 
+from softfinger.population.correlation import invert_covariance_array
 from softfinger.population.laplace import Modes
 from softfinger.population.likelihood import PARAMETERS, fill_squares
 from softfinger.population.weights import weigh_noise
@@ -32,7 +33,8 @@ def compute_integrated_log_likelihood(
         Of the campaign.
     posterior
         mu_…, sigma_… (chain, draw, joint) of the four parameters, noise_sd, noise_autocorrelation
-        (chain, draw, joint), noise_correlation (chain, draw, joint, other_joint).
+        (chain, draw, joint), noise_correlation (chain, draw, joint, other_joint) and, unless
+        parameters are independent, parameter_correlation (chain, draw, own, other_own).
     rng
         For the points.
 
@@ -50,10 +52,15 @@ def compute_integrated_log_likelihood(
     half = rng.standard_normal((PAIRS, size, trials))
     points = np.concatenate([half, -half])
     stand_in = (np.moveaxis(modes.curvature, 0, -1).copy(), modes.pull.T.copy())
+    correlation = posterior.get("parameter_correlation")
+    correlation = None if correlation is None else correlation.values
     result = np.empty((*lead, trials))
     for at in np.ndindex(*lead):
         noise = [posterior[f"noise_{name}"].values[at] for name in _NOISE]
-        population = (mu[at].ravel(), sigma[at].ravel())
+        precision = invert_covariance_array(
+            sigma[at].ravel(), None if correlation is None else correlation[at]
+        )
+        population = (mu[at].ravel(), precision)
         result[at] = integrate_trials_array(collapse, stand_in, *population, *noise, points)
     coords = {name: posterior[name] for name in ("chain", "draw", "trial")}
     return xr.DataArray(result, coords, ("chain", "draw", "trial"), name="recording")
@@ -66,7 +73,7 @@ def integrate_trials_array(
     collapse: LocalCollapse,
     stand_in: tuple[NDArray[np.float64], NDArray[np.float64]],
     mean: NDArray[np.float64],
-    sd: NDArray[np.float64],
+    precision: NDArray[np.float64],
     noise_sd: NDArray[np.float64],
     autocorrelation: NDArray[np.float64],
     correlation: NDArray[np.float64],
@@ -80,8 +87,8 @@ def integrate_trials_array(
         Of the campaign.
     stand_in
         Curvature (p, p, trial) and pull (p, trial) of the likelihood's normal stand-in.
-    mean, sd
-        (p,) of the population.
+    mean, precision
+        (p,) and (p, p) of the population.
     noise_sd, autocorrelation, correlation
         Of the noise.
     points
@@ -89,7 +96,7 @@ def integrate_trials_array(
     """
     weights = weigh_noise(collapse.gap, collapse.patterns, noise_sd, autocorrelation, correlation)
     log_weight = _weigh_points(
-        points, *stand_in, mean, sd, collapse.windows, collapse.window, collapse.products,
+        points, *stand_in, mean, precision, collapse.windows, collapse.window, collapse.products,
         collapse.first, weights.pair, weights.precision[:, -1].copy(), collapse.pattern,
         len(noise_sd),
     )  # fmt: skip
@@ -105,7 +112,7 @@ def _weigh_points(
     curvature: NDArray,
     pull: NDArray,
     mean: NDArray,
-    sd: NDArray,
+    precision: NDArray,
     windows: Windows,
     window: NDArray,
     products: NDArray,
@@ -117,7 +124,8 @@ def _weigh_points(
 ) -> NDArray:
     """Log of p(y|η) p(η) / q(η), but for noise constants: (point, trial)."""
     count, size, trials = points.shape
-    precision = np.diag(1.0 / sd**2)
+    half_log_det = np.log(np.diag(np.linalg.cholesky(precision))).sum()
+    away = np.empty(size)
     log_weight = np.empty((count, trials))
     quadratic = np.empty(trials)
     for m in range(count):
@@ -127,9 +135,12 @@ def _weigh_points(
             own, windows, window, products, first, pair, initial, pattern, quadratic,
         )  # fmt: skip
         for i in range(trials):
-            total = volume[i] - 0.5 * quadratic[i]
+            total = volume[i] - 0.5 * quadratic[i] + half_log_det
             for a in range(size):
-                away = (eta[a, i] - mean[a]) / sd[a]
-                total += 0.5 * (points[m, a, i] ** 2 - away * away) - np.log(sd[a])
+                away[a] = eta[a, i] - mean[a]
+                total += 0.5 * points[m, a, i] ** 2
+                for b in range(a):
+                    total -= away[a] * precision[a, b] * away[b]
+                total -= 0.5 * precision[a, a] * away[a] ** 2
             log_weight[m, i] = total
     return log_weight

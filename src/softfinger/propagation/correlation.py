@@ -1,8 +1,9 @@
 """Whether the parameters go together from trial to trial, and what that does to their shares.
 
-The hierarchical model takes the parameters as independent. Given a draw of its trials' parameters,
-standardised by their population, the correlation has an inverse-Wishart posterior under a prior
-that makes each correlation uniform on (−1, 1): one correlation matrix is drawn per posterior draw.
+Where the hierarchical model has correlations, they are its own. Where it takes the parameters as
+independent, then given a draw of its trials' parameters, standardised by their population, the
+correlation has an inverse-Wishart posterior under a prior that makes each correlation uniform on
+(−1, 1): one correlation matrix is drawn per posterior draw.
 """
 
 from collections.abc import Mapping
@@ -20,11 +21,12 @@ from softfinger.propagation.protocols import group_protocols, select_main_protoc
 from softfinger.propagation.shapley import compute_shapley_array
 from softfinger.propagation.sobol import QUANTILES, build_sobol_times
 
-DEFINITION = (
-    "Shapley effects (Owen 2014) of correlated parameters; correlations from the trials' "
-    "posterior parameters with an inverse-Wishart prior of uniform margins. The fitted model "
-    "itself takes the parameters as independent, which shrinks correlations of parameters that "
-    "single trials hardly determine. The population of c_p is taken whole, without truncation"
+DEFINITION = "Shapley effects (Owen 2014) of correlated parameters; {}; c_p without truncation"
+FITTED = "correlations of the fitted population"
+AFTERWARDS = (
+    "correlations from the trials' posterior parameters with an inverse-Wishart prior of uniform "
+    "margins, for the fitted model itself takes the parameters as independent, which shrinks "
+    "correlations of parameters that single trials hardly determine"
 )
 
 
@@ -54,7 +56,11 @@ def compute_shapley(
     trials = take_draws(posterior, NAMES, knobs.draws).to_dataarray("parameter")
     eta = trials.transpose("draw", "trial", "joint", "parameter").to_numpy()
     mu, sigma = (population[name].to_numpy() for name in ("mu", "sigma"))
-    correlation = draw_correlations_array((eta - mu[:, None]) / sigma[:, None], rng)
+    if "parameter_correlation" in posterior["posterior"]:
+        correlation, source = select_correlations(posterior, knobs.draws), FITTED
+    else:
+        standard = (eta - mu[:, None]) / sigma[:, None]
+        correlation, source = draw_correlations_array(standard, rng), AFTERWARDS
     covariance = correlation * sigma[..., :, None] * sigma[..., None, :]
     load = (protocol.load_time, protocol.load_torque)
     # a lattice of its own for each draw: one for all is as fine as the narrowest and as long as
@@ -76,8 +82,17 @@ def compute_shapley(
     )
     bounds = draws.quantile(QUANTILES, dim="draw").transpose(..., "quantile")
     bounds = bounds.rename({name: f"{name}_quantile" for name in draws})
-    attrs = {"definition": DEFINITION, "protocol": protocol.name}
+    attrs = {"definition": DEFINITION.format(source), "protocol": protocol.name}
     return xr.merge([draws.mean("draw"), bounds]).assign_attrs(attrs)
+
+
+def select_correlations(posterior: xr.DataTree, draws: int) -> NDArray[np.float64]:
+    """Select the fitted correlations (draw, joint, p, p) of each joint's own parameters."""
+    chosen = take_draws(posterior, ["parameter_correlation"], draws)["parameter_correlation"]
+    whole = chosen.transpose("draw", "own", "other_own").to_numpy()
+    p = len(NAMES)
+    starts = range(0, whole.shape[1], p)
+    return np.stack([whole[:, at : at + p, at : at + p] for at in starts], axis=1)
 
 
 def draw_correlations_array(

@@ -1,4 +1,4 @@
-"""What the fit took for granted: one population, independent parameters, and its priors."""
+"""What the fit took for granted: one population, its parameters' correlations, and its priors."""
 
 from __future__ import annotations
 
@@ -18,7 +18,9 @@ LITTLE = "the recordings say little"
 
 
 def show_independence(material: Material) -> tuple[Block, ...]:
-    """Say whether the data agree that a trial's parameters are independent, pair by pair."""
+    """Say whether a trial's parameters are independent: as fitted, else as the data agree."""
+    if material.posterior is not None and "parameter_correlation" in material.posterior:
+        return () if is_alone(material) else show_correlations(material)
     found = find_group(material, "independence")
     if found is None or is_alone(material):
         return ()
@@ -53,6 +55,44 @@ def show_independence(material: Material) -> tuple[Block, ...]:
     return (
         Paragraph(sentence, tone),
         Table("independence", title, caption, columns, rows, folded=True),
+    )
+
+
+def show_correlations(material: Material) -> tuple[Block, ...]:
+    """Show the fitted correlations of a trial's parameters, the surest first."""
+    drawn = material.posterior["parameter_correlation"].stack(sample=("chain", "draw"))
+    own = [name_own(str(label)) for label in drawn["own"].values]
+    prob = material.limits.ci_prob
+    tails = ((1 - prob) / 2, 0.5, (1 + prob) / 2)
+    low, middle, high = drawn.quantile(tails, "sample").transpose("quantile", "own", "other_own")
+    lower = zip(*np.tril_indices(len(own), -1), strict=True)
+    free = [at for at in lower if float(high[at]) > float(low[at])]
+    clear = sum(float(low[at]) > 0 or float(high[at]) < 0 for at in free)
+    free.sort(key=lambda at: -abs(float(middle[at])) / (float(high[at]) - float(low[at])))
+    rows = tuple(
+        (
+            text(own[j]),
+            text(own[i]),
+            number(format_number(middle[i, j].item(), 2), middle[i, j].item()),
+            text(f"{format_number(low[i, j].item(), 2)} to {format_number(high[i, j].item(), 2)}"),
+        )
+        for i, j in free[:MOST_PAIRS]
+    )
+    sentence = (
+        f"The model lets {len(free)} pairs of a trial's parameters go together. At "
+        f"{100 * prob:g} %, {clear} of them do; chance alone would give about "
+        f"{format_number((1 - prob) * len(free), 2)}."
+    )
+    caption = (
+        f"The {len(rows)} of {len(free)} pairs whose correlation over trials is largest against "
+        f"its uncertainty: median and {100 * prob:g} % equal-tailed interval. "
+        f"{capital(material.cite('posterior'))}."
+    )
+    columns = ("parameter", "with", "correlation", f"{100 * prob:g} % interval")
+    title = "Parameters that go together"
+    return (
+        Paragraph(sentence),
+        Table("parameter_correlation", title, caption, columns, rows, folded=True),
     )
 
 

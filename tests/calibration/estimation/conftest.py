@@ -18,7 +18,15 @@ from softfinger.population.simulate import (
     draw_parameters,
 )
 
-SIZE = {"chains": 2, "tune": 200, "draws": 200, "cores": 1, "target_accept": 0.8, "max_depth": 10}
+SIZE = {
+    "chains": 2,
+    "tune": 200,
+    "draws": 200,
+    "cores": 1,
+    "target_accept": 0.8,
+    "max_depth": 10,
+    "covariance": "independent",
+}
 THIN = 8
 TRIALS, FRAMES = 5, 60
 QUANTITIES = (

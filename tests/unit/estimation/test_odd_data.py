@@ -6,7 +6,15 @@ import pytest
 from softfinger.estimation.layout import describe_limits
 from softfinger.estimation.posterior import prepare_fit, sample_posterior
 
-SMALL = {"chains": 2, "tune": 250, "draws": 200, "cores": 1, "target_accept": 0.8, "max_depth": 10}
+SMALL = {
+    "chains": 2,
+    "tune": 250,
+    "draws": 200,
+    "cores": 1,
+    "target_accept": 0.8,
+    "max_depth": 10,
+    "covariance": "independent",
+}
 
 
 def fit(angles, seed=1):

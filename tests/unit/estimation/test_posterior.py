@@ -10,7 +10,15 @@ from softfinger.estimation.posterior import compile_fit, prepare_fit, sample_pos
 from softfinger.population.likelihood import compute_log_likelihood_array
 
 NAMES = ("log_k_v", "log_c_v", "log_c_p", "q_ini")
-SMALL = {"chains": 2, "tune": 200, "draws": 150, "cores": 1, "target_accept": 0.8, "max_depth": 10}
+SMALL = {
+    "chains": 2,
+    "tune": 200,
+    "draws": 150,
+    "cores": 1,
+    "target_accept": 0.8,
+    "max_depth": 10,
+    "covariance": "independent",
+}
 
 
 def stack_trials(own):

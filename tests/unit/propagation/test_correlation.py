@@ -31,6 +31,21 @@ def test_correlation_is_found_among_the_trials_and_stays_wide_with_seven(shapley
     np.testing.assert_allclose(itself, 1.0, rtol=1e-12)
 
 
+def test_fitted_correlations_are_taken_as_they_are(angles, posterior, config):
+    group = posterior["posterior"].to_dataset()
+    matrix = np.zeros((group.sizes["chain"], group.sizes["draw"], 8, 8)) + np.eye(8)
+    matrix[..., 4, 6] = matrix[..., 6, 4] = 0.5  # log k_v with log c_p at the second joint
+    fitted = posterior.copy()
+    fitted["posterior"] = group.assign(
+        parameter_correlation=(("chain", "draw", "own", "other_own"), matrix)
+    )
+    found = compute_shapley(angles, fitted, config, np.random.default_rng(3))
+    expected = np.broadcast_to(np.eye(4), (2, 4, 4)).copy()
+    expected[1, 0, 2] = expected[1, 2, 0] = 0.5
+    np.testing.assert_allclose(found["correlation"], expected)
+    assert "of the fitted population" in found.attrs["definition"]
+
+
 def test_many_trials_show_their_correlation():
     rng = np.random.default_rng(2)
     z = rng.standard_normal((5, 2000, 2, 3))

@@ -76,3 +76,23 @@ def test_a_fit_without_these_groups_shows_no_table(asked, page):
     ):
         assert title in shown
         assert title not in page
+
+
+def test_fitted_correlations_take_the_place_of_the_question(asked):
+    tree = asked.artifacts["posterior"].copy()
+    posterior = tree["posterior"].dataset
+    rng = np.random.default_rng(1)
+    shape = (posterior.sizes["chain"], posterior.sizes["draw"])
+    matrix = np.zeros((*shape, 7, 7)) + np.eye(7)
+    for a, b, centre in ((0, 1, 0.1), (2, 1, -0.8)):
+        matrix[..., a, b] = matrix[..., b, a] = centre + 0.1 * rng.standard_normal(shape)
+    variable = (("chain", "draw", "own", "other_own"), matrix)
+    tree["posterior"] = posterior.assign(parameter_correlation=variable).assign_coords(
+        own=OWN, other_own=OWN
+    )
+    material = Material(asked.artifacts | {"posterior": tree}, read_config(CONFIG), CONFIG)
+    sentence, table = show_independence(material)
+    assert "lets 2 pairs of a trial's parameters go together" in sentence.text
+    assert ", 1 of them do" in sentence.text
+    assert [cell.text for cell in table.rows[0][:2]] == ["c_v, joint 1", "q_ini, joint 1"]
+    assert len(table.rows) == 2

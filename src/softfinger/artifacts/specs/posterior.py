@@ -34,6 +34,14 @@ SPEC = ArtifactSpec(
                 _POPULATION, "rad", "population sd of the initial angle", at_least=0.0
             ),
             "q_ini": Variable(_TRIAL, "rad", "initial angle of a trial"),
+            "parameter_correlation": Variable(
+                ("chain", "draw", *_PAIR),
+                "1",
+                "correlation of a trial's parameters over trials",
+                at_least=-1.0,
+                at_most=1.0,
+                optional=True,
+            ),
             "noise_sd": Variable(
                 _POPULATION, "rad", "marginal sd of the measurement noise", at_least=0.0
             ),
