@@ -71,7 +71,7 @@ def test_what_close_sets_share_is_settled_where_it_explains_most():
 
 def test_sets_stand_where_what_they_share_explains_too_little_or_was_not_fitted():
     pairs = [Candidate(model("a", second), "fit", 100.0) for second in "bc"]
-    for one in (Candidate(model("a"), "fit", 60.0), Candidate(model("a"), None, 90.0)):
+    for one in (Candidate(model("a"), "fit", 45.0), Candidate(model("a"), None, 90.0)):
         found = search(one, *pairs)
         assert settle_search(found) is found
 
