@@ -24,3 +24,12 @@ def test_noise_holds_no_jump(draw_campaign, seed):
     jumps = look(draw_campaign(seed, 0.0))
     assert jumps.gain < 4.6
     assert jumps.trials == []
+
+
+@pytest.mark.parametrize("frame", [1, 2, 4])
+def test_an_outlier_is_no_jump(draw_campaign, frame):
+    angles = draw_campaign(3, 0.0)
+    angles["joint_angle"][2, 0, frame] += 0.02
+    jumps = look(angles)
+    assert jumps.gain < 4.6
+    assert jumps.trials == []
