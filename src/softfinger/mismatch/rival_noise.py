@@ -14,9 +14,11 @@ from softfinger.mismatch.problem import LAYOUT, Candidate, Problem
 from softfinger.mismatch.search import Search
 from softfinger.mismatch.summary import compute_residual
 from softfinger.mismatch.trials import prepare_trials
+from softfinger.population.mixed_effects_laplace import SHARE
 from softfinger.population.noise import compare_noise, estimate_residual_noise
 
 UNBELIEVABLE = 1e-3  # p-value from which quiet windows refuse a noise
+TOLERANCE = 0.02  # nats within which a refit is at rest
 FINALISTS = 6  # sets of effects that are judged anew
 
 
@@ -40,7 +42,7 @@ def admit_noise(
     judged = []
     for candidate in finalists.values():
         noisy = _explain_by_noise(problem, candidate, angles)
-        again = _refit(noisy, candidate)
+        again = candidate if noisy is problem else _refit(noisy, candidate, search.base)
         if again is not None:
             level = -0.5 * float(noisy.trials.logdet[noisy.trials.protocol].sum())
             judged.append((noisy, candidate, again.log_evidence + level))
@@ -50,7 +52,8 @@ def admit_noise(
     level = 0.5 * float(best_problem.trials.logdet[best_problem.trials.protocol].sum())
     settled = []
     for _, candidate, evidence in judged:
-        fitted = _refit(best_problem, candidate)
+        same = best_problem is problem
+        fitted = candidate if same else _refit(best_problem, candidate, search.base)
         if fitted is not None:
             settled.append(fitted._replace(log_evidence=evidence + level))
     settled.sort(key=lambda c: -c.log_evidence)
@@ -83,9 +86,10 @@ def _explain_by_noise(problem: Problem, candidate: Candidate, angles: xr.Dataset
     return replace(problem, noise=noise, trials=prepare_trials(chosen, noise)[0])
 
 
-def _refit(problem: Problem, candidate: Candidate) -> Candidate | None:
-    fit = candidate.fit
-    again = problem.fit(candidate.model, (fit.own, fit.shared, fit.omega))
+def _refit(problem: Problem, candidate: Candidate, base: Candidate) -> Candidate | None:
+    fit, gain = candidate.fit, candidate.log_evidence - base.log_evidence
+    start = fit.own, fit.shared, fit.omega
+    again = problem.fit(candidate.model, start, tolerance=max(TOLERANCE, SHARE * gain))
     if again is None or not again.converged:
         return None
     return Candidate(candidate.model, again, again.log_evidence)

@@ -20,7 +20,7 @@ from softfinger.mismatch.rank import Progress, Score, prune, rank_pieces
 MOST_EFFECTS = 3
 FORM_ERROR = 0.02  # of what effects explain: what their textbook forms may leave to others
 RIVALS = 2  # sets of effects from which a further effect is tried
-RIVAL_NATS = 10.0  # behind the best, at most
+RIVAL_NATS, RIVAL_SHARE = 10.0, 0.15  # behind the best, at most, or that share of its gain
 
 
 class Search(NamedTuple):
@@ -82,7 +82,7 @@ def search_effects(
         return Search(base, found, [], base, max(first_gain, 0.0), refused, scores)
     for _ in range(MOST_EFFECTS - 1):
         larger = []
-        for rival in _list_rivals(found, len(best.model.ids)):
+        for rival in _list_rivals(base, found, len(best.model.ids)):
             more = [p for p in pieces if p.effect.id not in rival.model.ids]
             more = progress(_compatible(rival, more), "trying effects")
             columns = collect_columns(problem, rival, more)
@@ -116,14 +116,16 @@ def measure_shape(problem: Problem, candidate: Candidate) -> float:
     return 0.0 if shape is None else max(shape.gain, 0.0)
 
 
-def _list_rivals(found: list[Candidate], size: int) -> list[Candidate]:
+def _list_rivals(base: Candidate, found: list[Candidate], size: int) -> list[Candidate]:
     """Best models of the closest sets of effects of one size."""
     best: dict[frozenset[str], Candidate] = {}
     for candidate in sorted(found, key=lambda c: -c.log_evidence):
         if candidate.fit is not None and len(candidate.model.ids) == size:
             best.setdefault(candidate.model.ids, candidate)
     rivals = list(best.values())[:RIVALS]
-    return [c for c in rivals if c.log_evidence > rivals[0].log_evidence - RIVAL_NATS]
+    leading = rivals[0].log_evidence
+    behind = max(RIVAL_NATS, RIVAL_SHARE * (leading - base.log_evidence))
+    return [c for c in rivals if c.log_evidence > leading - behind]
 
 
 def _compatible(candidate: Candidate, pieces: Iterable[Piece]) -> list[Piece]:

@@ -112,6 +112,21 @@ def hold_omega(gram: NDArray[np.float64], prior: Prior, omega: NDArray[np.float6
     return LinearFit(*solved[:-1])
 
 
+def subtract_omega(omega: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Change (d²,) from another Ω to this: of the Cholesky factor, its diagonal's in logarithms."""
+    return _pack(np.ascontiguousarray(omega)) - _pack(np.ascontiguousarray(other))
+
+
+def add_omega(omega: NDArray[np.float64], change: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Ω after a change as `subtract_omega` states it.
+
+    >>> one, four = np.eye(1), 4 * np.eye(1)
+    >>> add_omega(one, 0.5 * subtract_omega(four, one)).round(6)
+    array([[2.]])
+    """
+    return _unpack(_pack(np.ascontiguousarray(omega)) + change, len(omega))
+
+
 @njit(cache=True)
 def _solve(
     gram: NDArray,

@@ -2,7 +2,7 @@
 
 y_i = F_i(η_i, φ) + ε_i is linearised at each trial's mode, the linear mixed model is solved from
 Gram matrices, and so on until nothing moves. Shared parameters may have bounds: their normal prior
-and posterior are cut there, each by itself.
+and posterior are cut there.
 
 References
 ----------
@@ -13,11 +13,19 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm
 
-from softfinger.population.mixed_effects import LinearFit, Prior, fit_linear, hold_omega
-from softfinger.population.mixed_effects_step import Linearise, take_step
+from softfinger.population.mixed_effects import (
+    LinearFit,
+    Prior,
+    add_omega,
+    fit_linear,
+    hold_omega,
+    subtract_omega,
+)
+from softfinger.population.mixed_effects_step import Linearise, Relaxation, take_step
+from softfinger.population.rectangle import measure_rectangle
 
+SHARE = 1e-4  # of the evidence that a fit gains: the digits that are asked of it
 PINNED = 1e12  # precision, over the prior's, of a parameter held at its bound
 
 
@@ -95,25 +103,35 @@ def fit_nonlinear(
     steps
         Most linearisations.
     tolerance
-        Change of the log evidence [nats] at which it has come to rest.
+        Change of the log evidence [nats] at which it has come to rest; of a large gain, `SHARE`.
     """
     own, shared, omega = (np.array(a, float) for a in start)
     gram = linearise(own, shared)
-    best = -np.inf
+    first = best = -np.inf
+    moving, spreading = Relaxation(), Relaxation()
     for _ in range(steps):
         moved, near, centre = centre_gram(gram, prior, own, shared)
         linear = fit_linear(moved, near, omega)
+        change = subtract_omega(linear.omega, omega)
+        part = spreading.limit(change)
+        spreading = spreading.take(part, change, part)
+        if part < 1.0:
+            linear = hold_omega(moved, near, add_omega(omega, part * change))
         omega = linear.omega
         linear, target = _hold_bounds(moved, near, bounds, linear, centre)
         step = linear.own - own
         moves = step, target - shared
-        candidate = take_step(linearise, prior, linear, (own, shared), moves, gram, own_step)
+        wanted = _scale(linear, moves)
+        most = moving.limit(wanted)
+        taken = take_step(linearise, prior, linear, (own, shared), moves, gram, own_step, most)
         evidence = linear.log_evidence
-        if candidate is None:
+        if taken is None:
             break
-        own, shared, gram = candidate
+        own, shared, gram, fraction = taken
+        moving = moving.take(most, wanted, fraction)
         still = np.all(np.abs(step) <= 0.05 * _spread(linear))
-        if abs(evidence - best) < tolerance and still:
+        first = evidence if np.isinf(first) else first
+        if abs(evidence - best) < tolerance + SHARE * abs(evidence - first) and still:
             best = evidence
             break
         best = evidence
@@ -171,15 +189,14 @@ def solve_linearised(
     linear = fit_linear(moved, near, omega, rounds=rounds) if rounds else None
     linear = _restore(linear or hold_omega(moved, near, omega), centre)
     d = len(omega)
-    sd = np.sqrt(np.diag(linear.shared_covariance)[d:])
+    found = linear.shared[d:], linear.shared_covariance[d:, d:]
     priors = prior.mean[d:], prior.precision[d:] ** -0.5
-    cut = compute_cut_array(linear.shared[d:], sd, *priors, bounds)
-    return linear, linear.log_evidence + float(cut)
+    return linear, linear.log_evidence + compute_cut_array(*found, *priors, bounds)
 
 
 def compute_cut_array(
     mean: NDArray[np.float64],
-    sd: NDArray[np.float64],
+    covariance: NDArray[np.float64],
     prior_mean: NDArray[np.float64],
     prior_sd: NDArray[np.float64],
     bounds: SharedBounds,
@@ -188,20 +205,11 @@ def compute_cut_array(
 
     >>> far = SharedBounds(np.zeros(1), np.full(1, np.inf), np.ones(1))
     >>> one = np.ones(1)
-    >>> compute_cut_array(9 * one, one, 0 * one, one, far).round(6)  # half-normal prior
-    np.float64(0.693147)
+    >>> round(compute_cut_array(9 * one, np.eye(1), 0 * one, one, far), 6)  # half-normal prior
+    0.693147
     """
-    inside = _log_mass(mean, sd, bounds)
-    return (inside - _log_mass(prior_mean, prior_sd, bounds)).sum()
-
-
-def _log_mass(mean: NDArray, sd: NDArray, bounds: SharedBounds) -> NDArray:
-    low, high = (bounds.low - mean) / sd, (bounds.high - mean) / sd
-    flip = low > 0  # the tail that loses no digits
-    upper = np.where(flip, -low, high)
-    lower = np.where(flip, -high, low)
-    large, small = norm.logcdf(upper), norm.logcdf(lower)
-    return large + np.log1p(-np.exp(np.minimum(small - large, -1e-12)))
+    inside = measure_rectangle(mean, covariance, bounds.low, bounds.high)
+    return inside - measure_rectangle(prior_mean, np.diag(prior_sd**2), bounds.low, bounds.high)
 
 
 def centre_gram(
@@ -262,6 +270,13 @@ def _hold_bounds(
             break
         held |= target != wanted
     return _restore(linear, centre), target + centre[d:]
+
+
+def _scale(linear: LinearFit, moves: tuple[NDArray, NDArray]) -> NDArray:
+    """A step in units of what is uncertain."""
+    d = len(linear.omega)
+    sd = np.sqrt(np.diag(linear.shared_covariance)[d:]) + 1e-12
+    return np.concatenate([(moves[0] / _spread(linear)).ravel(), moves[1] / sd])
 
 
 def _spread(linear: LinearFit) -> NDArray:

@@ -8,7 +8,7 @@ from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, p
 
 
 def _build_forms(setting: Setting) -> list[Form]:
-    declared = positive("inertia_scale", 1.0, floor=0.05)
+    declared = positive("inertia_scale", 5.0, floor=0.05)  # tubes and wires weigh too
     unknown = positive("inertia_in_units_of_ten_frames", 3.0, floor=0.01)
 
     def slots(values: Values) -> dict:
