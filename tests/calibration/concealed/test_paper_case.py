@@ -30,7 +30,6 @@ def test_levels_name_the_moment_arm_although_the_residual_is_near_the_noise(tmp_
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(reason="from one step, stiffening is taken for the moment arm", strict=True)
 def test_a_single_step_says_what_the_oracle_allows(tmp_path):
     truth, verdict = _diagnose("single_step", tmp_path)
     assert truth["misfit"]["base"] < 1.01 * truth["misfit"]["true"]
