@@ -13,7 +13,8 @@ def _build_forms(setting: Setting) -> list[Form] | str:
     share = signed("coupling", 0.1, per="pair", floor=2e-3)
     mutual = signed("coupling", 0.1, per="neighbours", floor=2e-3)
     reach = setting.reach.max()
-    saturation = between("saturation_per_rad", 0.2 / reach, 20.0 / reach, starts=1)
+    # faster would be a torque that is there at once and then constant: no coupling any more
+    saturation = between("saturation_per_rad", 0.1 / reach, 3.0 / reach, starts=1)
 
     def torque(values: Values) -> dict:
         return {"coupling_stiffness": values["coupling"] * stiffness}

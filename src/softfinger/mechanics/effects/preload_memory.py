@@ -1,7 +1,8 @@
 """A joint not yet at rest when the trial starts: an elastic angle that is still relaxing.
 
 Constant (a share of the elastic angle of a usual load), or what the trial before has left after the
-rest between them.
+rest between them: of a usual elastic angle, of that trial's, or of what the trial's own load gives
+at its own stiffness, which then stands in the angle at the start as well.
 """
 
 from dataclasses import replace
@@ -41,6 +42,10 @@ def _build_forms(setting: Setting) -> list[Form]:
     def fading_usual(values: Values) -> dict:
         return {"initial_angle": values["residual_strain_share"] * usual * fade(values)}
 
+    def fading_own(values: Values) -> dict:
+        load = setting.torques[:, None] * np.ones(setting.joints)
+        return {"initial_torque": values["residual_strain_share"] * load * fade(values)}
+
     forms = [Form("same_in_all_joints", (common,), constant), Form("constant", (share,), constant)]
     remembered = setting.trials > 1 and bool(np.any(np.abs(before) > REMAINS * usual))
     if remembered:
@@ -50,6 +55,7 @@ def _build_forms(setting: Setting) -> list[Form]:
         longest = 5 * max(rest.max(), setting.duration)
         memory = time_constant("memory_time_s", setting.duration / 10, longest, starts=2)
         forms.append(Form("usual_fading_with_rest", (share, memory), fading_usual))
+        forms.append(Form("own_fading_with_rest", (share, memory), fading_own))
         if remembered:
             forms.append(Form("fading_with_rest", (share, memory), fading))
     return forms

@@ -10,14 +10,16 @@ from softfinger.mechanics.forward.torque import fill_balance
 from softfinger.mechanics.forward.work import START, Model, Work
 
 _INITIAL = JOINT_SLOTS.index("initial_angle")
+_HELD = JOINT_SLOTS.index("initial_torque")
 
 
 @compiled
 def fill_rest(model: Model, work: Work) -> None:
     """Write the modes and their state at the start of a trial.
 
-    q = q_ini there. The elastic elements balance what acts without load (weight, stop), plus an
-    `initial_angle` that has not relaxed; the dashpot has not flowed.
+    q = q_ini there, plus what an `initial_torque` has left. The elastic elements balance what acts
+    without load (weight, stop) at q_ini, plus this and an `initial_angle` that have not relaxed;
+    the dashpot has not flowed.
     """
     state, linear, nodes = work.state, work.linear, work.nodes
     tangents = model.d_chain.shape[0] > 0
@@ -51,8 +53,9 @@ def _fill_joint_rest(model: Model, work: Work, j: int) -> None:
     state, linear, balance = work.state, work.linear, work.balance
     value, torque, angle = model.joint[j], balance.torque[START, j], model.joint[j, Q_INI]
     elastic, by_torque, by_angle = solve_rest(value, torque, angle)
-    state.mode[j, VOIGT] = elastic + value[_INITIAL]
-    state.offset[j], state.torque[j] = angle - state.mode[j, VOIGT], torque
+    state.offset[j], state.torque[j] = angle - elastic - value[_INITIAL], torque
+    compliance = math.exp(-value[LOG_K_V])
+    state.mode[j, VOIGT] = elastic + value[_INITIAL] + value[_HELD] * compliance
     for mode in range(VOIGT + 1, linear.rate.shape[1]):
         if linear.rate[j, mode] > 0.0:
             state.mode[j, mode] = linear.gain[j, mode] / linear.rate[j, mode] * torque
@@ -65,9 +68,10 @@ def _fill_joint_rest(model: Model, work: Work, j: int) -> None:
         softer = math.exp(value[LOG_K_V]) * elastic * change[LOG_K_V]
         softer += spring_tangent(value, change, elastic, angle)
         d_elastic = by_torque * (d_torque - softer) + by_angle * change[Q_INI]
-        state.d_mode[j, VOIGT, c] = d_elastic + change[_INITIAL]
+        d_held = (change[_HELD] - value[_HELD] * change[LOG_K_V]) * compliance
+        state.d_mode[j, VOIGT, c] = d_elastic + change[_INITIAL] + d_held
         state.d_torque[j, c] = d_torque
-        state.d_offset[j, c] = change[Q_INI] - state.d_mode[j, VOIGT, c]
+        state.d_offset[j, c] = change[Q_INI] - d_elastic - change[_INITIAL]
         for mode in range(VOIGT + 1, linear.rate.shape[1]):
             rate = linear.rate[j, mode]
             if rate > 0.0:

@@ -15,7 +15,7 @@ effect id → slots
     actuator_lag         lag
     fatigue_softening    log_k_v, log_c_v, log_c_p (offsets, different for each trial)
     temperature          log_k_v, log_c_v, log_c_p
-    preload_memory       initial_angle (and q_ini, if it is not the angle at the start)
+    preload_memory       initial_angle (q_ini is the angle at the start), initial_torque (on q_ini)
     contact_stop         stop_angle, stop_stiffness, stop_width
     yield_threshold      yield_torque, yield_width
     stress_nonlinear_flow  flow_sinh or flow_power
@@ -84,6 +84,9 @@ SLOTS: dict[str, Slot] = {
     ),
     "initial_angle": Slot(
         "joint", "rad", 0.0, "elastic angle that has not yet relaxed at the start"
+    ),
+    "initial_torque": Slot(
+        "joint", "N m", 0.0, "torque whose elastic angle is still there at the start, on q_ini"
     ),
     "arm_scale": Slot(
         "joint", "1", 0.0, "change of the moment arm with the angle; 1 = the paper's"

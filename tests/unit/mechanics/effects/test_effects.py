@@ -24,6 +24,7 @@ def build_setting(**changes):
         "levels": 3, "reversals": True, "rests": True, "load_known": True, "tension": True,
         "stiffness": np.array([0.1, 0.12, 0.15]), "reach": np.array([0.4, 0.35, 0.3]),
         "number": np.arange(TRIALS, dtype=float), "memory": np.full((TRIALS, JOINTS), 0.1),
+        "torques": np.array([0.02, 0.03, 0.04, 0.05]),
         "rest_time": np.array([np.inf, 20.0, 30.0, 25.0]),
         "covariates": {"temperature_c": np.array([20.0, 22.0, 21.0, 25.0])},
         "geometry": True, "masses": True,
