@@ -1,4 +1,4 @@
-"""The hierarchical posterior: seconds, effective draws beside PyMC's own NUTS, coverage, size.
+"""The hierarchical posterior: seconds, effective draws beside PyMC's own NUTS, coverage.
 
 The paper's population, joint 3's c_p from log-normal(3.3, 0.9), under its step of 30 s, 30 frames a
 second, white noise of 3 mrad unless said. The rival is PyMC's own NUTS on the plain model: every
@@ -6,7 +6,6 @@ frame in it, centred, white noise, started at the truth, its tuning not counted;
 `RIVAL_CPU_S` of CPU. Ours has AR(1) noise and correlated joints in the model, its tuning counted.
 """
 
-import resource
 import time
 from collections.abc import Mapping
 
@@ -45,7 +44,6 @@ SHORT = {
     "covariance": "independent",
     **LIMITS,
 }  # fmt: skip
-LARGE_TRIALS = 10_000
 RIVAL_CPU_S = 300.0
 RIVAL_TUNE = 150
 COVERED_CAMPAIGNS, COVERED_TRIALS = 8, 40
@@ -83,11 +81,10 @@ def measure() -> dict[str, float]:
 
 @on_one_thread
 def measure_long() -> dict[str, float]:
-    """Effective draws per CPU second over the rival's; coverage; 10000 trials."""
+    """Effective draws per CPU second over the rival's; coverage."""
     return {
         "posterior_ess_per_cpu_ratio_to_pymc_default": compare_with_rival(),
         "posterior_coverage_90": measure_coverage(),
-        **measure_large(),
     }
 
 
@@ -174,19 +171,6 @@ def judge_intervals(angles: xr.Dataset, true: Mapping[str, NDArray], seed: int) 
         rank = (draws < true[level]).mean(axis=(0, 1))
         held.append((rank > 0.05) & (rank < 0.95))
     return np.array(held)
-
-
-def measure_large() -> dict[str, float]:
-    """Seconds of wall time and the process's largest memory [GiB] for 10000 trials."""
-    angles, _ = build_campaign(LARGE_TRIALS, 3)
-    start = time.perf_counter()
-    posterior, stats = fit_once(angles, SHORT | {"tune": 150, "draws": 150}, 4)
-    seconds = time.perf_counter() - start
-    print(f"  {LARGE_TRIALS} trials: {describe(diagnose(posterior, stats))}", flush=True)
-    return {
-        "posterior_10000_trials_seconds": seconds,
-        "posterior_10000_trials_gib": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20,
-    }
 
 
 def fit_once(

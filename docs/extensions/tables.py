@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import benchmark_page
+import growth_page
 import typer.main
 from ruamel.yaml import YAML
 from sphinx.application import Sphinx
@@ -157,6 +158,7 @@ MAKERS: dict[str, Callable[[], str]] = {
     "commands": describe_commands,
     "configuration": describe_configuration,
     "effects": describe_effects,
+    "growth": growth_page.describe_growth,
     "make": describe_make,
 }
 
