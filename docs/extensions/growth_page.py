@@ -9,6 +9,7 @@ from pathlib import Path
 
 from benchmark_page import GOALS
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from softfinger.figures.style import BLUE, GREY, RED, render_figure, styled
 from softfinger.provenance import PROJECT
@@ -64,6 +65,7 @@ def plot_growth(rows: list[dict[str, float]]) -> Figure:
         axes.plot(trials, [row[key] for row in rows], "o-", color=BLUE, label="fit")
         axes.plot(10_000, goal, "_", color=RED, markersize=18, label="goal for 10000 trials")
         axes.set(xscale="log", yscale="log", xlabel="trials", ylabel=label)
+        axes.yaxis.set_minor_formatter(NullFormatter())
         axes.grid(color=GREY, alpha=0.2)
         axes.legend(loc="upper left")
     return figure

@@ -103,7 +103,7 @@ def integrate(parameters, slots, load):
     k_v, c_v, c_p, q_ini = (parameters[name].to_numpy()[0] for name in NAMES)
     get = {
         "stiff": 0.0, "stop": 0.0, "sinh": 0.0, "arm": 0.0, "along": 0.0, "across": 0.0,
-        "couple": 0.0, "lag": 0.0, "friction": 0.0, **slots,
+        "couple": 0.0, "lag": 0.0, "friction": 0.0, "held": 0.0, **slots,
     }  # fmt: skip
     moment = 0.005 * np.array([0.0125 + 0.05, 0.0125 + 0.025, 0.0125])
 
@@ -139,7 +139,7 @@ def integrate(parameters, slots, load):
         slow = (log(t) - acting) / get["lag"] if get["lag"] else 0.0
         return np.r_[moves[0], moves[1], slow, (wire - abs(wire) * way) / 0.05]
 
-    state, angles = np.r_[q_rest, np.zeros(5)], []
+    state, angles = np.r_[q_rest + get["held"] / k_v, np.zeros(5)], []
     knots, torques = load
     pieces = [(-0.5, 0.0, 0.0, 0.0)]
     pieces += zip(knots[:-1], knots[1:], torques[:-1], torques[1:], strict=True)
@@ -166,6 +166,7 @@ PHYSICS = {
     "moment_arm": ({"arm_scale": 1.0}, {"arm": 1.0}),
     "gravity": ({"tilt_along": 0.2, "tilt_across": -0.3}, {"along": 0.2, "across": -0.3}),
     "coupling": ({"coupling_stiffness": 0.02 * np.eye(3, k=-1)}, {"couple": 0.02}),
+    "preload": ({"initial_torque": 0.01}, {"held": 0.01}),
     "lag": ({"lag": 0.3}, {"lag": 0.3}),
     "friction": ({"friction_bend": 0.4, "friction_width": 0.05}, {"friction": 0.4}),
 }
@@ -175,6 +176,7 @@ PAIRS = [
     ("lag", "stop"),
     ("flow", "coupling"),
     ("friction", "lag"),
+    ("preload", "stiffening"),
 ]
 
 
