@@ -72,10 +72,14 @@ def weigh_models(base: Candidate, others: Iterable[Candidate]) -> Posterior:
 def settle_search(search: Search) -> Search:
     """Keep what the likely sets of effects share, where it explains most and the rest disagrees.
 
-    What is left then is too small, and too little like any one effect, to be given a name.
+    What is left then is too small, and too little like any one effect, to be given a name. Where
+    the base model is still the most probable, though a gain has passed the test of false alarms, as
+    one in a hundred does by chance, nothing is said to be missing.
     """
     posterior = weigh_models(search.base, search.candidates)
     likely = posterior.equivalent
+    if not likely[0]:
+        return search._replace(best=search.base)
     core = frozenset.intersection(*likely)
     kept = posterior.best.get(core) if len(likely) > 1 and core else None
     if kept is None or kept.fit is None:

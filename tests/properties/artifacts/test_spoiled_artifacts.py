@@ -35,7 +35,7 @@ def angles(tmp_path_factory) -> Path:
 def posterior(tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("posterior") / "posterior.nc"
     rng = np.random.default_rng(4)
-    sizes = {"chain": 2, "draw": 30, "trial": 5, "joint": 3}
+    sizes = {"chain": 2, "draw": 30, "trial": 5, "joint": 3, "own": 12, "other_own": 12}
     groups = {}
     for name in ("posterior", "sample_stats"):
         declared = posterior_spec.SPEC.groups[name]

@@ -76,6 +76,14 @@ def test_sets_stand_where_what_they_share_explains_too_little_or_was_not_fitted(
         assert settle_search(found) is found
 
 
+def test_where_the_base_model_is_the_most_probable_it_stays():
+    weak = [Candidate(model(name), "fit", 1.0) for name in "abcdef"]
+    weak.append(Candidate(model("g"), "fit", 1.5))
+    assert settle_search(search(*weak)).best.model.ids == frozenset()
+    strong = search(*weak, Candidate(model("h"), "fit", 9.0))
+    assert settle_search(strong).best.model.ids == frozenset("h")
+
+
 def test_sets_without_a_shared_effect_and_a_sure_one_stand():
     for others in (
         [Candidate(model("a"), "fit", 50.0), Candidate(model("b"), "fit", 50.0)],
