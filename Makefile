@@ -14,7 +14,7 @@ help: ## list the commands
 
 setup: .venv/.ready ## install everything that environment.lock names into .venv
 
-run: setup ## set-up and the main job: 100 filmed trials to a report (14 minutes on two cores)
+run: setup ## set-up and the main job: 100 filmed trials to a report (9 minutes on two cores)
 	$(SNAKEMAKE) --configfile config/default.yaml
 
 quick: setup ## the same with 12 trials (about 2 minutes)
