@@ -5,8 +5,8 @@ trials is measured in a process of its own, whose largest memory is then the fit
 kept in growth.json, which the documentation draws. ``python -m benchmarks.growth 10 100`` measures
 these numbers of trials anew; without any, all.
 
-What is timed is what every fit does: reduce the recordings, find the pilot fit, compile, sample;
-draws are few, as many as 10000 trials need for 400 effective ones.
+What is timed is what every fit does: reduce the recordings, find the pilot fit, compile, sample.
+Draws are few; how many effective ones they make is printed beside.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Probability that a normal vector lies within bounds, by expectation propagation.
 
 Each bound is replaced by a normal factor that gives the right moments beside all the others. Exact
-for one number and for independent ones; for an orthant of some correlated ones right to about 1 %.
+for one number and for independent ones; for orthants of three correlated ones the tests allow 2 %.
 
 References
 ----------

@@ -89,7 +89,7 @@ def show_correlations(material: Material) -> tuple[Block, ...]:
         f"{capital(material.cite('posterior'))}."
     )
     columns = ("parameter", "with", "correlation", f"{100 * prob:g} % interval")
-    title = "Parameters that go together"
+    title = "Correlations in the fitted population"
     return (
         Paragraph(sentence),
         Table("parameter_correlation", title, caption, columns, rows, folded=True),
