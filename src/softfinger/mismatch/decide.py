@@ -93,6 +93,27 @@ def settle_search(search: Search) -> Search:
     return search._replace(candidates=fewer, rejected=[*more, *search.rejected], best=kept)
 
 
+def drop_negligible(search: Search) -> Search:
+    """Take back what lies below an effect's floor: a good rig's own errors reach that far.
+
+    What is taken back has been explained; so no rival of it, and no larger set, is claimed either.
+    """
+    best, base = search.best, search.base
+    negligible = best.model.list_negligible(best.fit.shared) - base.model.ids
+    if not negligible:
+        return search
+    kept = weigh_models(base, search.candidates).best.get(
+        best.model.ids - base.model.ids - negligible
+    )
+    kept = base if kept is None or kept.fit is None else kept
+    size = len(kept.model.ids)
+    fewer = [
+        c for c in search.candidates if base.model.ids < c.model.ids and len(c.model.ids) <= size
+    ]
+    more = [c for c in search.candidates if len(c.model.ids) > size]
+    return search._replace(candidates=fewer, rejected=[*more, *search.rejected], best=kept)
+
+
 def join_ids(ids: Ids) -> str:
     """Name a set of effects.
 

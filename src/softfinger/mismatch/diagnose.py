@@ -11,7 +11,7 @@ from softfinger.mismatch.calibrate import FalseAlarms, calibrate_false_alarms
 from softfinger.mismatch.columns import collect_columns
 from softfinger.mismatch.conclude import MISSING, Findings, conclude, examine
 from softfinger.mismatch.config import MismatchSettings
-from softfinger.mismatch.decide import Posterior, settle_search, weigh_models
+from softfinger.mismatch.decide import Posterior, drop_negligible, settle_search, weigh_models
 from softfinger.mismatch.masking import list_invisible, tabulate_masking
 from softfinger.mismatch.problem import Candidate, Problem, pose_problem
 from softfinger.mismatch.rank import list_pieces
@@ -79,6 +79,7 @@ def diagnose(
         problem, search = admit_noise(problem, search, angles, needed)
         search = settle_search(search)
         findings = examine(problem, search, angles, needed=needed)
+    search = drop_negligible(search)
     posterior = weigh_models(search.base, search.candidates)
     masking = tabulate_masking(columns, problem, base)
     hidden = sorted({*refused, *list_invisible(masking, needed)} - search.best.model.ids)

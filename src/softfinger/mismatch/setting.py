@@ -46,7 +46,7 @@ def build_setting(angles: xr.Dataset, trials: Trials, own: NDArray[np.float64]) 
         reach=np.array([_largest(trials, j) for j in range(trials.joints)]),
         number=_number(angles, trials),
         memory=memory,
-        torques=largest,
+        largest_torque=largest,
         rest_time=np.maximum(rest, 0.0),
         covariates=_covariates(chosen),
         geometry=geometry,

@@ -93,7 +93,7 @@ def describe_setting(
         reach=torque / stiffness + np.median(own[..., 3], axis=0),
         number=np.arange(trials, dtype=float),
         memory=memory,
-        torques=np.full(trials, torque),
+        largest_torque=np.full(trials, torque),
         rest_time=np.maximum(rest, 0.0),
         covariates={"temperature_c": np.array([draw_temperature(room) for room in rooms])},
         geometry=True,

@@ -16,7 +16,7 @@ SETTING = Setting(
     trials=5, joints=3, interval=0.05, duration=10.0, torque=0.04, levels=2, reversals=True,
     rests=True, load_known=True, tension=True, stiffness=np.array([0.1, 0.12, 0.2]),
     reach=np.array([0.5, 0.4, 0.3]), number=np.arange(5.0), memory=np.zeros((5, 3)),
-    torques=np.full(5, 0.04),
+    largest_torque=np.full(5, 0.04),
     rest_time=np.full(5, np.nan),
 )  # fmt: skip
 TEXT = """\

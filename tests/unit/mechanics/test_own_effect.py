@@ -22,7 +22,7 @@ def describe_campaign(trials=7, joints=2):
         reversals=False, rests=False, load_known=True, tension=True,
         stiffness=np.array([0.1, 0.2][:joints]), reach=np.array([0.5, 0.3][:joints]),
         number=np.arange(trials, dtype=float), memory=np.zeros((trials, joints)),
-        torques=np.full(trials, 0.04),
+        largest_torque=np.full(trials, 0.04),
         rest_time=np.full(trials, np.nan),
     )  # fmt: skip
 

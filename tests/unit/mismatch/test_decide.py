@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from softfinger.mismatch.calibrate import FalseAlarms
-from softfinger.mismatch.decide import join_ids, settle_search, weigh_models
+from softfinger.mismatch.decide import drop_negligible, join_ids, settle_search, weigh_models
 from softfinger.mismatch.rank import Candidate
 from softfinger.mismatch.search import Search
 
@@ -91,3 +91,29 @@ def test_sets_without_a_shared_effect_and_a_sure_one_stand():
     ):
         found = search(*others)
         assert settle_search(found) is found
+
+
+def small(*ids, negligible, nats=30.0):
+    """A fitted model some of whose effects lie below their floors."""
+    content = SimpleNamespace(
+        ids=frozenset(ids), list_negligible=lambda _: frozenset(negligible) & frozenset(ids)
+    )
+    return Candidate(content, SimpleNamespace(shared=None), nats)
+
+
+def test_what_lies_below_its_floor_is_not_claimed_and_neither_are_its_rivals():
+    found = search(small("a", negligible="a"), small("b", negligible="", nats=25.0))
+    settled = drop_negligible(found)
+    assert settled.best is found.base
+    assert settled.candidates == []
+    assert settled.rejected == found.candidates
+
+
+def test_of_two_effects_the_one_above_its_floor_is_kept():
+    one, other = small("a", negligible="", nats=90.0), small("b", negligible="b", nats=40.0)
+    pair = small("a", "b", negligible="b", nats=100.0)
+    settled = drop_negligible(search(one, other, pair))
+    assert settled.best is one
+    assert settled.candidates == [one, other]
+    assert settled.rejected == [pair]
+    assert drop_negligible(settled) is settled

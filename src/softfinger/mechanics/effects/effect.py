@@ -106,7 +106,7 @@ class Setting:
     memory
         (trial, joint) [rad], elastic angle of the base model at the end of the trial before;
         0 for the first.
-    torques
+    largest_torque
         (trial,) [N m], largest load of each.
     rest_time
         (trial,) [s] since the end of the trial before; NaN = unknown.
@@ -130,7 +130,7 @@ class Setting:
     reach: NDArray[np.float64]
     number: NDArray[np.float64]
     memory: NDArray[np.float64]
-    torques: NDArray[np.float64]
+    largest_torque: NDArray[np.float64]
     rest_time: NDArray[np.float64]
     covariates: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     geometry: bool = False

@@ -146,6 +146,17 @@ class EffectModel:
     def _gather(self, attribute: str) -> NDArray[np.float64]:
         return np.array([getattr(e.parameter, attribute) for e in self.entries], float)
 
+    def list_negligible(self, shared: NDArray[np.float64]) -> frozenset[str]:
+        """Effects whose amplitudes in φ (p,) all lie below their floors."""
+        mine = [e for e in self.entries if e.parameter.amplitude]
+        claimed = {
+            e.piece
+            for e, value in zip(mine, shared[self.amplitudes], strict=True)
+            if abs(value) >= e.parameter.floor
+        }
+        pieces = enumerate(self.pieces)
+        return frozenset(piece.effect.id for k, piece in pieces if k not in claimed)
+
     def list_starts(self, piece: int) -> list[dict[str, float]]:
         """Every combination of starts of one piece's parameters, internal scale."""
         parameters = self.pieces[piece].form.parameters

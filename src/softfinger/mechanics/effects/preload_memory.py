@@ -43,7 +43,7 @@ def _build_forms(setting: Setting) -> list[Form]:
         return {"initial_angle": values["residual_strain_share"] * usual * fade(values)}
 
     def fading_own(values: Values) -> dict:
-        load = setting.torques[:, None] * np.ones(setting.joints)
+        load = setting.largest_torque[:, None] * np.ones(setting.joints)
         return {"initial_torque": values["residual_strain_share"] * load * fade(values)}
 
     forms = [Form("same_in_all_joints", (common,), constant), Form("constant", (share,), constant)]

@@ -5,6 +5,7 @@ from softfinger.faults import Fault
 from softfinger.mechanics import effects
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.effect import Setting
+from softfinger.mechanics.effects.model import EffectModel, Piece
 from softfinger.mechanics.forward.simulate import describe_finger, simulate_joint_angle_array
 from softfinger.mechanics.forward.slots import SLOTS, build_slots
 from softfinger.mechanics.geometry import FingerGeometry
@@ -24,7 +25,7 @@ def build_setting(**changes):
         "levels": 3, "reversals": True, "rests": True, "load_known": True, "tension": True,
         "stiffness": np.array([0.1, 0.12, 0.15]), "reach": np.array([0.4, 0.35, 0.3]),
         "number": np.arange(TRIALS, dtype=float), "memory": np.full((TRIALS, JOINTS), 0.1),
-        "torques": np.array([0.02, 0.03, 0.04, 0.05]),
+        "largest_torque": np.array([0.02, 0.03, 0.04, 0.05]),
         "rest_time": np.array([np.inf, 20.0, 30.0, 25.0]),
         "covariates": {"temperature_c": np.array([20.0, 22.0, 21.0, 25.0])},
         "geometry": True, "masses": True,
@@ -102,6 +103,24 @@ def test_a_form_has_amplitudes_with_null_at_zero(case):
         assert p.low <= p.starts[0] <= p.high
         assert not p.log
     assert set(fill(form, 0.1)) <= set(SLOTS)
+
+
+@pytest.mark.parametrize(
+    "case", list_forms(build_setting()), ids=lambda c: f"{c[0].id}-{c[1].name}"
+)
+def test_an_effect_is_negligible_where_all_its_amplitudes_lie_below_their_floors(case):
+    effect, form = case
+    per = {p.per for p in form.parameters}
+    pairs = "pair" in per or "neighbours" in per
+    places = ((0, 1), (1, 2)) if pairs else ((0,), (1,)) if "joint" in per else ()
+    model = EffectModel(build_setting(), (Piece(effect, form, places),))
+    floors = np.array([e.parameter.floor for e in model.entries])[model.amplitudes]
+    assert floors.min() > 0.0
+    shared = model.shared_prior[0]
+    shared[model.amplitudes] = -0.9 * floors
+    assert model.list_negligible(shared) == {effect.id}
+    shared[np.flatnonzero(model.amplitudes)[-1]] *= -1.2
+    assert model.list_negligible(shared) == frozenset()
 
 
 @pytest.mark.parametrize(
