@@ -28,15 +28,29 @@ class Block(NamedTuple):
         (a,) which numbers of φ the columns belong to.
     added
         How many numbers of φ the form has.
-    first
-        Where the columns stand among all.
+    columns
+        (a,) where they stand among all.
     """
 
     model: EffectModel
     shared: NDArray[np.float64]
     new: NDArray[np.int64]
     added: int
-    first: int
+    columns: NDArray[np.int64]
+
+
+def join_blocks(one: Block, other: Block) -> Block | None:
+    """Put two forms on top of one fitted model; None where both claim a slot in another sense."""
+    model = one.model.extend(other.model.pieces[-1])
+    known = len(other.shared) - other.added
+    shared = np.concatenate([one.shared, other.shared[known:]])
+    try:
+        model.fill_slots(shared)
+    except (ValueError, ArithmeticError):
+        return None
+    new = np.concatenate([one.new, other.new + len(one.shared) - known])
+    columns = np.concatenate([one.columns, other.columns])
+    return Block(model, shared, new, one.added + other.added, columns)
 
 
 class ScoreColumns(NamedTuple):
@@ -73,7 +87,7 @@ class ScoreColumns(NamedTuple):
     @property
     def first(self) -> NDArray[np.int64]:
         """Where each block's columns begin (block,)."""
-        return np.array([block.first for block in self.blocks], int)
+        return np.array([block.columns[0] for block in self.blocks], int)
 
     @property
     def count(self) -> NDArray[np.int64]:
@@ -94,7 +108,7 @@ class ScoreColumns(NamedTuple):
         size = d + len(block.shared) + 1
         place = np.full(size, -1)
         place[: self.own] = np.arange(self.own)
-        place[d + block.new] = self.own + block.first + np.arange(len(block.new))
+        place[d + block.new] = self.own + block.columns
         place[-1] = self.gram.shape[1] - 1
         there = np.flatnonzero(place >= 0)
         gram = np.zeros((len(self.gram), size, size))
@@ -128,7 +142,8 @@ def collect_columns(problem: Problem, origin: Candidate, pieces: Iterable[Piece]
                 continue
             if np.isfinite(column).all():
                 slopes.append(column.astype(np.float32))
-                blocks.append(Block(model, shared, new, len(shared) - len(known), total))
+                place = total + np.arange(len(new))
+                blocks.append(Block(model, shared, new, len(shared) - len(known), place))
                 total += len(new)
     gram = reduce_trials(problem.trials, angle, np.concatenate(slopes, axis=3))
     sd = [block.model.shared_prior[1][block.new] for block in blocks]

@@ -75,19 +75,32 @@ def score_pieces(problem: Problem, origin: Candidate, columns: ScoreColumns) -> 
 
     Places that the linearised model does not need are dropped.
     """
-    best: dict[Piece, tuple[float, Block]] = {}
-    for block in columns.blocks:
-        gain = _evaluate(problem, block.model, _stand(origin, columns, block), 0)
-        piece = block.model.pieces[-1]
-        if piece not in best or gain > best[piece][0]:
-            best[piece] = gain, block
     scores = []
-    for _, block in best.values():
+    for _, block in choose_starts(problem, origin, columns):
         there = _stand(origin, columns, block)
         smaller, evidence = drop_places(problem, block.model, there, rounds=0)
         shared = block.shared[block.model.match(smaller)]
         scores.append(Score(smaller, evidence - origin.log_evidence, shared))
     return sorted(scores, key=lambda score: -score.gain)
+
+
+def choose_starts(
+    problem: Problem, origin: Candidate, columns: ScoreColumns
+) -> list[tuple[float, Block]]:
+    """Choose each form's best start: its linearised gain [nats], and its block."""
+    best: dict[Piece, tuple[float, Block]] = {}
+    for block in columns.blocks:
+        gain = score_block(problem, origin, columns, block)
+        piece = block.model.pieces[-1]
+        if piece not in best or gain > best[piece][0]:
+            best[piece] = gain, block
+    return list(best.values())
+
+
+def score_block(problem: Problem, origin: Candidate, columns: ScoreColumns, block: Block) -> float:
+    """Linearised gain [nats] over the fitted model, all places kept."""
+    there = _stand(origin, columns, block)
+    return _evaluate(problem, block.model, there, 0) - origin.log_evidence
 
 
 def _stand(origin: Candidate, columns: ScoreColumns, block: Block) -> "Linearised":
@@ -164,14 +177,21 @@ def prune(problem: Problem, candidate: Candidate) -> Candidate:
 def rank_pieces(
     problem: Problem, origin: Candidate, columns: ScoreColumns, progress: Progress
 ) -> tuple[list[Candidate], list[Score]]:
-    """Fit every promising form on top of a fitted model, best first; and all scores.
+    """Score every form on top of a fitted model, and fit the promising ones; best first."""
+    scores = score_pieces(problem, origin, columns)
+    return fit_scored(problem, origin, scores, progress), scores
+
+
+def fit_scored(
+    problem: Problem, origin: Candidate, scores: list[Score], progress: Progress
+) -> list[Candidate]:
+    """Fit every promising form among those that were scored, best first.
 
     Promising are the best forms of the leading effects, and every form whose score is near the best
     fit so far. Each gets a few linearisations; those that then stand within reach of the best go on
     until they come to rest. One that does not cannot be chosen, and counts by what it has reached.
     Forms that are not fitted count by their score.
     """
-    scores = score_pieces(problem, origin, columns)
     leading = set(list(dict.fromkeys(s.effect for s in scores))[:LEADING])
     begun, candidates, best = [], [], origin.log_evidence
     for score in progress(scores, "fitting effects"):
@@ -199,4 +219,4 @@ def rank_pieces(
             candidates.append(prune(problem, Candidate(model, fit, fit.log_evidence)))
         elif fit is not None:
             candidates.append(Candidate(model, None, fit.log_evidence))
-    return sorted(candidates, key=lambda c: -c.log_evidence), scores
+    return sorted(candidates, key=lambda c: -c.log_evidence)

@@ -14,6 +14,7 @@ import numpy as np
 from softfinger.mechanics.effects.model import Piece
 from softfinger.mismatch.columns import ScoreColumns, collect_columns
 from softfinger.mismatch.free_form import fit_free_form
+from softfinger.mismatch.pairs import rank_pairs
 from softfinger.mismatch.problem import Candidate, Problem
 from softfinger.mismatch.rank import Progress, Score, prune, rank_pieces
 
@@ -80,13 +81,16 @@ def search_effects(
     first_gain = best.log_evidence - base.log_evidence
     if first_gain <= needed:
         return Search(base, found, [], base, max(first_gain, 0.0), refused, scores)
-    for _ in range(MOST_EFFECTS - 1):
+    for size in range(2, MOST_EFFECTS + 1):
         larger = []
         for rival in _list_rivals(base, found, len(best.model.ids)):
             more = [p for p in pieces if p.effect.id not in rival.model.ids]
             more = progress(_compatible(rival, more), "trying effects")
-            columns = collect_columns(problem, rival, more)
-            larger += rank_pieces(problem, rival, columns, progress)[0]
+            found_columns = collect_columns(problem, rival, more)
+            larger += rank_pieces(problem, rival, found_columns, progress)[0]
+        if size == 2:
+            known = {c.model.ids for c in larger if c.fit is not None}
+            larger += rank_pairs(problem, base, columns, known, progress)
         fitted = [c for c in larger if c.fit is not None]
         top = max(fitted, key=lambda c: c.log_evidence, default=best)
         more = require_gain(needed, best.log_evidence - base.log_evidence, pieces)

@@ -208,6 +208,7 @@ def compute_cut_array(
     >>> round(compute_cut_array(9 * one, np.eye(1), 0 * one, one, far), 6)  # half-normal prior
     0.693147
     """
+    covariance = np.ascontiguousarray(covariance)  # a part of a larger one, as it comes
     inside = measure_rectangle(mean, covariance, bounds.low, bounds.high)
     return inside - measure_rectangle(prior_mean, np.diag(prior_sd**2), bounds.low, bounds.high)
 
