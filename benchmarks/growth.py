@@ -30,7 +30,7 @@ from softfinger.stages.linear_algebra import on_one_thread
 
 RESULTS = Path(__file__).with_name("growth.json")
 TRIALS = (10, 100, 1000, 10_000)
-DRAWS = SHORT | {"tune": 120, "draws": 130, "max_depth": 4}
+DRAWS = SHORT | {"draws": 220, "max_depth": 3}
 
 
 def measure_long() -> dict[str, float]:

@@ -40,7 +40,8 @@ SIGMA = np.array(
 TORQUE, FPS, DURATION_S, NOISE_RAD = 0.04, 30.0, 30.0, 0.003
 LIMITS = {"r_hat_max": 1.01, "ess_min": 400.0, "divergences_max": 0}
 SHORT = {
-    "chains": 4, "tune": 100, "draws": 700, "cores": 2, "target_accept": 0.65, "max_depth": 3,
+    "chains": 4, "tune": 120, "draws": 700, "cores": 2, "target_accept": 0.77, "max_depth": 2,
+    "integrator": "rotation",
     "covariance": "independent",
     **LIMITS,
 }  # fmt: skip

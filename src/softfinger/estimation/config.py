@@ -22,6 +22,7 @@ class EstimationConfig(Settings):
     cores: Count
     target_accept: Annotated[float, Field(gt=0, lt=1)]
     max_depth: Count
+    integrator: Literal["leapfrog", "rotation"]
     predictive_draws: Count
     r_hat_max: Annotated[float, Field(gt=1)]
     ess_min: Positive

@@ -47,7 +47,8 @@ def fit_posterior(angles: xr.Dataset, config: Mapping[str, Any], seed: int) -> x
     angles
         The `angles` artifact.
     config
-        The `estimation` block: chains, tune, draws, cores, target_accept, max_depth, covariance,
+        The `estimation` block: chains, tune, draws, cores, target_accept, max_depth,
+        integrator, covariance,
         predictive_draws.
     seed
         Of this stage's random stream.
@@ -87,7 +88,7 @@ def prepare_fit(angles: xr.Dataset) -> Preparation:
     frames = frames.assign(outlier=outlier, used=frames["used"] & ~outlier)
     if outlier.any():
         collapse = collapse_angles(angles, frames)
-        pilot = fit_pilot(collapse, prior)
+        pilot = fit_pilot(collapse, prior, pilot)
     local = localise_collapse(collapse, *find_plausible_rates(collapse, pilot))
     coords = {name: angles[name].values for name in ("trial", "joint")}
     return Preparation(frames, local, prior, pilot, coords)
@@ -119,6 +120,7 @@ def sample_posterior(
         cores=config["cores"],
         target_accept=config["target_accept"],
         max_depth=config["max_depth"],
+        integrator=config["integrator"],
         rng=rng,
         data={name: data[name] for name in density.data if name in data},
     )

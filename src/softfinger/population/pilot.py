@@ -49,7 +49,7 @@ class Pilot(NamedTuple):
     variance: NDArray[np.float64]  # (trial, p): and how surely
 
 
-def fit_pilot(collapse: Collapse, prior: Prior) -> Pilot:
+def fit_pilot(collapse: Collapse, prior: Prior, near: Pilot | None = None) -> Pilot:
     """Fit population, noise and trials approximately.
 
     Parameters
@@ -58,11 +58,15 @@ def fit_pilot(collapse: Collapse, prior: Prior) -> Pilot:
         What `collapse_angles` makes.
     prior
         What `build_prior` makes.
+    near
+        A pilot fit of nearly the same frames, to start from.
     """
-    eta, noise = _start(collapse, prior)
     trials, joints = collapse.present.shape
-    mu = np.median(eta, axis=0)
-    sigma = np.tile(prior.sigma_median, (joints, 1))
+    if near is None:
+        eta, noise = _start(collapse, prior)
+        mu, sigma = np.median(eta, axis=0), np.tile(prior.sigma_median, (joints, 1))
+    else:
+        eta, noise, mu, sigma = near.modes.eta, near.noise, near.mu, near.sigma
     modes = None
     for turn in range(ROUNDS):
         weights = weigh_noise(collapse.gap, collapse.patterns, *noise)

@@ -25,6 +25,7 @@ SIZE = {
     "cores": 1,
     "target_accept": 0.8,
     "max_depth": 10,
+    "integrator": "leapfrog",
     "covariance": "independent",
 }
 THIN = 8

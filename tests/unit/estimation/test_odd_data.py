@@ -13,6 +13,7 @@ SMALL = {
     "cores": 1,
     "target_accept": 0.8,
     "max_depth": 10,
+    "integrator": "leapfrog",
     "covariance": "independent",
 }
 

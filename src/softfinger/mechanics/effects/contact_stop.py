@@ -13,7 +13,7 @@ def _build_form(kind: str, setting: Setting) -> Form:
         "stop_stiffness_nm_per_rad",
         5 * stiffness,
         per="joint",
-        floor=0.05 * stiffness,
+        floor=2e-3 * stiffness,
     )
     place = Parameter(
         "stop_share_of_reach",

@@ -21,7 +21,7 @@ TARGETS = {
 
 def _build_form(law: str, target: str, setting: Setting) -> Form:
     last = setting.number.max()
-    share = positive("softening_share", 0.2, per="joint", high=0.9, floor=5e-3)
+    share = positive("softening_share", 0.2, per="joint", high=0.9, floor=2e-4)
     memory = time_constant("softening_trials", 1.0, 2.0 * last, starts=2)
 
     def progress(values: Values) -> np.ndarray:

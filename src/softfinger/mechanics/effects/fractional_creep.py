@@ -15,9 +15,9 @@ LEAST_LOSS = 1e-4  # an exponent of exactly 1 is the dashpot and no springpot
 def _build_forms(setting: Setting) -> list[Form]:
     middle = np.sqrt(setting.interval * setting.duration)  # where share and exponent are untied
     exponent = Parameter("exponent", 0.5, 0.2, low=0.05, high=0.95, starts=(0.25, 0.5, 0.75))
-    share = positive("springpot_share", 0.3, per="joint", floor=0.01)
+    share = positive("springpot_share", 0.3, per="joint", floor=5e-4)
     bent = Parameter(
-        "exponent_loss", 0.0, 0.3, low=0.0, high=0.9, amplitude=True, floor=0.02, starts=(0.003,),
+        "exponent_loss", 0.0, 0.3, low=0.0, high=0.9, amplitude=True, floor=1e-3, starts=(0.003,),
         report=("exponent", lambda loss, _: 1.0 - loss),
     )  # fmt: skip
 

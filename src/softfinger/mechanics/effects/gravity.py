@@ -9,8 +9,8 @@ def _build_forms(setting: Setting) -> list[Form] | str:
     if not setting.masses:
         return "link masses and lengths are not declared"
     plain = ("tilt_rad", lambda tilt, _: tilt)
-    along = signed("tilt_along_rad", 0.2, low=-1.6, high=1.6, floor=5e-3)
-    across = signed("tilt_across_rad", 0.2, low=-1.6, high=1.6, floor=5e-3)
+    along = signed("tilt_along_rad", 0.2, low=-1.6, high=1.6, floor=2e-4)
+    across = signed("tilt_across_rad", 0.2, low=-1.6, high=1.6, floor=2e-4)
 
     def slots(values: Values) -> dict:
         return {name.removesuffix("_rad"): value for name, value in values.items()}

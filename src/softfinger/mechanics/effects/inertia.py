@@ -8,8 +8,8 @@ from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, p
 
 
 def _build_forms(setting: Setting) -> list[Form]:
-    declared = positive("inertia_scale", 5.0, floor=0.05)  # tubes and wires weigh too
-    unknown = positive("inertia_in_units_of_ten_frames", 3.0, floor=0.01)
+    declared = positive("inertia_scale", 5.0, floor=2e-3)  # tubes and wires weigh too
+    unknown = positive("inertia_in_units_of_ten_frames", 3.0, floor=5e-4)
 
     def slots(values: Values) -> dict:
         return {"inertia_scale": next(iter(values.values()))}

@@ -10,8 +10,8 @@ def _build_forms(setting: Setting) -> list[Form] | str:
     if setting.joints < 2:
         return "there is only one joint"
     stiffness = float(np.median(setting.stiffness))
-    share = signed("coupling", 0.1, per="pair", floor=2e-3)
-    mutual = signed("coupling", 0.1, per="neighbours", floor=2e-3)
+    share = signed("coupling", 0.1, per="pair", floor=1e-4)
+    mutual = signed("coupling", 0.1, per="neighbours", floor=1e-4)
     reach = setting.reach.max()
     # faster would be a torque that is there at once and then constant: no coupling any more
     saturation = between("saturation_per_rad", 0.1 / reach, 3.0 / reach, starts=1)

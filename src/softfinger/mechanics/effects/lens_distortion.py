@@ -7,8 +7,8 @@ CENTRE_SD_M = 0.015  # how far from the middle of the straight finger a camera m
 
 
 def _build_forms(setting: Setting) -> list[Form]:
-    cubic = signed("angle_cubic_per_rad2", 0.1, per="joint", floor=2e-3)
-    radial = signed("lens_radial_per_m2", 10.0, floor=0.1)
+    cubic = signed("angle_cubic_per_rad2", 0.1, per="joint", floor=1e-4)
+    radial = signed("lens_radial_per_m2", 10.0, floor=5e-3)
 
     def bent(values: Values) -> dict:
         return {"angle_cubic": values["angle_cubic_per_rad2"]}

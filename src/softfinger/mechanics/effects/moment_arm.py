@@ -8,7 +8,7 @@ def _build_forms(setting: Setting) -> list[Form] | str:
         return "the load is not a wire tension"
     if not setting.geometry:
         return "joint length and wire offset are not declared"
-    arm = positive("arm_scale", 1.0, floor=0.1)
+    arm = positive("arm_scale", 1.0, floor=5e-3)
 
     def slots(values: Values) -> dict:
         return {"arm_scale": values["arm_scale"]}

@@ -22,7 +22,7 @@ REMAINS = 0.01  # of the usual elastic angle: what a trial before must leave to 
 
 
 def _build_forms(setting: Setting) -> list[Form]:
-    share = signed("residual_strain_share", 0.1, per="joint", floor=2e-3)
+    share = signed("residual_strain_share", 0.1, per="joint", floor=1e-4)
     common = replace(share, per="chain")
     usual = setting.torque / setting.stiffness
     before = setting.memory

@@ -5,7 +5,7 @@ from softfinger.mechanics.effects.effect import time_constant as between
 
 
 def _build_forms(setting: Setting) -> list[Form]:
-    share = positive("compliance_share", 0.3, per="joint", floor=0.01)
+    share = positive("compliance_share", 0.3, per="joint", floor=5e-4)
     time = between("retardation_time_s", 5 * setting.interval, 2 * setting.duration, starts=4)
 
     def own_compliance(values: Values) -> dict:

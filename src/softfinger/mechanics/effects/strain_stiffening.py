@@ -15,7 +15,7 @@ def _build_form(shape: str, measure: str) -> Form:
             "stiffening_measure": float(measure == "joint_angle"),
         }
 
-    parameter = positive(name, sd, per="joint", floor=0.01)
+    parameter = positive(name, sd, per="joint", floor=5e-4)
     return Form(f"{shape}_in_{measure}", (parameter,), slots)
 
 

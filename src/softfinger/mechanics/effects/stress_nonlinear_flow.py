@@ -19,10 +19,10 @@ def _build_forms(setting: Setting) -> list[Form] | str:
     bend = replace(
         square,
         low=1e-6 * square.sd,
-        floor=(0.1 / setting.torque) ** 2,
+        floor=(0.02 / setting.torque) ** 2,
         report=("scale_torque_nm", lambda x, _: max(x, 1e-6 * square.sd) ** -0.5),
     )
-    power = positive("extra_power", 1.0, floor=0.02)
+    power = positive("extra_power", 1.0, floor=1e-3)
 
     def sinh(values: Values) -> dict:
         return {"flow_sinh": np.sqrt(np.maximum(values[bend.name], bend.low))}

@@ -20,7 +20,7 @@ def _build_form(name: str, target: str, setting: Setting) -> Form:
     slope = signed(
         f"sensitivity_per_{unit}",
         0.3 / centred.std(),
-        floor=2e-3 / centred.std(),
+        floor=1e-4 / centred.std(),
     )
 
     def slots(values: Values) -> dict:

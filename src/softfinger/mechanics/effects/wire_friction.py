@@ -24,7 +24,7 @@ def _build_form(law: str, driver: str, setting: Setting) -> Form:
     amplitude = positive(
         name,
         0.1 * setting.torque if force else 0.2,
-        floor=2e-3 * (setting.torque if force else 1.0),
+        floor=1e-4 * (setting.torque if force else 1.0),
     )
     middle = np.log(0.02 if driver == "motion" else 0.02 * setting.torque)
     width = Parameter("turning_width", middle, 1.0, log=True, low=middle - 3, high=middle + 3)

@@ -8,7 +8,7 @@ def _build_form(kind: str, setting: Setting) -> Form:
         "threshold_nm",
         0.5 * setting.torque,
         high=2 * setting.torque,
-        floor=0.02 * setting.torque,
+        floor=1e-3 * setting.torque,
     )
 
     def slots(values: Values) -> dict:
