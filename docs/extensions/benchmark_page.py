@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import base64
 import json
-from html import escape
 from pathlib import Path
 from typing import NamedTuple
 
+from inline_picture import embed_figure
 from matplotlib.figure import Figure
 from ruamel.yaml import YAML
 
-from softfinger.figures.style import BLUE, GREY, RED, render_figure, styled
+from softfinger.figures.style import BLUE, GREY, RED, styled
 from softfinger.provenance import PROJECT
 
 RESULTS = PROJECT / "results/benchmarks.json"
@@ -80,12 +79,8 @@ def draw_margins(measured: dict[str, float]) -> str:
     }
     if not margins:
         return ""
-    code = base64.b64encode(render_figure(plot_margins(margins), "svg")).decode()
     words = "; ".join(f"{key} {margin:.3g} times its goal" for key, margin in margins.items())
-    return (
-        f'<img class="plot" src="data:image/svg+xml;base64,{code}" '
-        f'alt="{escape("Measured figures over their goals: " + words)}">'
-    )
+    return embed_figure(plot_margins(margins), f"Measured figures over their goals: {words}")
 
 
 @styled

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import base64
 import json
-from html import escape
 from pathlib import Path
 
 from benchmark_page import GOALS
+from inline_picture import embed_figure
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from softfinger.figures.style import BLUE, GREY, RED, render_figure, styled
+from softfinger.figures.style import BLUE, GREY, RED, styled
 from softfinger.provenance import PROJECT
 
 RESULTS = PROJECT / "benchmarks/growth.json"
@@ -25,6 +24,8 @@ COLUMNS = {
     "gradients_per_draw": "gradients per draw",
     "memory_gib": "memory [GiB]",
     "report_mib": "report [MiB]",
+    "r_hat": "largest R-hat",
+    "effective_draws": "fewest effective draws",
 }
 
 
@@ -38,16 +39,14 @@ def read_growth(results: Path = RESULTS) -> list[dict[str, float]]:
 def describe_growth(results: Path = RESULTS) -> str:
     """Picture and table of the measured costs."""
     rows = read_growth(results)
-    code = base64.b64encode(render_figure(plot_growth(rows), "svg")).decode()
     words = "; ".join(
         f"{row['trials']} trials: {row['cpu_seconds']:.3g} CPU seconds, {row['memory_gib']:.2g} GiB"
         for row in rows
     )
     lines = [f"| {' | '.join(COLUMNS.values())} |", f"|{' --- |' * len(COLUMNS)}"]
     lines += [f"| {' | '.join(f'{row[key]:.3g}' for key in COLUMNS)} |" for row in rows]
-    picture = (
-        f'<img class="plot" src="data:image/svg+xml;base64,{code}" '
-        f'alt="{escape("Cost of a fit against the number of trials: " + words)}">'
+    picture = embed_figure(
+        plot_growth(rows), f"Cost of a fit against the number of trials: {words}"
     )
     return "\n\n".join([picture, "\n".join(lines)])
 
