@@ -5,8 +5,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
 PROJECT = Path(__file__).parents[2]
 
 
@@ -18,7 +16,6 @@ def _plan(folder, **settings):
     return done.returncode, done.stdout + done.stderr
 
 
-@pytest.mark.slow
 def test_every_campaign_is_sealed_diagnosed_and_scored(tmp_path):
     status, said = _plan(tmp_path, campaigns=3, seed=7)
     assert status == 0, said
