@@ -38,7 +38,7 @@ class Parameter:
         The effect is absent where all amplitudes are 0.
     floor
         Amplitudes (or exp of a log parameter) below this are never claimed: systematic errors of
-        a good rig reach that far.
+        a good rig are taken to reach that far.
     starts
         Internal values from which a fit begins; every combination of starts is tried.
     report
