@@ -211,8 +211,8 @@ def sample_density(
         As usual.
     integrator
         "leapfrog", or "rotation": a standard normal is followed exactly, and only what the
-        density has beyond it in steps. Takes longer steps where the whitening leaves nearly a standard
-        normal; may diverge in long tails.
+        density has beyond it in steps. Takes longer steps where the whitening leaves
+        nearly a standard normal; may diverge in long tails.
     rng
         Gives the sampler's seed.
     data
