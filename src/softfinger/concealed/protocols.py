@@ -17,7 +17,7 @@ PROTOCOLS: tuple[Protocol, ...] = get_args(Protocol)
 class Load:
     """Wire tension over time: straight lines between knots, a jump is a repeated time."""
 
-    time: Array  # (knot,) [s], the first at 0 or at the first jump
+    time: Array  # (knot,) [s], the first at 0, when the trial starts
     tension: Array  # (knot,) [N]
 
     def value(self, time: Array) -> Array:
@@ -33,7 +33,14 @@ class Load:
 def _hold(jump_time: Array, level: Array) -> Load:
     """Levels held from one jump to the next."""
     before = np.concatenate([[0.0], level[:-1]])
-    return Load(np.repeat(jump_time, 2), np.column_stack([before, level]).ravel())
+    return _begin(np.repeat(jump_time, 2), np.column_stack([before, level]).ravel())
+
+
+def _begin(time: Array, tension: Array) -> Load:
+    """Let a load begin with the trial, at 0: what an earlier trial left relaxes from there on."""
+    if time[0] > 0.0:
+        time, tension = np.append(0.0, time), np.append(0.0, tension)
+    return Load(time, tension)
 
 
 def draw_loads(
@@ -63,13 +70,13 @@ def draw_loads(
         else:
             speed = (1.0, 1.15, 0.9)[variant]
             turn = rest + np.array([0.0, 10.0, 18.0, 26.0, 34.0]) / speed
-            loads.append(Load(turn, peak * np.array([0.0, 1.0, 0.2, 0.9, 0.0])))
+            loads.append(_begin(turn, peak * np.array([0.0, 1.0, 0.2, 0.9, 0.0])))
     return loads, 40.0
 
 
 def write_rows(load: Load, frame_interval: float) -> Array:
     """Rows (time, tension) of the log: a jump becomes two rows, close enough to be read as one."""
-    rows = [[0.0, 0.0]] if load.time[0] > 0 else []
+    rows = []
     for k, (time, tension) in enumerate(zip(load.time, load.tension, strict=True)):
         if k + 1 < load.time.size and load.time[k + 1] == time:
             if time > 0:

@@ -16,6 +16,7 @@ from softfinger.population.reml import (
     Windows,
     cut_windows,
     evaluate_reml,
+    find_autocorrelation,
     fit_joint,
     minimise_deviance,
     profile_windows,
@@ -124,10 +125,7 @@ def _share_autocorrelation(
     if len(known) < 2:
         return fits
 
-    def deviance(logit: float) -> float:
-        return sum(evaluate_reml(windows, expit(logit), declared)[0] for windows in known)
-
-    rho = expit(minimise_deviance(deviance))
+    rho = find_autocorrelation(known, declared)
     shared = [
         (evaluate_reml(fit[2], rho, declared)[1], rho, fit[2]) if fit[2].dof > 0 else fit
         for fit in fits

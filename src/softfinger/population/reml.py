@@ -6,6 +6,9 @@ likelihood (REML) of the window takes account of the noise that the quartic swal
 
     −2 log L(σ, ρ) = (n − p) log σ² + log|R| + log|XᵀR⁻¹X| + yᵀ(R⁻¹ − R⁻¹X(XᵀR⁻¹X)⁻¹XᵀR⁻¹)y / σ²
 
+Windows cannot tell noise that outlasts them from a drift without end. So how long it lasts,
+τ = −1/log ρ frames, has an exponential prior with a mean of a quarter of a window.
+
 References
 ----------
 Patterson, Thompson (1971), Biometrika 58, 545, doi:10.1093/biomet/58.3.545.
@@ -26,6 +29,7 @@ from softfinger.population.quiet import find_quiet_array
 WINDOW_FRAMES = 200
 LEAST_WINDOW_FRAMES = 25
 DEGREE = 4
+LASTING_FRAMES = WINDOW_FRAMES / 4
 LEAST_SD = 1e-9  # [rad] far below any camera's noise: a frozen recording has none
 
 
@@ -162,8 +166,19 @@ def fit_joint(windows: Windows, declared: float) -> tuple[float, float, Windows]
 
 
 def _maximise_reml(windows: Windows, declared: float) -> tuple[float, float]:
-    rho = expit(minimise_deviance(lambda logit: evaluate_reml(windows, expit(logit), declared)[0]))
+    rho = find_autocorrelation([windows], declared)
     return evaluate_reml(windows, rho, declared)[1], rho
+
+
+def find_autocorrelation(windows: list[Windows], declared: float) -> float:
+    """Find the most probable ρ that all joints share, each at its own best σ."""
+
+    def deviance(logit: float) -> float:
+        rho = expit(logit)
+        lasting = -2.0 / np.log(rho) / LASTING_FRAMES
+        return lasting + sum(evaluate_reml(part, rho, declared)[0] for part in windows)
+
+    return float(expit(minimise_deviance(deviance)))
 
 
 def evaluate_reml(windows: Windows, rho: float, declared: float) -> tuple[float, float]:

@@ -56,6 +56,13 @@ def test_an_effect_on_one_joint_leaves_the_others_alone(name, joint, move):
     assert moved[others].max() < 1e-7
 
 
+def test_what_a_trial_left_relaxes_before_the_next_load(move, time):
+    waits = Load(np.array([0.0, 5.0, 5.0]), np.array([0.0, 0.0, 8.0]))
+    left = np.abs(move(_dose("preload_memory", 0.1), load=waits) - move({}, load=waits))
+    assert left[0].min() > 1e-3
+    assert left[time < 5.0][-1].max() < 1e-3 * left[0].min()
+
+
 def test_coupling_acts_on_its_pair(move):
     moved = np.abs(move(_dose("joint_coupling", 0.008)) - move({})).max(axis=0)
     assert moved[0] < 1e-7

@@ -134,6 +134,7 @@ def test_a_protocol_starts_at_rest_and_reaches_its_peak(protocol):
     kinds = {tuple(load.tension) for load in loads}
     assert len(kinds) == {"single_step": 1, "levels": 4, "staircase": 3, "triangle": 1}[protocol]
     for load in loads:
+        assert load.time[0] == 0.0
         assert load.value(np.array([-0.1]))[0] == 0.0
         assert 2.0 < load.tension.max() < 9.0
         assert load.time[-1] < duration
@@ -143,7 +144,7 @@ def test_a_protocol_starts_at_rest_and_reaches_its_peak(protocol):
 
 
 def test_a_jump_becomes_two_close_rows():
-    rows = write_rows(Load(np.array([0.5, 0.5, 3.0]), np.array([0.0, 6.0, 7.0])), 0.05)
+    rows = write_rows(Load(np.array([0, 0.5, 0.5, 3.0]), np.array([0, 0.0, 6.0, 7.0])), 0.05)
     np.testing.assert_allclose(rows, [[0, 0], [0.49, 0], [0.5, 6], [3, 7]])
     at_once = write_rows(Load(np.zeros(2), np.array([0.0, 6.0])), 0.05)
     np.testing.assert_allclose(at_once, [[0.0, 6.0]])

@@ -71,3 +71,12 @@ def test_joints_share_one_autocorrelation_unless_it_plainly_differs(make_campaig
     assert np.ptp(estimate_noise(alike)["noise_autocorrelation"].values) == 0.0
     apart, _, _ = make_campaign(rng, trials=6, time=np.arange(500) / 30, rho=0.9)
     assert np.ptp(estimate_noise(apart)["noise_autocorrelation"].values) > 0.1
+
+
+def test_noise_that_outlasts_the_windows_is_not_taken_for_an_endless_drift(make_campaign, rng):
+    ratios = []
+    for _ in range(6):
+        angles, _, noise = make_campaign(rng, trials=3, time=np.arange(250) / 30, rho=0.98)
+        ratios.append(estimate_noise(angles)["noise_sd"].values / noise["noise_sd"].values)
+    assert 0.6 < np.median(ratios) < 1.3
+    assert np.max(ratios) < 2.0
