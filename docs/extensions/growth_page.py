@@ -21,7 +21,6 @@ COLUMNS = {
     "prepare_seconds": "of the wall seconds, preparing",
     "compile_seconds": "compiling",
     "sample_seconds": "sampling",
-    "gradients_per_draw": "gradients per draw",
     "memory_gib": "memory [GiB]",
     "report_mib": "report [MiB]",
     "r_hat": "largest R-hat",

@@ -15,6 +15,7 @@ class EstimationConfig(Settings):
 
     outlier_rule: Literal["scaled_mad", "raw_mad"]
     outlier_cutoff: Positive
+    sampler: Literal["nuts", "blocks"]
     chains: Annotated[int, Field(ge=2)]
     tune: Count
     draws: Count
@@ -22,7 +23,6 @@ class EstimationConfig(Settings):
     cores: Count
     target_accept: Annotated[float, Field(gt=0, lt=1)]
     max_depth: Count
-    integrator: Literal["leapfrog", "rotation"]
     predictive_draws: Count
     r_hat_max: Annotated[float, Field(gt=1)]
     ess_min: Positive

@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from softfinger.estimation.blocks import sample_blocks
 from softfinger.estimation.layout import build_tree, name_draws
 from softfinger.estimation.leave_out import forget_trial, keep_trial, leave_trials_out
 from softfinger.estimation.model import build_model, gather_data
@@ -17,6 +18,7 @@ from softfinger.estimation.sampling import (
     sample_density,
     scale_points,
 )
+from softfinger.faults import Fault
 from softfinger.population.collapse import collapse_angles
 from softfinger.population.correlation import Covariance
 from softfinger.population.frames import select_frames
@@ -47,9 +49,8 @@ def fit_posterior(angles: xr.Dataset, config: Mapping[str, Any], seed: int) -> x
     angles
         The `angles` artifact.
     config
-        The `estimation` block: chains, tune, draws, cores, target_accept, max_depth,
-        integrator, covariance,
-        predictive_draws.
+        The `estimation` block: sampler, chains, tune, draws, cores, target_accept, max_depth,
+        covariance, predictive_draws.
     seed
         Of this stage's random stream.
 
@@ -68,7 +69,7 @@ def fit_posterior(angles: xr.Dataset, config: Mapping[str, Any], seed: int) -> x
     """
     rng = np.random.default_rng(seed)
     prepared = prepare_fit(angles)
-    density = compile_fit(prepared, config["covariance"])
+    density = compile_fit(prepared, config)
     posterior, stats = sample_posterior(prepared, config, rng, density)
     scores = score_trials(prepared, density, posterior, config, rng)
     return build_tree(angles, prepared, posterior, stats, scores, config, rng)
@@ -108,8 +109,20 @@ def sample_posterior(
         As for `fit_posterior`.
     density
         Compiled for a campaign of the same trials and joints.
+
+    Raises
+    ------
+    Fault
+        If blocks are asked for parameters that go together.
     """
-    density = compile_fit(prepared, config["covariance"]) if density is None else density
+    if config["sampler"] == "blocks":
+        _refuse_covariance(config["covariance"])
+        variables, stats = sample_blocks(
+            prepared.collapse, prepared.prior, prepared.pilot, rng,
+            **{name: config[name] for name in ("chains", "tune", "draws", "cores")},
+        )  # fmt: skip
+        return name_draws(variables, prepared.coords), stats
+    density = compile_fit(prepared, config) if density is None else density
     data = gather_data(prepared.collapse, prepared.pilot)
     points, stats = sample_density(
         density,
@@ -120,7 +133,6 @@ def sample_posterior(
         cores=config["cores"],
         target_accept=config["target_accept"],
         max_depth=config["max_depth"],
-        integrator=config["integrator"],
         rng=rng,
         data={name: data[name] for name in density.data if name in data},
     )
@@ -135,15 +147,25 @@ def sample_posterior(
     return name_draws(variables, prepared.coords), stats
 
 
-def compile_fit(prepared: Preparation, covariance: Covariance = "independent") -> Density:
-    """Compile the model of a campaign."""
+def _refuse_covariance(covariance: Covariance) -> None:
+    if covariance != "independent":
+        raise Fault(
+            f"estimation: covariance is {covariance}, but sampler blocks draws independent "
+            "parameters only; set sampler: nuts, or covariance: independent"
+        )
+
+
+def compile_fit(prepared: Preparation, config: Mapping[str, Any]) -> Density | None:
+    """Compile the model of a campaign, where the sampler needs it."""
     _, collapse, prior, pilot, coords = prepared
-    return compile_density(build_model(collapse, prior, pilot, coords, covariance))
+    if config["sampler"] == "blocks":
+        return None
+    return compile_density(build_model(collapse, prior, pilot, coords, config["covariance"]))
 
 
 def score_trials(
     prepared: Preparation,
-    density: Density,
+    density: Density | None,
     posterior: xr.Dataset,
     config: Mapping[str, Any],
     rng: np.random.Generator,

@@ -6,7 +6,7 @@ arrays, so PyTensor's compiled function is handed over as it is, free of Python'
 
 from collections.abc import Callable, Mapping, Sequence
 from types import FunctionType
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import nutpie
@@ -32,8 +32,6 @@ from softfinger.population.pilot import Pilot
 from softfinger.population.priors import Prior
 from softfinger.population.whitening import colour_trials, place_mean
 from softfinger.progress import follow_progress
-
-Integrator = Literal["leapfrog", "rotation"]
 
 DISPERSION = 2.0  # of the starts, in approximate posterior standard deviations
 FIRST_STEP = 0.3  # the sampler's units are already those of the posterior
@@ -195,7 +193,6 @@ def sample_density(
     cores: int,
     target_accept: float,
     max_depth: int,
-    integrator: Integrator,
     rng: np.random.Generator,
     data: Mapping[str, NDArray] | None = None,
 ) -> tuple[NDArray[np.float64], xr.Dataset]:
@@ -209,10 +206,6 @@ def sample_density(
         Centre and sd (n,), about: the sampler's units, and where its chains start, dispersed.
     chains, tune, draws, cores, target_accept, max_depth
         As usual.
-    integrator
-        "leapfrog", or "rotation": a standard normal is followed exactly, and only what the
-        density has beyond it in steps. Takes longer steps where the whitening leaves
-        nearly a standard normal; may diverge in long tails.
     rng
         Gives the sampler's seed.
     data
@@ -248,7 +241,6 @@ def sample_density(
         sampler = nutpie.sample(
             compiled, draws=draws, tune=tune, chains=chains, cores=cores,
             target_accept=target_accept, maxdepth=max_depth, initial_step=FIRST_STEP,
-            exact_normal_trajectory=integrator == "rotation",
             seed=int(rng.integers(2**31)), save_warmup=False, progress_bar=False,
             progress_callback=lambda each: follow(sum(chain.finished_draws for chain in each)),
             blocking=False,

@@ -100,6 +100,49 @@ def _square_pairs(weight: NDArray, begin: NDArray, products: NDArray, pair: NDAr
 
 
 @njit(cache=True, error_model="numpy")
+def fill_trial_sums(
+    eta: NDArray,
+    windows: Windows,
+    window: NDArray,
+    products: NDArray,
+    first: NDArray,
+    sums: NDArray,
+    first_sums: NDArray,
+) -> None:
+    """Write the sums N, B, X of each trial (trial, gap, 3, J, J) and its r₀r₀ᵀ (trial, J, J).
+
+    Weighed by `weigh_noise` they give the trial's weighted square under any noise.
+    """
+    joints, most = eta.shape[1], windows.value.shape[1]
+    weight, bent = np.zeros((joints, most + 3)), np.empty((joints, most))
+    pull, none = np.empty(weight.shape), np.zeros((joints, joints))
+    begin = np.empty(joints + 1, np.int64)
+    for i in range(eta.shape[0]):
+        _fill_weights(eta[i], windows, window[i], weight, bent, begin)
+        first_sums[i], sums[i] = 0.0, 0.0
+        _start_pull(weight, begin, first[i], none, pull, first_sums[i])
+        one = begin[1] - 2
+        for g in range(products.shape[0]):
+            if products[g, i, 0, one, one] != 0.0:  # such gaps occur
+                _sum_pairs(weight, begin, products[g, i], sums[i, g])
+
+
+@njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
+def _sum_pairs(weight: NDArray, begin: NDArray, products: NDArray, sums: NDArray) -> None:
+    """Add w_jᵀ N w_k, w_jᵀ B w_k and w_jᵀ X w_k over a gap to (3, J, J)."""
+    joints = weight.shape[0]
+    for part in range(3):
+        for j in range(joints):
+            for r in range(begin[j + 1] - begin[j]):
+                row = products[part, begin[j] + r]
+                for k in range(joints):
+                    total = 0.0
+                    for c in range(begin[k + 1] - begin[k]):
+                        total += row[begin[k] + c] * weight[k, c]
+                    sums[part, j, k] += weight[j, r] * total
+
+
+@njit(cache=True, error_model="numpy")
 def sum_log_likelihood(
     eta: NDArray,
     sd: NDArray,

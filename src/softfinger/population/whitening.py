@@ -155,11 +155,25 @@ def whiten_trials(
 ) -> NDArray:
     """Turn parameters (p, trial) back into z (p, trial)."""
     centre, _, factor = colour_trials(np.zeros(eta.shape), curvature, pull, mean, precision)
+    return whiten_about(eta, centre, factor)
+
+
+@njit(cache=True, error_model="numpy")
+def whiten_about(eta: NDArray, centre: NDArray, factor: NDArray) -> NDArray:
+    """Turn parameters (p, trial) into z = Rᵀ(η − centre) (p, trial)."""
     z = np.zeros(eta.shape)
     for b in range(len(z)):
         for a in range(b, len(z)):
             _subtract(z[b], -factor[a, b], eta[a] - centre[a])
     return z
+
+
+@njit(cache=True, error_model="numpy")
+def colour_about(z: NDArray, centre: NDArray, factor: NDArray) -> NDArray:
+    """Turn z (p, trial) into parameters (p, trial) about the centre of `colour_trials`."""
+    eta = z.copy()
+    _solve_transposed(factor, eta)
+    return eta + centre
 
 
 @njit(cache=True, error_model="numpy")

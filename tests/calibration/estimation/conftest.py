@@ -25,7 +25,7 @@ SIZE = {
     "cores": 1,
     "target_accept": 0.8,
     "max_depth": 10,
-    "integrator": "leapfrog",
+    "sampler": "nuts",
     "covariance": "independent",
 }
 THIN = 8
@@ -55,7 +55,7 @@ def draw_ranks(replicates: int, seed: int, wrong: float = 1.0) -> NDArray[np.flo
         angles = draw_angles(blank, own, noise, rng)
         prepared = prepare_fit(angles.assign(load_torque=wrong * angles["load_torque"]))
         prepared = prepared._replace(prior=prior)
-        density = compile_fit(prepared) if density is None else density
+        density = compile_fit(prepared, SIZE) if density is None else density
         draws, _ = sample_posterior(prepared, SIZE, rng, density)
         truth = [*true["mu"][:3], *true["sigma"][:3], true["mu"][3], true["sigma"][3]]
         truth += [true["noise_sd"][0], true["noise_autocorrelation"][0]]

@@ -56,7 +56,7 @@ def test_posterior_is_that_of_a_long_run_on_all_frames():
         "cores": 1,
         "target_accept": 0.8,
         "max_depth": 10,
-        "integrator": "leapfrog",
+        "sampler": "nuts",
         "covariance": "independent",
     }
     ours, _ = sample_posterior(prepared, config, rng)

@@ -18,7 +18,7 @@ MEAN = np.array([[-2.4, -3.6, 2.8, 0.02], [-2.3, -3.5, 3.1, 0.03]])
 SD = np.array([[0.2, 0.4, 0.5, 0.01], [0.3, 0.5, 0.6, 0.02]])
 CONFIG = {
     "chains": 4, "tune": 300, "draws": 250, "cores": 1, "target_accept": 0.8, "max_depth": 10,
-    "integrator": "leapfrog",
+    "sampler": "nuts",
     "covariance": "independent",
     "predictive_draws": 40,
     "r_hat_max": 1.05, "ess_min": 100.0, "divergences_max": 0,

@@ -13,7 +13,7 @@ SMALL = {
     "cores": 1,
     "target_accept": 0.8,
     "max_depth": 10,
-    "integrator": "leapfrog",
+    "sampler": "nuts",
     "covariance": "independent",
 }
 

@@ -17,7 +17,7 @@ SMALL = {
     "cores": 1,
     "target_accept": 0.8,
     "max_depth": 10,
-    "integrator": "leapfrog",
+    "sampler": "nuts",
     "covariance": "independent",
 }
 
@@ -67,7 +67,7 @@ def test_the_noise_is_found(tree):
 
 def test_the_same_draws_on_one_core_and_two(campaign):
     prepared = prepare_fit(campaign[0])
-    density = compile_fit(prepared)
+    density = compile_fit(prepared, SMALL)
     one, two = (
         sample_posterior(
             prepared, SMALL | {"tune": 20, "draws": 20, "cores": n},
@@ -95,7 +95,7 @@ def test_a_forgotten_trial_has_the_population_s_parameters(campaign):
     prepared = prepare_fit(campaign[0])
     less, pilot = forget_trial(prepared.collapse, prepared.pilot, prepared.prior, 2)
     left = prepared._replace(collapse=less, pilot=pilot)
-    draws, _ = sample_posterior(left, SMALL, np.random.default_rng(2), compile_fit(prepared))
+    draws, _ = sample_posterior(left, SMALL, np.random.default_rng(2), compile_fit(prepared, SMALL))
     own, mu, sigma = (draws[name].values for name in ("log_k_v", "mu_log_k_v", "sigma_log_k_v"))
     z = (own[:, :, 2] - mu) / sigma
     assert abs(z.mean()) < 0.2
@@ -112,17 +112,3 @@ def test_one_trial_of_a_campaign_keeps_its_likelihood(campaign):
     alone, modes = keep_trial(prepared.collapse, prepared.pilot.modes, 4)
     one = compute_log_likelihood_array(alone, modes.eta.reshape(1, 2, 4), *noise)
     np.testing.assert_allclose(one, whole[4:5], rtol=1e-13)
-
-
-def test_both_integrators_draw_from_one_posterior(campaign, tree):
-    few = {"chains": 4, "draws": 400, "target_accept": 0.9, "integrator": "rotation"}
-    prepared = prepare_fit(campaign[0])
-    turned, statistics = sample_posterior(prepared, SMALL | few, np.random.default_rng(8))
-    leapt = tree["posterior"].dataset
-    for name in ("mu_log_k_v", "mu_log_c_v", "sigma_q_ini", "noise_sd"):
-        mean, sd = (getattr(leapt[name], what)(("chain", "draw")) for what in ("mean", "std"))
-        z = (turned[name].mean(("chain", "draw")) - mean) / sd
-        assert float(abs(z).max()) < 0.2, name
-    assert float(statistics["step_size"].mean()) > 1.15 * float(
-        tree["sample_stats"]["step_size"].mean()
-    )

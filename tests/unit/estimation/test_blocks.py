@@ -1,0 +1,70 @@
+"""Draws in blocks come from the posterior that NUTS draws from."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from softfinger.estimation import diagnose_sampling, fit_posterior
+from softfinger.estimation.posterior import prepare_fit, sample_posterior
+from softfinger.faults import Fault
+
+NUTS = {
+    "sampler": "nuts", "chains": 4, "tune": 300, "draws": 800, "cores": 2, "target_accept": 0.9,
+    "max_depth": 10, "covariance": "independent",
+}  # fmt: skip
+BLOCKS = NUTS | {"sampler": "blocks", "tune": 100, "draws": 1500}
+
+
+def compare(angles, names):
+    """Hold mean and sd of each quantity in blocks against NUTS, in sds."""
+    prepared = prepare_fit(angles)
+    rng = np.random.default_rng(8)
+    nuts, blocks = (sample_posterior(prepared, config, rng)[0] for config in (NUTS, BLOCKS))
+    for name in names:
+        x, y = (draws[name].stack(sample=("chain", "draw")) for draws in (nuts, blocks))
+        away = (y.mean("sample") - x.mean("sample")) / x.std("sample")
+        assert float(abs(away).max()) < 0.15, name
+        ratio = y.std("sample") / x.std("sample")
+        assert float(abs(np.log(ratio)).max()) < 0.3, name
+
+
+POPULATION = ("mu_log_k_v", "mu_log_c_v", "mu_log_c_p", "mu_q_ini", "sigma_q_ini")
+NOISE = ("noise_sd", "noise_autocorrelation")
+OWN = ("log_k_v", "log_c_v", "log_c_p", "q_ini")
+
+
+def test_both_samplers_draw_from_one_posterior(campaign):
+    compare(campaign[0], (*POPULATION, *NOISE, *OWN))
+
+
+def test_what_mixes_badly_in_blocks_is_red(draw):
+    early = draw(6, 1, 3)[0].isel(frame=slice(0, 9))  # the flow is 0.002 rad, the noise as large
+    posterior, stats = sample_posterior(prepare_fit(early), BLOCKS, np.random.default_rng(8))
+    tree = xr.DataTree.from_dict({"posterior": posterior, "sample_stats": stats})
+    limits = {"r_hat_max": 1.01, "ess_min": 400.0, "divergences_max": 0}
+    assert diagnose_sampling(tree, limits).attrs["verdict"] == "red"
+
+
+def test_a_joint_that_is_missing_from_a_trial_is_drawn_from_its_population(draw):
+    angles, _ = draw(6, 2, 4)
+    holed = angles["joint_angle"].copy()
+    holed[2, 1] = np.nan
+    compare(angles.assign(joint_angle=holed), ("mu_log_k_v", "log_k_v", "noise_sd"))
+
+
+def test_a_whole_fit_in_blocks_is_judged_as_any(campaign):
+    config = BLOCKS | {
+        "draws": 300, "predictive_draws": 40, "r_hat_max": 1.02, "ess_min": 400.0,
+        "divergences_max": 0, "outlier_rule": "scaled_mad", "outlier_cutoff": 3.0,
+    }  # fmt: skip
+    tree = fit_posterior(campaign[0], config, 3)
+    assert diagnose_sampling(tree, config).attrs["verdict"] == "green"
+    again = fit_posterior(campaign[0], config | {"cores": 1}, 3)
+    np.testing.assert_array_equal(again["posterior"]["log_c_p"], tree["posterior"]["log_c_p"])
+
+
+def test_parameters_that_go_together_are_refused(campaign):
+    with pytest.raises(Fault, match="sampler blocks draws independent parameters only"):
+        sample_posterior(
+            prepare_fit(campaign[0]), BLOCKS | {"covariance": "full"}, np.random.default_rng(1)
+        )
