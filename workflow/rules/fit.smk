@@ -24,6 +24,7 @@ rule fit:
         sampling=OUT / "sampling.nc",
     log:
         OUT / "logs/fit.log",
+    priority: 1  # most rules wait for it, and it waits until all its cores are free
     threads: config["estimation"]["cores"]
     params:
         config=config["estimation"],
