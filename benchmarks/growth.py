@@ -5,6 +5,9 @@ trials is measured in a process of its own, whose largest memory is then the fit
 kept in growth.json, which the documentation draws. ``python -m benchmarks.growth 10 100`` measures
 these numbers of trials anew; without any, all.
 
+Up to 100 trials are filmed and tracked as well, again in a process of its own: CPU time and memory
+of following the markers alone.
+
 What is timed is what every fit in blocks does: reduce the recordings, find the pilot fit, compile,
 sample. Draws are as many as it takes, or R-hat and effective draws tell.
 """
@@ -22,14 +25,21 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from benchmarks.posterior import LIMITS, SHORT, build_campaign, describe, diagnose
+from benchmarks.posterior import LIMITS, SHORT, build_campaign, diagnose
+from softfinger.artifacts import open_artifact
+from softfinger.artifacts.specs.truth import SPEC
+from softfinger.campaign import read_campaign
 from softfinger.config import read_config
 from softfinger.estimation.posterior import prepare_fit, sample_posterior
 from softfinger.report import write_report
+from softfinger.stages.film import film
 from softfinger.stages.linear_algebra import on_one_thread
+from softfinger.stages.virtual_rig import virtual_rig
+from softfinger.tracking import track_trials
 
 RESULTS = Path(__file__).with_name("growth.json")
 TRIALS = (10, 100, 1000, 10_000)
+MOST_FILMED = 100
 DRAWS = SHORT | {"draws": 600}
 FEW = DRAWS | {"tune": 1, "draws": 1}  # to compile
 
@@ -50,16 +60,49 @@ def measure_all(numbers: tuple[int, ...]) -> dict[str, dict[str, float]]:
     """Measure each number of trials in a process of its own, and keep what was found."""
     measured = json.loads(RESULTS.read_text()) if RESULTS.is_file() else {}
     for trials in numbers:
-        command = [sys.executable, "-m", "benchmarks.growth", "--alone", str(trials)]
-        said = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout
-        measured[str(trials)] = json.loads(said.splitlines()[-1])
-        print(f"  {trials} trials: {said.strip()}", flush=True)
+        costs = _run_alone("--fit", trials)
+        if trials <= MOST_FILMED:
+            with tempfile.TemporaryDirectory() as folder:
+                _run_alone("--film", trials, folder)
+                costs |= _run_alone("--track", trials, folder)
+        measured[str(trials)] = costs
+        print(f"  {trials} trials: {costs}", flush=True)
         RESULTS.write_text(json.dumps(measured, indent=1) + "\n")
     return measured
 
 
+def _run_alone(task: str, *arguments: object) -> dict[str, float]:
+    """Run a task of this module in a process of its own: the object that it prints."""
+    command = [sys.executable, "-m", "benchmarks.growth", task, *map(str, arguments)]
+    return json.loads(subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout)
+
+
+def film_trials(trials: int, folder: str) -> dict[str, float]:
+    """Film the default campaign's first trials, as the workflow does."""
+    config = read_config(None)["virtual_rig"] | {"n_trials": trials}
+    truth, campaign = Path(folder) / "truth.nc", Path(folder) / "campaign"
+    virtual_rig(truth=truth, folder=campaign, config=config, seed=1)
+    names = open_artifact(truth, SPEC)["trial"].to_numpy()
+    film(truth=truth, videos=[campaign / f"video/{n}.avi" for n in names], config=config, seed=1)
+    return {}
+
+
+def measure_tracking(trials: int, folder: str) -> dict[str, float]:
+    """CPU seconds and largest memory of following the markers of all trials, one after another."""
+    campaign = read_campaign(Path(folder) / "campaign")
+    begin = time.process_time()
+    found = track_trials(campaign, [trial.name for trial in campaign.trials])
+    assert not found["set_aside_reason"].astype(bool).any()
+    return {"track_cpu_seconds": time.process_time() - begin, "track_memory_gib": _read_memory()}
+
+
+def _read_memory() -> float:
+    """Largest memory of this process so far [GiB]."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+
+
 @on_one_thread
-def measure_once(trials: int) -> dict[str, float]:
+def measure_fit(trials: int) -> dict[str, float]:
     """Wall seconds of each step, CPU seconds and largest memory of a fit; size of the report."""
     angles, _ = build_campaign(trials, 3)
     clock, cpu = [time.perf_counter()], time.process_time()
@@ -70,9 +113,8 @@ def measure_once(trials: int) -> dict[str, float]:
     posterior, stats = sample_posterior(prepared, DRAWS, np.random.default_rng(4))
     clock.append(time.perf_counter())
     cpu = time.process_time() - cpu
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+    memory = _read_memory()
     found = diagnose(posterior, stats)
-    print(describe(found), flush=True)
     prepare, compilation, sampling = np.diff(clock).tolist()
     return {
         "seconds": clock[-1] - clock[0],
@@ -103,8 +145,9 @@ def measure_report(angles: xr.Dataset) -> float:
 
 
 if __name__ == "__main__":
-    numbers = [int(word) for word in sys.argv[1:] if word.isdecimal()]
-    if "--alone" in sys.argv[1:]:
-        print(json.dumps(measure_once(numbers[0])))
+    tasks = {"--fit": measure_fit, "--film": film_trials, "--track": measure_tracking}
+    task, *rest = sys.argv[1:] or [""]
+    if task in tasks:
+        print(json.dumps(tasks[task](int(rest[0]), *rest[1:])))
     else:
-        measure_all(tuple(numbers) or TRIALS)
+        measure_all(tuple(int(word) for word in sys.argv[1:]) or TRIALS)

@@ -16,7 +16,9 @@ from softfinger.provenance import PROJECT
 RESULTS = PROJECT / "benchmarks/growth.json"
 COLUMNS = {
     "trials": "trials",
-    "seconds": "wall seconds",
+    "track_cpu_seconds": "tracking, CPU seconds",
+    "track_memory_gib": "its memory [GiB]",
+    "seconds": "fit, wall seconds",
     "cpu_seconds": "CPU seconds",
     "prepare_seconds": "of the wall seconds, preparing",
     "compile_seconds": "compiling",
@@ -43,11 +45,15 @@ def describe_growth(results: Path = RESULTS) -> str:
         for row in rows
     )
     lines = [f"| {' | '.join(COLUMNS.values())} |", f"|{' --- |' * len(COLUMNS)}"]
-    lines += [f"| {' | '.join(f'{row[key]:.3g}' for key in COLUMNS)} |" for row in rows]
+    lines += [f"| {' | '.join(_write(row.get(key)) for key in COLUMNS)} |" for row in rows]
     picture = embed_figure(
         plot_growth(rows), f"Cost of a fit against the number of trials: {words}"
     )
     return "\n\n".join([picture, "\n".join(lines)])
+
+
+def _write(cost: float | None) -> str:
+    return "" if cost is None else f"{cost:.3g}"
 
 
 @styled
@@ -61,6 +67,9 @@ def plot_growth(rows: list[dict[str, float]]) -> Figure:
     panels = (("cpu_seconds", "CPU time [s]", seconds), ("memory_gib", "memory [GiB]", memory))
     for axes, (key, label, goal) in zip(figure.subplots(1, 2), panels, strict=True):
         axes.plot(trials, [row[key] for row in rows], "o-", color=BLUE, label="fit")
+        tracked = [row for row in rows if f"track_{key}" in row]
+        filmed, costs = [r["trials"] for r in tracked], [r[f"track_{key}"] for r in tracked]
+        axes.plot(filmed, costs, "s--", color=GREY, label="tracking")
         axes.plot(10_000, goal, "_", color=RED, markersize=18, label="goal for 10000 trials")
         axes.set(xscale="log", yscale="log", xlabel="trials", ylabel=label)
         axes.yaxis.set_minor_formatter(NullFormatter())
