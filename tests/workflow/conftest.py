@@ -38,9 +38,7 @@ class Project:
 def finished(tmp_path_factory) -> Project:
     root = tmp_path_factory.mktemp("project")
     for name in ("src", "workflow", "config", "profiles"):
-        shutil.copytree(
-            PROJECT / name, root / name, ignore=shutil.ignore_patterns("*.nbi", "*.nbc")
-        )
+        shutil.copytree(PROJECT / name, root / name)  # with what is compiled
     for name in ("Snakefile", "environment.lock"):
         shutil.copy(PROJECT / name, root / name)
     (root / "small.yaml").write_text(SMALL)

@@ -9,21 +9,19 @@ from softfinger.estimation.posterior import prepare_fit, sample_posterior
 from softfinger.faults import Fault
 
 NUTS = {
-    "sampler": "nuts", "chains": 4, "tune": 300, "draws": 800, "cores": 2, "target_accept": 0.9,
+    "sampler": "nuts", "chains": 4, "tune": 200, "draws": 300, "cores": 2, "target_accept": 0.9,
     "max_depth": 10, "covariance": "independent",
 }  # fmt: skip
-BLOCKS = NUTS | {"sampler": "blocks", "tune": 100, "draws": 1500}
+BLOCKS = NUTS | {"sampler": "blocks", "tune": 100, "draws": 800}
 
 
-def compare(angles, names):
-    """Hold mean and sd of each quantity in blocks against NUTS, in sds."""
-    prepared = prepare_fit(angles)
-    rng = np.random.default_rng(8)
-    nuts, blocks = (sample_posterior(prepared, config, rng)[0] for config in (NUTS, BLOCKS))
+def compare(angles, by_nuts, names):
+    """Hold mean and sd of each quantity in blocks against draws by NUTS, in sds."""
+    blocks, _ = sample_posterior(prepare_fit(angles), BLOCKS, np.random.default_rng(8))
     for name in names:
-        x, y = (draws[name].stack(sample=("chain", "draw")) for draws in (nuts, blocks))
+        x, y = (draws[name].stack(sample=("chain", "draw")) for draws in (by_nuts, blocks))
         away = (y.mean("sample") - x.mean("sample")) / x.std("sample")
-        assert float(abs(away).max()) < 0.15, name
+        assert float(abs(away).max()) < 0.2, name
         ratio = y.std("sample") / x.std("sample")
         assert float(abs(np.log(ratio)).max()) < 0.3, name
 
@@ -33,8 +31,8 @@ NOISE = ("noise_sd", "noise_autocorrelation")
 OWN = ("log_k_v", "log_c_v", "log_c_p", "q_ini")
 
 
-def test_both_samplers_draw_from_one_posterior(campaign):
-    compare(campaign[0], (*POPULATION, *NOISE, *OWN))
+def test_both_samplers_draw_from_one_posterior(campaign, tree):
+    compare(campaign[0], tree["posterior"].dataset, (*POPULATION, *NOISE, *OWN))
 
 
 def test_what_mixes_badly_in_blocks_is_red(draw):
@@ -49,7 +47,9 @@ def test_a_joint_that_is_missing_from_a_trial_is_drawn_from_its_population(draw)
     angles, _ = draw(6, 2, 4)
     holed = angles["joint_angle"].copy()
     holed[2, 1] = np.nan
-    compare(angles.assign(joint_angle=holed), ("mu_log_k_v", "log_k_v", "noise_sd"))
+    angles = angles.assign(joint_angle=holed)
+    by_nuts, _ = sample_posterior(prepare_fit(angles), NUTS, np.random.default_rng(7))
+    compare(angles, by_nuts, ("mu_log_k_v", "log_k_v", "noise_sd"))
 
 
 def test_a_whole_fit_in_blocks_is_judged_as_any(campaign):

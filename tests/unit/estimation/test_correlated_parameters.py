@@ -25,7 +25,7 @@ from softfinger.population.simulate import (
 
 from .conftest import CONFIG, MEAN, SD
 
-SMALL = CONFIG | {"chains": 2, "tune": 200, "draws": 150}
+SMALL = CONFIG | {"chains": 2, "tune": 120, "draws": 100, "max_depth": 5}
 NAMES = [f"{k}[{j}]" for j in (1, 2) for k in ("log_k_v", "log_c_v", "log_c_p", "q_ini")]
 
 
