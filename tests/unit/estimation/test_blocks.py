@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from softfinger.artifacts.spec import list_tree_faults
+from softfinger.artifacts.specs.posterior import SPEC
 from softfinger.estimation import diagnose_sampling, fit_posterior
 from softfinger.estimation.posterior import prepare_fit, sample_posterior
 from softfinger.faults import Fault
@@ -58,6 +60,7 @@ def test_a_whole_fit_in_blocks_is_judged_as_any(campaign):
         "divergences_max": 0, "outlier_rule": "scaled_mad", "outlier_cutoff": 3.0,
     }  # fmt: skip
     tree = fit_posterior(campaign[0], config, 3)
+    assert list_tree_faults(SPEC, tree) == []
     assert diagnose_sampling(tree, config).attrs["verdict"] == "green"
     again = fit_posterior(campaign[0], config | {"cores": 1}, 3)
     np.testing.assert_array_equal(again["posterior"]["log_c_p"], tree["posterior"]["log_c_p"])
