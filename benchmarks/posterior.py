@@ -2,8 +2,9 @@
 
 The paper's population, joint 3's c_p from log-normal(3.3, 0.9), under its step of 30 s, 30 frames a
 second, white noise of 3 mrad unless said. The rival is PyMC's own NUTS on the plain model: every
-frame in it, centred, white noise, started at the truth, its tuning not counted; one chain within
-`RIVAL_CPU_S` of CPU. Ours has AR(1) noise and correlated joints in the model, its tuning counted.
+frame in it, centred, white noise, started at the truth, its tuning not counted; one chain until
+`RIVAL_CPU_S` of CPU are spent and at least 20 draws are made. Ours, in blocks, has AR(1) noise and
+correlated joints in the model, what goes before its draws is counted.
 """
 
 import time
