@@ -1,4 +1,7 @@
-"""Wall time of a full diagnosis: 40 trials of three joints and 40 s, an effect in them."""
+"""Wall time of a full diagnosis: trials of three joints and 40 s, an effect in them.
+
+Everything is compiled before, on a campaign of three trials.
+"""
 
 from __future__ import annotations
 
@@ -7,24 +10,63 @@ import time
 import numpy as np
 import xarray as xr
 
+from benchmarks.posterior import describe
 from softfinger.config import read_config
+from softfinger.estimation import diagnose_sampling
+from softfinger.mechanics.effects.model_file import FittedTo
 from softfinger.mechanics.forward.simulate import describe_unknown_finger, simulate_joint_angle
 from softfinger.mismatch import diagnose
+from softfinger.mismatch.diagnose import Diagnosis
+from softfinger.mismatch.fit import fit_effects
+from softfinger.mismatch.outcome import describe_repair
+from softfinger.mismatch.refine import refine_verdict
 from softfinger.population.simulate import build_recording, draw_noise_array
 
 TRIALS, JOINTS, DURATION_S, FPS = 40, 3, 40.0, 30.0
+MANY = (100, 1000)
 MEAN = {"k_v": [-2.44, -2.30, -1.88], "c_v": [-3.66, -3.65, -3.88], "c_p": [2.85, 3.11, 3.3]}
 SPREAD = {"k_v": [0.20, 0.22, 0.40], "c_v": [0.52, 0.48, 0.82], "c_p": [0.70, 0.85, 0.90]}
 
 
 def measure() -> dict[str, float]:
-    """Seconds for one campaign; the code is compiled before, on a campaign of three trials."""
-    config = read_config()["mismatch"]
-    diagnose(build_campaign(3), config, 1)
-    campaign = build_campaign(TRIALS)
+    """Seconds for 40 trials, without sampling."""
+    warm_up()
+    return {"diagnosis_seconds": time_diagnosis(TRIALS)[1]}
+
+
+def measure_long() -> dict[str, float]:
+    """Seconds for 40 trials with sampling, for 100 and for 1000 without; the repaired model's fit.
+
+    The fit is that of the rule `fit`, in its own size and with its own limits, which are printed.
+    """
+    warm_up()
+    found, seconds = time_diagnosis(TRIALS)
     start = time.perf_counter()
-    diagnose(campaign, config, 1)
-    return {"diagnosis_seconds": time.perf_counter() - start}
+    _, r_hat = refine_verdict(found, np.random.default_rng(1))
+    figures = {"diagnosis_sampled_seconds": seconds + time.perf_counter() - start}
+    print(f"  in the diagnosis: R-hat {r_hat:.4f}", flush=True)
+    content = describe_repair(found, FittedTo(campaign="benchmark", sha256="0" * 64))
+    config = read_config()["estimation"]
+    fitted = fit_effects(build_campaign(TRIALS), content, config, 1, priors=False)
+    gates = diagnose_sampling(fitted, config)
+    print(f"  the repaired model's fit: {gates.attrs['verdict']}, {describe(gates)}", flush=True)
+    for trials in MANY:
+        found, figures[f"diagnosis_{trials}_trials_seconds"] = time_diagnosis(trials)
+        print(f"  {trials} trials: {found.verdict.decision}", flush=True)
+    return figures
+
+
+def warm_up() -> None:
+    """Compile everything."""
+    diagnose(build_campaign(3), read_config()["mismatch"], 1)
+
+
+def time_diagnosis(trials: int) -> tuple[Diagnosis, float]:
+    """Diagnose a campaign; what was found, and the seconds of wall time."""
+    campaign = build_campaign(trials)
+    start = time.perf_counter()
+    found = diagnose(campaign, read_config()["mismatch"], 1)
+    return found, time.perf_counter() - start
 
 
 def build_campaign(trials: int) -> xr.Dataset:

@@ -1,10 +1,10 @@
 """The hierarchical posterior: seconds, effective draws beside PyMC's own NUTS, coverage.
 
 The paper's population, joint 3's c_p from log-normal(3.3, 0.9), under its step of 30 s, 30 frames a
-second, white noise of 3 mrad unless said. The rival is PyMC's own NUTS on the plain model: every
-frame in it, centred, white noise, started at the truth, its tuning not counted; one chain until
-`RIVAL_CPU_S` of CPU are spent and at least 20 draws are made. Ours, in blocks, has AR(1) noise and
-correlated joints in the model, what goes before its draws is counted.
+second, white noise of 3 mrad unless said. The rival is PyMC's own NUTS as it comes on the plain
+model: every frame in it, centred, white noise, started at the truth; one chain until `RIVAL_CPU_S`
+of CPU are spent. Ours, in blocks, has AR(1) noise and correlated joints in the model. Tuning, and
+what goes before it, is counted on both sides.
 """
 
 import time
@@ -49,7 +49,7 @@ NUTS = SHORT | {
     "sampler": "nuts", "tune": 150, "draws": 700, "target_accept": 0.8, "max_depth": 3,
 }  # fmt: skip
 RIVAL_CPU_S = 3600.0
-RIVAL_TUNE = 150
+RIVAL_TUNE = 1000
 COVERED_CAMPAIGNS, COVERED_TRIALS = 20, 40
 CASES = {
     "white": {"rho": 0.0},
@@ -97,7 +97,7 @@ def compare_with_rival() -> float:
     angles, true = build_campaign(100, 1)
     fit_once(angles, SHORT | {"tune": 10, "draws": 10}, 1)
     start = time.process_time()
-    posterior, stats = fit_once(angles, SHORT | {"cores": 1}, 2)
+    posterior, stats = fit_once(angles, SHORT | {"cores": 1, "draws": 1000}, 2)
     cpu = time.process_time() - start
     found = diagnose(posterior, stats)
     shared = [not str(name).startswith("noise_auto") for name in found["quantity"].to_numpy()]
@@ -106,7 +106,7 @@ def compare_with_rival() -> float:
     ess, r_hat, draws, cpu = run_rival(angles, true)
     print(
         f"  rival: smallest bulk ESS {ess:.4g}, R-hat {r_hat:.3f}, of {draws} draws in {cpu:.0f} s"
-        f" after {RIVAL_TUNE} of tuning, {'' if r_hat < 1.01 else 'not '}converged",
+        f" with {RIVAL_TUNE} of tuning, {'' if r_hat < 1.01 else 'not '}converged",
         flush=True,
     )
     return ours / (ess / cpu)
@@ -118,7 +118,9 @@ def run_rival(angles: xr.Dataset, true: xr.Dataset) -> tuple[float, float, int, 
 
     def watch(trace: object, draw: object) -> None:
         clock.append(time.process_time())
-        if clock[-1] - begin > RIVAL_CPU_S and len(clock) > RIVAL_TUNE + 20:
+        if len(clock) % 100 == 0:
+            print(f"  rival: iteration {len(clock)}, {clock[-1] - begin:.0f} s", flush=True)
+        if clock[-1] - begin > RIVAL_CPU_S:
             raise KeyboardInterrupt
 
     with build_plain_model(angles):
@@ -130,7 +132,7 @@ def run_rival(angles: xr.Dataset, true: xr.Dataset) -> tuple[float, float, int, 
     kept = trace["posterior"].to_dataset()[["mu", "sigma", "noise_sd"]]
     ess = min(float(x.min()) for x in az.ess(kept, method="bulk").data_vars.values())
     r_hat = max(float(x.max()) for x in az.rhat(kept).data_vars.values())
-    return ess, r_hat, kept.sizes["draw"], clock[-1] - clock[RIVAL_TUNE - 1]
+    return ess, r_hat, kept.sizes["draw"], clock[-1] - begin
 
 
 def build_plain_model(angles: xr.Dataset) -> pm.Model:
