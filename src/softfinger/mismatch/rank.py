@@ -15,7 +15,7 @@ from softfinger.mechanics.effects.effect import Setting
 from softfinger.mechanics.effects.model import EffectModel, Piece
 from softfinger.mismatch.columns import Block, ScoreColumns
 from softfinger.mismatch.problem import Candidate, Problem
-from softfinger.population.mixed_effects_laplace import solve_linearised
+from softfinger.population.mixed_effects_laplace import Fit, solve_linearised
 
 FIRST_STEPS = 4  # linearisations before candidates are compared
 LEADING = 4  # effects whose best form is fitted however far it lies behind
@@ -188,35 +188,42 @@ def fit_scored(
     """Fit every promising form among those that were scored, best first.
 
     Promising are the best forms of the leading effects, and every form whose score is near the best
-    fit so far. Each gets a few linearisations; those that then stand within reach of the best go on
-    until they come to rest. One that does not cannot be chosen, and counts by what it has reached.
-    Forms that are not fitted count by their score.
+    fit so far. Each gets a few linearisations; one that then leads goes on at once, for only a fit
+    that has come to rest may set the measure for others. Those within reach of the best go on as
+    well. One that does not come to rest cannot be chosen, and counts by what it has reached. Forms
+    that are not fitted count by their score.
     """
     leading = set(list(dict.fromkeys(s.effect for s in scores))[:LEADING])
     begun, candidates, best = [], [], origin.log_evidence
     for score in progress(scores, "fitting effects"):
         gain = best - origin.log_evidence
         near = score.gain >= max(0.0, gain - max(NEAR, NEAR_SHARE * gain))
-        fit = None
-        if near or (score.effect in leading and score.gain > HOPELESS):
-            leading.discard(score.effect)
-            start = origin.fit.own, score.shared, origin.fit.omega
-            fit = problem.fit(score.model, start, steps=FIRST_STEPS)
-            if fit is None:
-                continue
-            best = max(best, fit.log_evidence)
-            begun.append((score.model, fit))
-        else:
+        if not near and (score.effect not in leading or score.gain <= HOPELESS):
             candidates.append(Candidate(score.model, None, origin.log_evidence + score.gain))
+            continue
+        leading.discard(score.effect)
+        start = origin.fit.own, score.shared, origin.fit.omega
+        fit = problem.fit(score.model, start, steps=FIRST_STEPS)
+        if fit is not None and fit.log_evidence > best:
+            fit = _go_on(problem, score.model, fit)
+        if fit is None:
+            continue
+        if fit.converged:
+            best = max(best, fit.log_evidence)
+        begun.append((score.model, fit))
     reach = max(REACH, REACH_SHARE * (best - origin.log_evidence))
     for model, fit in begun:
         if fit.log_evidence < best - reach:
             candidates.append(Candidate(model, None, fit.log_evidence))
             continue
-        if not fit.converged:
-            fit = problem.fit(model, (fit.own, fit.shared, fit.omega))
+        fit = _go_on(problem, model, fit)
         if fit is not None and fit.converged:
             candidates.append(prune(problem, Candidate(model, fit, fit.log_evidence)))
         elif fit is not None:
             candidates.append(Candidate(model, None, fit.log_evidence))
     return sorted(candidates, key=lambda c: -c.log_evidence)
+
+
+def _go_on(problem: Problem, model: EffectModel, fit: Fit) -> Fit | None:
+    """Fit on until it comes to rest."""
+    return fit if fit.converged else problem.fit(model, (fit.own, fit.shared, fit.omega))
