@@ -99,7 +99,7 @@ def examine(problem: Problem, search: Search, angles: xr.Dataset, *, needed: flo
     best_few = max(c.log_evidence for c in few)
     gain = best_few - search.base.log_evidence
     further = max(search.best.log_evidence - best_few, 0.0)
-    jumps = find_jumps(problem, search.best)
+    jumps = find_jumps(problem, search.best, angles)
     return Findings(*base, *best, line, jumps, free, gain, further)
 
 

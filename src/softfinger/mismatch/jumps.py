@@ -1,25 +1,33 @@
 """Jumps in single trials: angles that are off by a constant from some moment on, as after a slip.
 
-A trial's residual is weighed against a step of normal size in one joint, at any time, its own
-parameters free to adapt; the evidence is averaged over joints, times and sizes. So is that of the
-rival, an outlier at any time, which noise with heavy tails brings and which parameters that adapt
-make look like a step where bins are narrow; a jump has to beat it. Trials jump with an unknown
-probability, over which it is averaged as well.
+Each joint's residual, frame by frame, is weighed against a step of normal size at any moment at
+which the finger is quiet. The trial's own parameters are free to adapt, and the evidence is
+averaged over joints, moments and sizes. A jump has to beat two rivals (Fox 1972), weighed in the
+same way, which noise with heavy tails brings: one wrong frame, and one large innovation, which
+AR(1) noise forgets only slowly. Trials jump with an unknown probability, over which it is averaged
+as well.
+
+References
+----------
+Fox (1972), J. R. Stat. Soc. B 34, 350. Chen, Liu (1993), J. Am. Stat. Assoc. 88, 284.
 """
 
 from typing import NamedTuple
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
-from softfinger.mismatch.problem import Candidate, Problem
-from softfinger.mismatch.reduce import whiten_trial
+from softfinger.mismatch.problem import LAYOUT, OWN, Candidate, Problem, simulate_frames
+from softfinger.population.quiet import find_quiet_array
+from softfinger.population.reml import whiten_array
 
 SIZES_RAD = (0.003, 0.01, 0.03)
 SHARES = (0.02, 0.1, 0.3, 0.6, 0.95)  # of the trials that jump
-MOST_TIMES = 60
-MOST_TRIALS = 200
+LEAST_FRAMES = 10  # of a joint in a trial
 SURE = 5.0  # nats of a trial from which it is listed
+
+Array = NDArray[np.float64]
 
 
 class Jumps(NamedTuple):
@@ -30,57 +38,114 @@ class Jumps(NamedTuple):
     joints: list[int]
 
 
-def find_jumps(problem: Problem, candidate: Candidate) -> Jumps:
-    """Weigh jumps in single trials on top of a fitted model."""
-    angle, slope = problem.simulate(candidate.model, candidate.fit.own, candidate.fit.shared)
-    inverse = np.linalg.inv(candidate.fit.omega)
-    count = min(len(angle), MOST_TRIALS)
-    evidence, outlier = np.zeros((2, count, problem.trials.joints))
-    shapes: dict[int, tuple[NDArray, NDArray]] = {}
-    for i in range(count):
-        kind = int(problem.trials.protocol[i])
-        if kind not in shapes:
-            shapes = {kind: _whiten_shapes(problem, i)}
-        white = whiten_trial(problem.trials, angle[i], slope[i], i)
-        evidence[i], outlier[i] = (_weigh_shapes(white, shape, inverse) for shape in shapes[kind])
-    rival = np.logaddexp.reduce(outlier, axis=1) - np.log(outlier.shape[1])
-    trial = np.logaddexp.reduce(evidence, axis=1) - np.log(evidence.shape[1])
-    trial -= np.maximum(rival, 0.0)
+class Series(NamedTuple):
+    """One joint in one trial: whitened rows, and the joint's own parameters.
+
+    rows (n, OWN + 1) of [∂F/∂η | residual]; weight, carried (n,): row i is weight · (x_i −
+    carried · x_{i−1}); pull (OWN,) = Ω⁻¹(μ − η) and precision Ω⁻¹ of η; quiet (n,).
+    """
+
+    rows: Array
+    weight: Array
+    carried: Array
+    pull: Array
+    precision: Array
+    quiet: NDArray[np.bool_]
+
+
+def find_jumps(problem: Problem, candidate: Candidate, angles: xr.Dataset) -> Jumps:
+    """Weigh jumps in single trials on top of a fitted model, `angles` being the artifact."""
+    trials = problem.trials
+    evidence = np.full((len(trials.name), trials.joints), -np.inf)
+    rival = evidence.copy()
+    for i, j, series, sd in _list_series(problem, candidate, angles):
+        sizes = np.array(SIZES_RAD) / sd
+        evidence[i, j] = weigh_shapes(series, *project_steps(series), sizes)
+        rivals = [weigh_shapes(series, *shape, sizes) for shape in project_outliers(series)]
+        rival[i, j] = np.logaddexp(*rivals) - np.log(2.0)
+    seen = np.isfinite(evidence).any(axis=1)
+    if not seen.any():
+        return Jumps(0.0, [], [])
+    trial, other = (_average(x[seen]) for x in (evidence, rival))
+    trial = trial - np.maximum(other, 0.0)
     mixed = [np.logaddexp(np.log1p(-p), np.log(p) + trial).sum() for p in SHARES]
-    jumping = np.flatnonzero(trial > SURE)
+    jumping = np.flatnonzero(seen)[trial > SURE]
     joints = sorted({int(evidence[i].argmax()) + 1 for i in jumping})
     gain = float(np.logaddexp.reduce(mixed) - np.log(len(mixed)))
-    return Jumps(gain, [problem.trials.name[i] for i in jumping], joints)
+    return Jumps(gain, [trials.name[i] for i in jumping], joints)
 
 
-def _weigh_shapes(white: NDArray, shape: NDArray, inverse: NDArray) -> NDArray[np.float64]:
-    """Evidence [nats] of each joint (joint,) for a shape (row, joint, time) at any time."""
-    d = len(inverse)
-    own, left = white[:, :d], white[:, -1]
-    cross = np.einsum("rd,rjs->djs", own, shape)
-    kept = np.einsum("djs,de,ejs->js", cross, np.linalg.inv(inverse + own.T @ own), cross)
-    size = np.maximum((shape**2).sum(axis=0) - kept, 0.0)
-    pull = np.einsum("r,rjs->js", left, shape)
-    each = [0.5 * (pull**2 / (size + s**-2.0) - np.log1p(size * s**2)) for s in SIZES_RAD]
-    return np.logaddexp.reduce(np.stack(each), axis=(0, 2)) - np.log(len(each) * len(size[0]))
+def project_steps(series: Series) -> tuple[Array, Array]:
+    """Products of whitened steps that begin at frame s with the rows (s, OWN + 1), and norms² (s,).
+
+    A step is weight at s and weight · (1 − carried) later.
+    """
+    later = series.weight * (1.0 - series.carried)
+    tail = _sum_after(series.rows * later[:, None])
+    return series.rows * series.weight[:, None] + tail, series.weight**2 + _sum_after(later**2)
 
 
-def _whiten_shapes(problem: Problem, trial: int) -> tuple[NDArray, NDArray]:
-    """Whitened steps and outliers (row, joint, time) of a trial; a joint not seen has none."""
-    bins = int(problem.trials.bins[trial])
-    begin = np.unique(np.linspace(1, bins - 1, MOST_TIMES).astype(int))
-    bin_ = np.arange(bins)
-    steps = bin_[:, None] >= begin
-    outliers = bin_[:, None] == bin_
-    return tuple(_whiten_columns(problem, trial, shape) for shape in (steps, outliers))
+def project_outliers(series: Series) -> list[tuple[Array, Array]]:
+    """Project one wrong frame, and one large innovation, as `project_steps` does steps."""
+    back = np.append(series.weight[1:] * series.carried[1:], 0.0)
+    here = series.rows * series.weight[:, None]
+    after = np.concatenate([series.rows[1:], np.zeros((1, series.rows.shape[1]))])
+    wrong = here - after * back[:, None], series.weight**2 + back**2
+    return [wrong, (here, series.weight**2)]
 
 
-def _whiten_columns(problem: Problem, trial: int, shape: NDArray) -> NDArray[np.float64]:
-    """Whiten shapes (bin, time) of each joint of one trial: (row, joint, time)."""
-    trials, number = problem.trials, shape.shape[1]
-    slope = np.zeros((trials.joints, 2 * trials.node.shape[1], trials.joints * number))
-    nodes = np.repeat(shape.astype(float), 2, axis=0)
-    for j in np.flatnonzero(trials.present[trial]):
-        slope[j, : len(nodes), j * number : (j + 1) * number] = nodes
-    white = whiten_trial(trials, np.zeros(slope.shape[:2]), slope, trial)[:, :-1]
-    return white.reshape(len(white), trials.joints, number)
+def weigh_shapes(series: Series, product: Array, square: Array, sizes: Array) -> float:
+    """Evidence [nats] for one of the shapes, over the quiet moments and sizes (of unit noise)."""
+    own, left = series.rows[:, :-1], series.rows[:, -1]
+    cross, pull = product[series.quiet, :-1], product[series.quiet, -1]
+    inner = np.linalg.inv(series.precision + own.T @ own)
+    adapted = inner @ (own.T @ left + series.pull)  # where η would go without the shape
+    norm = np.maximum(square[series.quiet] - np.einsum("sa,ab,sb->s", cross, inner, cross), 0.0)
+    pull = pull - cross @ adapted
+    each = [0.5 * (pull**2 / (norm + s**-2.0) - np.log1p(norm * s**2)) for s in sizes]
+    return float(np.logaddexp.reduce(np.ravel(each)) - np.log(np.size(each)))
+
+
+def _sum_after(values: Array) -> Array:
+    """Sums over all later rows."""
+    return values[::-1].cumsum(axis=0)[::-1] - values
+
+
+def _average(evidence: Array) -> Array:
+    """Average over the joints (trial, joint) that were seen."""
+    return np.logaddexp.reduce(evidence, axis=1) - np.log(np.isfinite(evidence).sum(axis=1))
+
+
+def _list_series(
+    problem: Problem, candidate: Candidate, angles: xr.Dataset
+) -> list[tuple[int, int, Series, float]]:
+    """Place of trial and joint, its series and the noise's sd, where enough was seen."""
+    trials, fit = problem.trials, candidate.fit
+    noise = problem.noise[["noise_sd", "noise_autocorrelation"]].to_dataarray().values
+    chosen = angles.sel(trial=trials.name)
+    recorded = chosen["joint_angle"].transpose(*LAYOUT).values
+    time = chosen["time"].transpose("trial", "frame").values
+    angle, slope = simulate_frames(problem, candidate, angles, gradient=True)
+    found = []
+    for i, used in enumerate(trials.used):
+        quiet = find_quiet_array(time[i, used], trials.load_time[i], trials.load_torque[i])
+        gap = np.diff(time[i, used], prepend=-np.inf) / trials.interval
+        if quiet.sum() < LEAST_FRAMES:
+            continue
+        for j in np.flatnonzero(trials.present[i]):
+            sd, rho = noise[:, j]
+            own = slice(OWN * j, OWN * (j + 1))
+            residual = recorded[i, j, used] - angle[i, j, used]
+            rows = np.column_stack([slope[i, j, used, own], residual]) / sd
+            carried = np.where(np.isfinite(gap), rho**gap, 0.0)
+            precision = np.linalg.inv(fit.omega[own, own])
+            series = Series(
+                whiten_array(rows, gap, rho)[0],
+                1.0 / np.sqrt(1.0 - carried**2),
+                carried,
+                precision @ (fit.mean[own] - fit.own[i, own]),
+                precision,
+                quiet,
+            )
+            found.append((i, int(j), series, float(sd)))
+    return found

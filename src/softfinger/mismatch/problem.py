@@ -222,6 +222,13 @@ def predict_frames(
     problem: Problem, candidate: Candidate, angles: xr.Dataset
 ) -> NDArray[np.float64]:
     """Angles (trial, joint, frame) [rad] at every frame, each trial at its own mode."""
+    return simulate_frames(problem, candidate, angles, gradient=False)[0]
+
+
+def simulate_frames(
+    problem: Problem, candidate: Candidate, angles: xr.Dataset, *, gradient: bool
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Angles at every frame, and with `gradient` ∂F/∂η (trial, joint, frame, d)."""
     trials = problem.trials
     own = candidate.fit.own.reshape(len(trials.name), trials.joints, OWN)
     time = angles.sel(trial=trials.name)["time"].transpose("trial", "frame").values
@@ -234,9 +241,9 @@ def predict_frames(
         np.where(np.isfinite(time), forward, np.nan),
         trials.load_time,
         trials.load_torque,
-        gradient=False,
+        gradient=gradient,
         tolerance=TOLERANCE,
-    )[0]
+    )
 
 
 def compute_usual_inertia(setting: Setting) -> NDArray[np.float64]:

@@ -22,7 +22,7 @@ def quiet(items, _):
 def draw_campaign():
     """Draw a campaign of one joint whose second Voigt element carries a share of its compliance."""
 
-    def draw(seed, share, retardation_time=1.5):
+    def draw(seed, share, retardation_time=1.5, rho=0.3):
         rng = np.random.default_rng(seed)
         time = np.arange(FRAMES) * 0.08
         load_time = np.tile([0.0, 8.0, 8.0, 13.0], (TRIALS, 1))
@@ -45,7 +45,7 @@ def draw_campaign():
         noise = xr.Dataset(
             {
                 "noise_sd": ("joint", [0.002]),
-                "noise_autocorrelation": ("joint", [0.3]),
+                "noise_autocorrelation": ("joint", [rho]),
                 "noise_correlation": (("joint", "other_joint"), np.eye(1)),
             }
         )
