@@ -1,9 +1,10 @@
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.signal import detrend
 
 from softfinger.mismatch.free_form import fit_free_form, score_term
-from softfinger.mismatch.free_form_terms import ANGLE, list_terms
+from softfinger.mismatch.free_form_terms import list_terms
 from softfinger.mismatch.problem import Candidate, pose_problem
 from softfinger.population.simulate import build_recording, draw_angles, draw_parameters
 
@@ -46,23 +47,24 @@ def step():
 
 
 def test_a_spline_does_not_take_the_place_of_what_differs_between_trials(step):
-    """A curve that maps all angles onto one would: but only where the model is taken as straight."""
+    """One linearisation says that it does, by steps far beyond where the model is straight."""
     problem, base = pose(step)
-    (term,) = (t for t in list_terms(problem, base) if t.argument == ANGLE)
-    assert max(score.gain for score in score_term(problem, base, term)) > 10.0
+    scores = [s.gain for t in list_terms(problem, base) for s in score_term(problem, base, t)]
+    assert max(scores) > 10.0
     assert fit_free_form(problem, base) is None
 
 
 def test_a_shape_in_time_is_found_in_size(step):
     shape = 0.006 * np.sin(2 * np.pi * step["time"].values / 8.0)
-    moved = step.assign(joint_angle=step["joint_angle"] + (("trial", "frame"), shape))
+    moved = step.assign(joint_angle=step["joint_angle"] + shape[:, None])
     free = fit_free_form(*pose(moved))
     assert free.gain > 100.0
     assert free.argument == "time_s"
     assert free.joints == [1]
     within = free.shape["value"][0].sel(place=slice(2.0, 18.0))
     wanted = 0.006 * np.sin(2 * np.pi * within["place"] / 8.0)
-    assert np.corrcoef(within, wanted)[0, 1] > 0.9
+    # stiffness and flow swallow a constant and a line
+    assert np.corrcoef(detrend(within.values), detrend(wanted.values))[0, 1] > 0.9
 
 
 def test_products_of_a_term_are_its_derivatives(step):

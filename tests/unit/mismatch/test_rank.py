@@ -6,7 +6,7 @@ import pytest
 from softfinger.mechanics.effects.model import EffectModel
 from softfinger.mismatch.columns import collect_columns
 from softfinger.mismatch.problem import Candidate, pose_problem
-from softfinger.mismatch.rank import list_pieces, rank_pieces, score_pieces
+from softfinger.mismatch.rank import Score, fit_scored, list_pieces, rank_pieces, score_pieces
 from softfinger.mismatch.search import FORM_ERROR, measure_shape, require_gain
 
 
@@ -77,3 +77,29 @@ def test_a_local_form_leaves_the_other_joints_alone(posed):
     assert changed.any()
     assert set(acting[:, 1]) == {1}
     assert pieces[0].joints == [2]
+
+
+class Misled:
+    """A problem whose leading form gains much while it moves, and nothing once it rests."""
+
+    def __init__(self, fit):
+        self.fit_to, self.calls = fit, []
+
+    def fit(self, model, start, *, steps=None):
+        self.calls.append((model, steps))
+        gain, converged = {
+            ("lead", True): (300.0, False),
+            ("lead", False): (-50.0, True),
+            ("true", True): (80.0, True),
+        }[model, steps is not None]
+        return self.fit_to._replace(log_evidence=gain, converged=converged)
+
+
+def test_a_fit_that_does_not_rest_sets_no_measure_for_others(posed, monkeypatch):
+    _, base = posed
+    monkeypatch.setattr("softfinger.mismatch.rank.prune", lambda problem, candidate: candidate)
+    monkeypatch.setattr(Score, "effect", property(lambda score: score.model))
+    scores = [Score(name, gain, np.zeros(1)) for name, gain in (("lead", 100.0), ("true", 75.0))]
+    origin = base._replace(log_evidence=0.0)
+    found = fit_scored(Misled(base.fit), origin, scores, lambda items, _: items)
+    assert [(c.model, c.log_evidence) for c in found if c.fit is not None] == [("true", 80.0)]
