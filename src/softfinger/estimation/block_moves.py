@@ -9,14 +9,13 @@ from softfinger.population.likelihood import PARAMETERS, fill_trial_sums
 from softfinger.population.weights import weigh_noise
 from softfinger.population.whitening import colour_about, colour_trials, whiten_about
 
-NOISE_ROUNDS = 2  # of slices a sweep: sd and autocorrelation go together
 OWN = len(PARAMETERS)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def move_trials(
     rng: np.random.Generator,
-    share: float,
+    kept: float,
     eta: NDArray,
     sums: NDArray,
     first_sums: NDArray,
@@ -30,8 +29,8 @@ def move_trials(
 
     Parameters
     ----------
-    share
-        β.
+    kept
+        α.
     population
         μ and σ (p,).
     stand_in
@@ -47,7 +46,7 @@ def move_trials(
         np.zeros(eta.shape), stand_in[0], stand_in[1], mean, np.diag(1 / sigma**2)
     )
     before = whiten_about(eta, centre, factor)
-    after = np.sqrt(1 - share**2) * before + share * rng.standard_normal(eta.shape)
+    after = kept * before + np.sqrt(1 - kept**2) * rng.standard_normal(eta.shape)
     moved = colour_about(after, centre, factor)
     new_sums, new_first = np.empty(sums.shape), np.empty(first_sums.shape)
     by_trial = np.ascontiguousarray(moved.T).reshape(trials, size // OWN, OWN)
@@ -101,10 +100,52 @@ def draw_populations(
             else:
                 high = point
         drawn[a] = np.exp(point)
-        precision = trials / drawn[a] ** 2 + 1 / mu_sd[a] ** 2
-        centre = (trials * mean / drawn[a] ** 2 + mu_mean[a] / mu_sd[a] ** 2) / precision
-        mu[a] = centre + rng.standard_normal() / np.sqrt(precision)
+        centre, sd = _condition_mu(mean, trials, drawn[a], mu_mean[a], mu_sd[a])
+        mu[a] = centre + sd * rng.standard_normal()
     return mu, drawn
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def mirror_populations(
+    rng: np.random.Generator,
+    eta: NDArray,
+    mu: NDArray,
+    sigma: NDArray,
+    prior: tuple[NDArray, NDArray, NDArray, NDArray],
+) -> tuple[NDArray, NDArray]:
+    """Mirror log σ about the middle that the trials' parameters give it, then μ about its mean.
+
+    μ, standardised, is independent of σ given the trials' parameters: so each is mirrored alone.
+    """
+    mu_mean, mu_sd, log_sigma, sigma_log_sd = prior
+    size, trials = eta.shape
+    mirrored, drawn = np.empty(size), np.empty(size)
+    for a in range(size):
+        mean = eta[a].mean()
+        square = ((eta[a] - mean) ** 2).sum()
+        known = (mean - mu_mean[a], mu_sd[a], square, trials, log_sigma[a], sigma_log_sd[a])
+        weight, prior_weight = 2.0 * (trials - 1), sigma_log_sd[a] ** -2.0
+        middle = prior_weight * log_sigma[a]
+        if trials > 1:
+            middle += weight * 0.5 * np.log(square / (trials - 1))
+        middle /= weight + prior_weight
+        now = np.log(sigma[a])
+        there = 2.0 * middle - now
+        gain = _weigh_log_sigma(there, known) - _weigh_log_sigma(now, known)
+        drawn[a] = np.exp(there) if np.log(rng.random()) < gain else sigma[a]
+        before, sd_before = _condition_mu(mean, trials, sigma[a], mu_mean[a], mu_sd[a])
+        after, sd_after = _condition_mu(mean, trials, drawn[a], mu_mean[a], mu_sd[a])
+        mirrored[a] = after - sd_after / sd_before * (mu[a] - before)
+    return mirrored, drawn
+
+
+@njit(cache=True, error_model="numpy")
+def _condition_mu(
+    mean: float, trials: int, sigma: float, mu_mean: float, mu_sd: float
+) -> tuple[float, float]:
+    """Mean and sd of μ given the mean of the trials' parameters and σ."""
+    precision = trials / sigma**2 + 1 / mu_sd**2
+    return (trials * mean / sigma**2 + mu_mean / mu_sd**2) / precision, 1 / np.sqrt(precision)
 
 
 @njit(cache=True, error_model="numpy")
@@ -121,6 +162,7 @@ def _weigh_log_sigma(log_sigma: float, known: tuple) -> float:
 @njit(cache=True, nogil=True, error_model="numpy")
 def draw_noise(
     rng: np.random.Generator,
+    numbers: NDArray,
     point: NDArray,
     width: NDArray,
     sums: NDArray,
@@ -131,6 +173,8 @@ def draw_noise(
 
     Parameters
     ----------
+    numbers
+        Places of those that are drawn, in their order.
     point, width
         log σ, logit ρ (joint,) and atanh of the partial correlations (pair,), one after the
         other, and about how wide a slice is.
@@ -139,27 +183,48 @@ def draw_noise(
     noise
         As for `weigh_noise_point`.
     """
-    for _ in range(NOISE_ROUNDS):
-        for k in range(point.size):
-            now = point[k]
-            level = weigh_noise_point(point, sums, first_sums, noise) + np.log(rng.random())
-            low = now - width[k] * rng.random()
-            high = low + width[k]
-            point[k] = low
-            while weigh_noise_point(point, sums, first_sums, noise) > level:
-                point[k] -= width[k]
-            low, point[k] = point[k], high
-            while weigh_noise_point(point, sums, first_sums, noise) > level:
-                point[k] += width[k]
-            high = point[k]
-            while True:
-                point[k] = low + (high - low) * rng.random()
-                if weigh_noise_point(point, sums, first_sums, noise) > level:
-                    break
-                if point[k] < now:
-                    low = point[k]
-                else:
-                    high = point[k]
+    for k in numbers:
+        now = point[k]
+        level = weigh_noise_point(point, sums, first_sums, noise) + np.log(rng.random())
+        low = now - width[k] * rng.random()
+        high = low + width[k]
+        point[k] = low
+        while weigh_noise_point(point, sums, first_sums, noise) > level:
+            point[k] -= width[k]
+        low, point[k] = point[k], high
+        while weigh_noise_point(point, sums, first_sums, noise) > level:
+            point[k] += width[k]
+        high = point[k]
+        while True:
+            point[k] = low + (high - low) * rng.random()
+            if weigh_noise_point(point, sums, first_sums, noise) > level:
+                break
+            if point[k] < now:
+                low = point[k]
+            else:
+                high = point[k]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def mirror_noise(
+    rng: np.random.Generator,
+    numbers: NDArray,
+    point: NDArray,
+    middle: NDArray,
+    sums: NDArray,
+    first_sums: NDArray,
+    noise: tuple,
+) -> None:
+    """Mirror these of the noise's numbers in place, each about a middle that never changes."""
+    level = weigh_noise_point(point, sums, first_sums, noise)
+    for k in numbers:
+        now = point[k]
+        point[k] = 2.0 * middle[k] - now
+        there = weigh_noise_point(point, sums, first_sums, noise)
+        if np.log(rng.random()) < there - level:
+            level = there
+        else:
+            point[k] = now
 
 
 @njit(cache=True, error_model="numpy")

@@ -3,22 +3,26 @@
 A sweep draws, each given the rest:
 
 - every trial's parameters, all trials side by side and each accepted on its own: its standard
-  normals z under the whitening (`population.whitening`) become √(1 − β²) z + β ξ, ξ ~ N(0, 1),
-  which keeps N(0, 1); what the trial's density has beyond it decides (Neal 1998). β is 1, a draw
-  afresh, and then less, which moves trials that the data leave long tails;
+  normals z under the whitening (`population.whitening`) become α z + √(1 − α²) ξ, ξ ~ N(0, 1),
+  which keeps N(0, 1); what the trial's density has beyond it decides (Neal 1998). α is 0, a draw
+  afresh, and then more, which moves trials that the data leave long tails;
 - each population's log σ with μ integrated out, by slice sampling (Neal 2003), then μ, normal;
 - the noise, number by number, by slice sampling: given the trials' parameters it needs nothing of
   the recordings but a few sums.
 
-Where single trials tell their own parameters, sweeps are nearly independent. Where they do not, as
-with a flow that is hardly seen, a population and its trials hold each other fast: R-hat shows it,
-and NUTS is the better sampler. Only for independent parameters; the density is the one that
-`estimation.model` declares, and a test holds the two samplers against each other.
+Every other sweep mirrors what the one before it drew, each block about its middle (α = −1 for the
+trials): two such draws err to opposite sides, so that means take far fewer of them (Hammersley,
+Morton 1956). A mirror image that is less probable may be refused, as any Metropolis step.
+
+Where single trials tell their own parameters, pairs of sweeps are nearly independent. Where they do
+not, as with a flow that is hardly seen, a population and its trials hold each other fast: R-hat
+shows it, and NUTS is the better sampler. Only for independent parameters; the density is the one
+that `estimation.model` declares, and a test holds the two samplers against each other.
 
 References
 ----------
 Neal (1998), doi:10.1007/978-94-011-5014-9_23 (section 4); Neal (2003), Ann. Statist. 31, 705,
-doi:10.1214/aos/1056562461.
+doi:10.1214/aos/1056562461. Hammersley, Morton (1956), doi:10.1017/S0305004100031455.
 """
 
 from collections.abc import Callable
@@ -30,9 +34,18 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from scipy.optimize import minimize
 from scipy.special import expit, logit
 
-from softfinger.estimation.block_moves import draw_noise, draw_populations, move_trials, read_noise
+from softfinger.estimation.block_moves import (
+    draw_noise,
+    draw_populations,
+    mirror_noise,
+    mirror_populations,
+    move_trials,
+    read_noise,
+    weigh_noise_point,
+)
 from softfinger.population.correlation import shape_partials
 from softfinger.population.covariance import factorise_partials, find_partials_array
 from softfinger.population.likelihood import PARAMETERS, fill_trial_sums
@@ -44,7 +57,9 @@ from softfinger.population.windows import LocalCollapse
 from softfinger.progress import follow_progress
 
 DISPERSION = 2.0  # of the starts, in approximate posterior standard deviations
-SHARES = (1.0, 0.4)  # β of the moves of a sweep
+AFRESH, MIRRORED = (0.0, 0.92), (-1.0,)  # α of the trials' moves in a sweep
+CYCLE = (AFRESH, MIRRORED, AFRESH[:1], MIRRORED)  # of sweeps, once the chains have settled
+NOISE_ROUNDS = 2  # of slices in a sweep: sd and autocorrelation go together
 
 
 class Given(NamedTuple):
@@ -193,28 +208,62 @@ def run_chain(
     Ends where `keep` says False.
     """
     state = start_chain(given, pilot, rng)
+    middle = None
     for sweep in sweeps:
-        if not keep(sweep, state, sweep_once(state, given, rng)):
+        if sweep == 0:
+            middle = find_middle_noise(state, given)
+        moves = AFRESH if sweep < 0 else CYCLE[sweep % len(CYCLE)]
+        if not keep(sweep, state, sweep_once(state, given, rng, moves, middle)):
             return
 
 
-def sweep_once(state: State, given: Given, rng: np.random.Generator) -> float:
-    """Draw everything once, in place: the share of the trials' moves that were accepted."""
+def find_middle_noise(state: State, given: Given) -> NDArray[np.float64]:
+    """Find the noise's most probable numbers, the trials' parameters being what they are."""
+    totals = _sum_patterns(state, given.collapse)
+    width = given.width
+
+    def measure(moved: NDArray) -> float:
+        return -weigh_noise_point(state.noise + width * moved, *totals, given.noise)
+
+    return state.noise + width * minimize(measure, np.zeros(len(width)), method="BFGS").x
+
+
+def sweep_once(
+    state: State,
+    given: Given,
+    rng: np.random.Generator,
+    moves: tuple[float, ...],
+    middle: NDArray[np.float64] | None,
+) -> float:
+    """Draw or mirror everything once, in place: the share of the trials' moves that were accepted.
+
+    `middle` is that of the noise's numbers; None while nothing is mirrored.
+    """
     collapse, joints = given.collapse, given.collapse.window.shape[1]
     sd, rho, partials = read_noise(state.noise, joints)
     factor = factorise_partials(partials)
     weights = weigh_noise(collapse.gap, collapse.patterns, sd, rho, factor @ factor.T)
     weighing = (weights.pair, np.ascontiguousarray(weights.precision[:, -1]))
-    accepted = 0
-    for share in SHARES:
+    numbers, accepted = np.arange(len(state.noise)), 0
+    for kept in moves:
         accepted += move_trials(
-            rng, share, state.eta, state.sums, state.first_sums, (state.mu, state.sigma),
+            rng, kept, state.eta, state.sums, state.first_sums, (state.mu, state.sigma),
             given.stand_in, weighing, collapse.pattern, given.recordings,
         )  # fmt: skip
-    state.mu, state.sigma = draw_populations(rng, state.eta, state.sigma, given.population)
-    totals = _sum_patterns(state.sums, collapse), _sum_patterns(state.first_sums, collapse)
-    draw_noise(rng, state.noise, 3 * given.width, *totals, given.noise)
-    return accepted / (len(SHARES) * state.eta.shape[1])
+    totals = _sum_patterns(state, collapse)
+    if moves != MIRRORED:
+        state.mu, state.sigma = draw_populations(rng, state.eta, state.sigma, given.population)
+        draw_noise(
+            rng, np.tile(numbers, NOISE_ROUNDS), state.noise, 3 * given.width, *totals, given.noise
+        )
+    else:
+        state.mu, state.sigma = mirror_populations(
+            rng, state.eta, state.mu, state.sigma, given.population
+        )
+        bounded = (joints <= numbers) & (numbers < 2 * joints)  # ρ: near 0 there is no mirror image
+        mirror_noise(rng, numbers[~bounded], state.noise, middle, *totals, given.noise)
+        draw_noise(rng, numbers[bounded], state.noise, 3 * given.width, *totals, given.noise)
+    return accepted / (len(moves) * state.eta.shape[1])
 
 
 def _place_noise(pilot: Pilot, collapse: LocalCollapse) -> tuple[NDArray, NDArray]:
@@ -233,7 +282,10 @@ def _place_noise(pilot: Pilot, collapse: LocalCollapse) -> tuple[NDArray, NDArra
     return point, np.minimum(np.concatenate(width), 1.0)
 
 
-def _sum_patterns(sums: NDArray, collapse: LocalCollapse) -> NDArray:
-    """Sum over the trials of each pattern of present joints."""
-    totals = [sums[collapse.pattern == k].sum(axis=0) for k in range(len(collapse.patterns))]
-    return np.stack(totals)
+def _sum_patterns(state: State, collapse: LocalCollapse) -> tuple[NDArray, NDArray]:
+    """Sums over the trials of each pattern of present joints."""
+    alike = [collapse.pattern == k for k in range(len(collapse.patterns))]
+    return tuple(
+        np.stack([sums[chosen].sum(axis=0) for chosen in alike])
+        for sums in (state.sums, state.first_sums)
+    )

@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.stats import ks_2samp
 
 from softfinger.artifacts.spec import list_tree_faults
 from softfinger.artifacts.specs.posterior import SPEC
 from softfinger.estimation import diagnose_sampling, fit_posterior
+from softfinger.estimation.block_moves import mirror_populations
 from softfinger.estimation.posterior import prepare_fit, sample_posterior
 from softfinger.faults import Fault
 
@@ -56,7 +58,7 @@ def test_a_joint_that_is_missing_from_a_trial_is_drawn_from_its_population(draw)
 
 def test_a_whole_fit_in_blocks_is_judged_as_any(campaign):
     config = BLOCKS | {
-        "draws": 300, "predictive_draws": 40, "r_hat_max": 1.02, "ess_min": 400.0,
+        "draws": 500, "predictive_draws": 40, "r_hat_max": 1.02, "ess_min": 400.0,
         "divergences_max": 0, "outlier_rule": "scaled_mad", "outlier_cutoff": 3.0,
     }  # fmt: skip
     tree = fit_posterior(campaign[0], config, 3)
@@ -71,3 +73,19 @@ def test_parameters_that_go_together_are_refused(campaign):
         sample_posterior(
             prepare_fit(campaign[0]), BLOCKS | {"covariance": "full"}, np.random.default_rng(1)
         )
+
+
+def test_mirrored_sweeps_alone_change_no_law():
+    """Populations and trials drawn from the prior and mirrored once: they have the prior again."""
+    rng = np.random.default_rng(1)
+    prior = (np.zeros(1), np.ones(1), np.full(1, -1.0), np.full(1, 0.5))
+    before, after = [], []
+    for _ in range(4000):
+        mu, sigma = rng.normal(size=1), np.exp(-1.0 + 0.5 * rng.normal(size=1))
+        eta = mu[:, None] + sigma[:, None] * rng.normal(size=(1, 5))
+        before.append([mu[0], np.log(sigma[0])])
+        moved = mirror_populations(rng, eta, mu, sigma, prior)
+        after.append([moved[0][0], np.log(moved[1][0])])
+    for one, other in zip(np.transpose(before), np.transpose(after), strict=True):
+        assert ks_2samp(one, other).pvalue > 0.01
+    assert np.corrcoef(np.transpose(before)[1], np.transpose(after)[1])[0, 1] < 0.9
