@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from softfinger.concealed.effects import EFFECTS, Circumstances, Dose
 from softfinger.concealed.forward import simulate_trial
 from softfinger.concealed.noise import Noise, draw_frame_times, draw_missing, draw_noise
-from softfinger.concealed.oracle import Recording
+from softfinger.concealed.oracle import TOLERANCE_RAD, Recording
 from softfinger.concealed.population import Population, draw_individuals, draw_population
 from softfinger.concealed.protocols import draw_loads
 from softfinger.concealed.rig import Rig, draw_rig
@@ -91,7 +91,12 @@ def record_cleanly(setting: Setting, doses: dict[str, Dose], chosen: Array) -> l
         Recording(
             setting.times[k],
             simulate_trial(
-                setting.individuals[k], doses, setting.trials[k], setting.rig, setting.times[k]
+                setting.individuals[k],
+                doses,
+                setting.trials[k],
+                setting.rig,
+                setting.times[k],
+                TOLERANCE_RAD,
             ),
             setting.trials[k],
         )
