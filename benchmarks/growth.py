@@ -40,7 +40,7 @@ from softfinger.tracking import track_trials
 RESULTS = Path(__file__).with_name("growth.json")
 TRIALS = (10, 100, 1000, 10_000)
 MOST_FILMED = 100
-DRAWS = SHORT | {"draws": 600}
+DRAWS = SHORT | {"draws": 1000}
 FEW = DRAWS | {"tune": 1, "draws": 1}  # to compile
 
 

@@ -41,7 +41,7 @@ SIGMA = np.array(
 TORQUE, FPS, DURATION_S, NOISE_RAD = 0.04, 30.0, 30.0, 0.003
 LIMITS = {"r_hat_max": 1.01, "ess_min": 400.0, "divergences_max": 0}
 SHORT = {
-    "sampler": "blocks", "chains": 4, "tune": 50, "draws": 400, "cores": 2,
+    "sampler": "blocks", "chains": 4, "tune": 50, "draws": 800, "cores": 2,
     "covariance": "independent",
     **LIMITS,
 }  # fmt: skip

@@ -11,8 +11,9 @@ A sweep draws, each given the rest:
   the recordings but a few sums.
 
 Every other sweep mirrors what the one before it drew, each block about its middle (α = −1 for the
-trials): two such draws err to opposite sides, so that means take far fewer of them (Hammersley,
-Morton 1956). A mirror image that is less probable may be refused, as any Metropolis step.
+trials; the noise's autocorrelation, which may lie at its bound, is drawn): two such draws err to
+opposite sides, so that means take far fewer of them, and tails somewhat more (Hammersley, Morton
+1956). A mirror image that is less probable may be refused, as any Metropolis step.
 
 Where single trials tell their own parameters, pairs of sweeps are nearly independent. Where they do
 not, as with a flow that is hardly seen, a population and its trials hold each other fast: R-hat
@@ -211,13 +212,13 @@ def run_chain(
     middle = None
     for sweep in sweeps:
         if sweep == 0:
-            middle = find_middle_noise(state, given)
+            middle = find_noise_middle(state, given)
         moves = AFRESH if sweep < 0 else CYCLE[sweep % len(CYCLE)]
         if not keep(sweep, state, sweep_once(state, given, rng, moves, middle)):
             return
 
 
-def find_middle_noise(state: State, given: Given) -> NDArray[np.float64]:
+def find_noise_middle(state: State, given: Given) -> NDArray[np.float64]:
     """Find the noise's most probable numbers, the trials' parameters being what they are."""
     totals = _sum_patterns(state, given.collapse)
     width = given.width
@@ -225,7 +226,9 @@ def find_middle_noise(state: State, given: Given) -> NDArray[np.float64]:
     def measure(moved: NDArray) -> float:
         return -weigh_noise_point(state.noise + width * moved, *totals, given.noise)
 
-    return state.noise + width * minimize(measure, np.zeros(len(width)), method="BFGS").x
+    with np.errstate(invalid="ignore", over="ignore"):  # a step may leave the noise's range
+        moved = minimize(measure, np.zeros(len(width)), method="BFGS").x
+    return state.noise + width * moved
 
 
 def sweep_once(
