@@ -5,7 +5,7 @@ which the finger is quiet. The trial's own parameters are free to adapt, and the
 averaged over joints, moments and sizes. A jump has to beat two rivals (Fox 1972), weighed in the
 same way, which noise with heavy tails brings: one wrong frame, and one large innovation, which
 AR(1) noise forgets only slowly. Trials jump with an unknown probability, over which it is averaged
-as well.
+as well. Each joint is weighed by itself: what its noise shares with its neighbours' is not used.
 
 References
 ----------
