@@ -80,9 +80,7 @@ def draw_populations(
     size, trials = eta.shape
     mu, drawn = np.empty(size), np.empty(size)
     for a in range(size):
-        mean = eta[a].mean()
-        square = ((eta[a] - mean) ** 2).sum()
-        known = (mean - mu_mean[a], mu_sd[a], square, trials, log_sigma[a], sigma_log_sd[a])
+        mean, known = _sum_up(eta[a], (mu_mean[a], mu_sd[a], log_sigma[a], sigma_log_sd[a]))
         now, width = np.log(sigma[a]), 3 / np.sqrt(2.0 * trials)
         level = _weigh_log_sigma(now, known) + np.log(rng.random())
         low = now - width * rng.random()
@@ -121,13 +119,11 @@ def mirror_populations(
     size, trials = eta.shape
     mirrored, drawn = np.empty(size), np.empty(size)
     for a in range(size):
-        mean = eta[a].mean()
-        square = ((eta[a] - mean) ** 2).sum()
-        known = (mean - mu_mean[a], mu_sd[a], square, trials, log_sigma[a], sigma_log_sd[a])
+        mean, known = _sum_up(eta[a], (mu_mean[a], mu_sd[a], log_sigma[a], sigma_log_sd[a]))
         weight, prior_weight = 2.0 * (trials - 1), sigma_log_sd[a] ** -2.0
         middle = prior_weight * log_sigma[a]
         if trials > 1:
-            middle += weight * 0.5 * np.log(square / (trials - 1))
+            middle += weight * 0.5 * np.log(known[2] / (trials - 1))
         middle /= weight + prior_weight
         now = np.log(sigma[a])
         there = 2.0 * middle - now
@@ -137,6 +133,15 @@ def mirror_populations(
         after, sd_after = _condition_mu(mean, trials, drawn[a], mu_mean[a], mu_sd[a])
         mirrored[a] = after - sd_after / sd_before * (mu[a] - before)
     return mirrored, drawn
+
+
+@njit(cache=True, error_model="numpy")
+def _sum_up(own: NDArray, prior: tuple[float, float, float, float]) -> tuple[float, tuple]:
+    """Mean of the trials' own parameter (trial,), and what `_weigh_log_sigma` knows of them."""
+    mu_mean, mu_sd, log_sigma, sigma_log_sd = prior
+    mean = own.mean()
+    square = ((own - mean) ** 2).sum()
+    return mean, (mean - mu_mean, mu_sd, square, own.size, log_sigma, sigma_log_sd)
 
 
 @njit(cache=True, error_model="numpy")
