@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Protocol = Literal["single_step", "levels", "staircase", "triangle"]
 PROTOCOLS: tuple[Protocol, ...] = get_args(Protocol)
+LOGGED_WITHIN_S = 1e-5  # rows this close tell when the load jumped
 
 
 @dataclass(frozen=True)
@@ -74,13 +75,13 @@ def draw_loads(
     return loads, 40.0
 
 
-def write_rows(load: Load, frame_interval: float) -> Array:
+def write_rows(load: Load) -> Array:
     """Rows (time, tension) of the log: a jump becomes two rows, close enough to be read as one."""
     rows = []
     for k, (time, tension) in enumerate(zip(load.time, load.tension, strict=True)):
         if k + 1 < load.time.size and load.time[k + 1] == time:
             if time > 0:
-                rows.append([time - 0.2 * frame_interval, tension])
+                rows.append([time - LOGGED_WITHIN_S, tension])
         else:
             rows.append([time, tension])
     return np.array(rows)

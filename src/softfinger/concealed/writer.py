@@ -61,9 +61,7 @@ def write_campaign(
             film(recording.angle, setting.rig, folder / seen, seed + k)
         else:
             _write_angles(folder / seen, recording)
-        load = pd.DataFrame(
-            write_rows(trial.load, setting.noise.frame_interval), columns=["time_s", "tension_n"]
-        )
+        load = pd.DataFrame(write_rows(trial.load), columns=["time_s", "tension_n"])
         load.to_csv(folder / f"load/{name}.csv", index=False, float_format="%.6f")
         row = {
             "trial": name,

@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from softfinger.campaign.load_log import STEP_WITHIN_FRAME_INTERVALS
 from softfinger.mechanics.effects.effect import Setting
 from softfinger.mechanics.geometry import FingerGeometry
 from softfinger.mechanics.load import evaluate_load_array
@@ -51,6 +52,7 @@ def build_setting(angles: xr.Dataset, trials: Trials, own: NDArray[np.float64]) 
         covariates=_covariates(chosen),
         geometry=geometry,
         masses=masses and geometry,
+        step_gap=_find_step_gap(trials),
     )
 
 
@@ -77,6 +79,14 @@ def _falls(load: NDArray, torque: float, share: float) -> bool:
     size = np.abs(load)
     reached = np.maximum.accumulate(size, axis=1)
     return bool(np.any((size < share * reached) & (reached > RESTING * torque)))
+
+
+def _find_step_gap(trials: Trials) -> float:
+    """Widest gap [s] between the two rows that state a step; 0 where every step has its time."""
+    gap = np.diff(trials.load_time, axis=1)
+    jump = (gap == 0.0) & (np.diff(trials.load_torque, axis=1) != 0.0)
+    stated = gap[:, :-1][jump[:, 1:]]
+    return float(stated[stated <= STEP_WITHIN_FRAME_INTERVALS * trials.interval].max(initial=0.0))
 
 
 def _elastic_end(trials: Trials, own: NDArray, stop: NDArray) -> NDArray:

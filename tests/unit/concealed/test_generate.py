@@ -144,7 +144,7 @@ def test_a_protocol_starts_at_rest_and_reaches_its_peak(protocol):
 
 
 def test_a_jump_becomes_two_close_rows():
-    rows = write_rows(Load(np.array([0, 0.5, 0.5, 3.0]), np.array([0, 0.0, 6.0, 7.0])), 0.05)
-    np.testing.assert_allclose(rows, [[0, 0], [0.49, 0], [0.5, 6], [3, 7]])
-    at_once = write_rows(Load(np.zeros(2), np.array([0.0, 6.0])), 0.05)
+    rows = write_rows(Load(np.array([0, 0.5, 0.5, 3.0]), np.array([0, 0.0, 6.0, 7.0])))
+    np.testing.assert_allclose(rows, [[0, 0], [0.49999, 0], [0.5, 6], [3, 7]])
+    at_once = write_rows(Load(np.zeros(2), np.array([0.0, 6.0])))
     np.testing.assert_allclose(at_once, [[0.0, 6.0]])

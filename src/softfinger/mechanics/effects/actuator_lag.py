@@ -6,7 +6,7 @@ from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, p
 def _build_forms(setting: Setting) -> list[Form] | str:
     if not setting.load_known:
         return "there is no load log to lag behind"
-    lag = positive("lag_s", 5 * setting.interval, floor=0.02 * setting.interval)  # fmt: skip
+    lag = positive("lag_s", 5 * setting.interval, floor=setting.time_floor)  # fmt: skip
 
     def slots(values: Values) -> dict:
         return {"lag": values["lag_s"]}

@@ -6,7 +6,7 @@ from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, s
 def _build_forms(setting: Setting) -> list[Form] | str:
     if not setting.load_known:
         return "there is no load log to compare with"
-    delay = signed("delay_s", 3 * setting.interval, floor=0.02 * setting.interval,
+    delay = signed("delay_s", 3 * setting.interval, floor=setting.time_floor,
                    low=-20 * setting.interval, high=20 * setting.interval)  # fmt: skip
 
     def slots(values: Values) -> dict:

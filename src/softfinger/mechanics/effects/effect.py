@@ -114,6 +114,9 @@ class Setting:
         Name → (trial,), as logged.
     geometry, masses
         Whether wire geometry and link masses are declared.
+    step_gap
+        [s], the widest gap between the two rows of the load log that state a step: when within it
+        the load changed is not known.
     """
 
     trials: int
@@ -135,6 +138,12 @@ class Setting:
     covariates: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     geometry: bool = False
     masses: bool = False
+    step_gap: float = 0.0
+
+    @property
+    def time_floor(self) -> float:
+        """The shortest lag or delay worth a name [s]: 1/200 to 1/50 frame, as the log leaves it."""
+        return self.interval * min(0.02, max(0.005, self.step_gap / self.interval))
 
 
 @dataclass(frozen=True)
