@@ -6,7 +6,7 @@ the laws differ from a fitted catalogue's.
 
 State of a trial: strain of each joint's Voigt element (joint,), of its dashpot (joint,), of further
 Voigt elements (element, joint), then, where switched on, the direction in which the wire last slid
-(joint,), the lagging tension (2,), the largest strain so far (joint,), the speed (joint,).
+(joint,), the lagging tension (3,), the largest strain so far (joint,), the speed (joint,).
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ Place = tuple[int, int, int, int, int]
 Ramp = tuple[float, float, float]  # from when, tension then, its slope
 
 LONGEST_STEP_S = 0.25
+LAG_STAGES = (0.7, 0.2, 0.1)  # shares of the lag, in a row
 COLUMNS = 4  # of the extrapolation table, hence its order
 
 
@@ -33,7 +34,7 @@ def _place(p: Physics) -> Place:
     n = p.k_v.size
     friction = 2 * n + p.compliance.size
     lag = friction + (n if np.any(p.friction != 0.0) else 0)
-    strain = lag + (2 if p.lag != 0.0 else 0)
+    strain = lag + (len(LAG_STAGES) if p.lag != 0.0 else 0)
     speed = strain + (n if np.any(p.mullins != 0.0) else 0)
     return friction, lag, strain, speed, speed + (n if p.inertia_scale != 0.0 else 0)
 
@@ -67,7 +68,7 @@ def _pull(
     """Torque on each joint from outside: wire, gravity, neighbours, stop."""
     friction, lag, strain, _, _ = place
     if strain > lag:
-        tension = state[lag + 1]
+        tension = state[strain - 1]
     if p.ripple != 0.0:
         tension *= 1.0 + p.ripple * np.sin(p.ripple_rate * time + p.ripple_phase)
     for j in range(angle.size):
@@ -174,8 +175,9 @@ def _change(
         against = 0.5 + 0.5 * np.sign(slide * z)
         change[friction + j] = slide / p.friction_width * (1.0 - against * z * z)
     if strain > lag:
-        change[lag] = (tension - state[lag]) / (0.8 * p.lag)
-        change[lag + 1] = (state[lag] - state[lag + 1]) / (0.2 * p.lag)
+        for stage in range(len(LAG_STAGES)):
+            before = tension if stage == 0 else state[lag + stage - 1]
+            change[lag + stage] = (before - state[lag + stage]) / (LAG_STAGES[stage] * p.lag)
 
 
 @njit(cache=True)

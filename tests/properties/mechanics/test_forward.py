@@ -35,6 +35,7 @@ EFFECTS = {
     "wire_friction_by_motion": {"friction_bend": 0.3, "friction_width": 0.05},
     "moment_arm": {"arm_scale": 1.0},
     "actuator_lag": {"lag": 0.2},
+    "actuator_lag of two stages": {"lag": 0.2, "lag_second_share": 0.3},
     "softening": {"log_k_v": 0.1, "log_c_v": 0.2, "log_c_p": -0.2, "q_ini": 0.01},
     "preload_memory": {"initial_angle": 0.05},
     "preload_memory at the start": {"initial_torque": 0.01},

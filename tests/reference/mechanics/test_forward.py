@@ -103,7 +103,7 @@ def integrate(parameters, slots, load):
     k_v, c_v, c_p, q_ini = (parameters[name].to_numpy()[0] for name in NAMES)
     get = {
         "stiff": 0.0, "stop": 0.0, "sinh": 0.0, "arm": 0.0, "along": 0.0, "across": 0.0,
-        "couple": 0.0, "lag": 0.0, "friction": 0.0, "held": 0.0, **slots,
+        "couple": 0.0, "lag": 0.0, "second": 0.0, "friction": 0.0, "held": 0.0, **slots,
     }  # fmt: skip
     moment = 0.005 * np.array([0.0125 + 0.05, 0.0125 + 0.025, 0.0125])
 
@@ -136,10 +136,12 @@ def integrate(parameters, slots, load):
         flow = np.sinh(get["sinh"] * torque) / get["sinh"] if get["sinh"] else torque
         moves = (torque - spring(q_v)) / c_v, flow / c_p
         wire = sum(moves).sum()
-        slow = (log(t) - acting) / get["lag"] if get["lag"] else 0.0
-        return np.r_[moves[0], moves[1], slow, (wire - abs(wire) * way) / 0.05]
+        before = state[8] if get["second"] else log(t)  # of the last stage
+        slow = (before - acting) / (get["second"] or get["lag"]) if get["lag"] else 0.0
+        first = (log(t) - state[8]) / (get["lag"] - get["second"]) if get["second"] else 0.0
+        return np.r_[moves[0], moves[1], slow, (wire - abs(wire) * way) / 0.05, first]
 
-    state, angles = np.r_[q_rest + get["held"] / k_v, np.zeros(5)], []
+    state, angles = np.r_[q_rest + get["held"] / k_v, np.zeros(6)], []
     knots, torques = load
     pieces = [(-0.5, 0.0, 0.0, 0.0)]
     pieces += zip(knots[:-1], knots[1:], torques[:-1], torques[1:], strict=True)
@@ -168,12 +170,14 @@ PHYSICS = {
     "coupling": ({"coupling_stiffness": 0.02 * np.eye(3, k=-1)}, {"couple": 0.02}),
     "preload": ({"initial_torque": 0.01}, {"held": 0.01}),
     "lag": ({"lag": 0.3}, {"lag": 0.3}),
+    "two_lags": ({"lag": 0.3, "lag_second_share": 0.2}, {"lag": 0.3, "second": 0.06}),
     "friction": ({"friction_bend": 0.4, "friction_width": 0.05}, {"friction": 0.4}),
 }
 PAIRS = [
     ("moment_arm", "friction"),
     ("stiffening", "gravity"),
     ("lag", "stop"),
+    ("two_lags", "friction"),
     ("flow", "coupling"),
     ("friction", "lag"),
     ("preload", "stiffening"),

@@ -1,4 +1,4 @@
-"""Two lags in a row, four to one, not a single one."""
+"""Three lags in a row, seven to two to one, not one or two."""
 
 from __future__ import annotations
 

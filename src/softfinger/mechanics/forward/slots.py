@@ -12,7 +12,7 @@ effect id → slots
     strain_stiffening    stiffening_square, stiffening_linear or stiffening_exponential
     wire_friction        friction_bend, friction_constant or friction_force; friction_width
     moment_arm           arm_scale (1 = the paper's wires)
-    actuator_lag         lag
+    actuator_lag         lag, lag_second_share
     fatigue_softening    log_k_v, log_c_v, log_c_p (offsets, different for each trial)
     temperature          log_k_v, log_c_v, log_c_p
     preload_memory       initial_angle (q_ini is the angle at the start), initial_torque (on q_ini)
@@ -94,7 +94,8 @@ SLOTS: dict[str, Slot] = {
     "angle_scale": Slot("joint", "1", 0.0, "measured angle q (1 + b)"),
     "angle_cubic": Slot("joint", "rad^-2", 0.0, "measured angle q + b q³"),
     "delay": Slot("chain", "s", 0.0, "the recording shows the angle of this much earlier"),
-    "lag": Slot("chain", "s", 0.0, "time constant with which the acting load follows the log"),
+    "lag": Slot("chain", "s", 0.0, "mean time by which the acting load follows the log"),
+    "lag_second_share": Slot("chain", "1", 0.0, "part of it in a second stage after the first"),
     "friction_bend": Slot("chain", "1/rad", 0.0, "capstan exponent for each radian of bend"),
     "friction_constant": Slot("chain", "1", 0.0, "capstan exponent for each joint passed"),
     "friction_force": Slot("chain", "N m", 0.0, "Coulomb loss for each joint passed"),
@@ -266,6 +267,9 @@ def check_slots(slots: SlotArrays) -> None:
         require_positive(f"slot {name}", _select(slots, name), SLOTS[name].unit)
     for name in ("lag", "yield_torque", "stop_stiffness", "flow_power", "coupling_saturation"):
         require_nonnegative(f"slot {name}", _select(slots, name), SLOTS[name].unit)
+    share = _select(slots, "lag_second_share")
+    require_nonnegative("slot lag_second_share", share, "1")
+    require_positive("1/2 - slot lag_second_share", 0.5 - share, "1")
     exponent = _select(slots, "springpot_exponent")
     require_nonnegative("slot springpot_exponent", exponent, "1")
     require_nonnegative("1 - slot springpot_exponent", 1.0 - exponent, "1")

@@ -156,3 +156,11 @@ def test_a_plug_in_must_be_an_effect(monkeypatch):
             effects.list_effects()
     finally:
         effects.list_effects.cache_clear()
+
+
+@pytest.mark.parametrize(("step_gap", "frames"), [(0.0, 0.005), (4e-4, 0.008), (0.01, 0.02)])
+def test_a_shift_in_time_is_worth_a_name_where_the_log_states_when_its_steps_are(step_gap, frames):
+    setting = build_setting(step_gap=step_gap)
+    for name in ("actuator_lag", "camera_delay"):
+        for form in list_effects()[name].build_forms(setting):
+            assert form.parameters[0].floor == pytest.approx(frames * setting.interval)
