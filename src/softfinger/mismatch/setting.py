@@ -52,7 +52,7 @@ def build_setting(angles: xr.Dataset, trials: Trials, own: NDArray[np.float64]) 
         covariates=_covariates(chosen),
         geometry=geometry,
         masses=masses and geometry,
-        step_gap=_find_step_gap(trials),
+        step_gap=find_step_gap(trials),
     )
 
 
@@ -81,7 +81,7 @@ def _falls(load: NDArray, torque: float, share: float) -> bool:
     return bool(np.any((size < share * reached) & (reached > RESTING * torque)))
 
 
-def _find_step_gap(trials: Trials) -> float:
+def find_step_gap(trials: Trials) -> float:
     """Widest gap [s] between the two rows that state a step; 0 where every step has its time."""
     gap = np.diff(trials.load_time, axis=1)
     jump = (gap == 0.0) & (np.diff(trials.load_torque, axis=1) != 0.0)

@@ -3,12 +3,12 @@ from types import SimpleNamespace
 import numpy as np
 
 from softfinger.campaign.load_log import build_load_array
-from softfinger.mismatch.setting import _find_step_gap
+from softfinger.mismatch.setting import find_step_gap
 
 
 def find_gap(*rows):
     time, load = build_load_array(*np.array(rows, float).T, step_within=0.05)
-    return _find_step_gap(
+    return find_step_gap(
         SimpleNamespace(load_time=time[None], load_torque=load[None], interval=0.05 / 1.5)
     )
 

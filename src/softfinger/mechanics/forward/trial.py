@@ -1,11 +1,11 @@
 """One trial: rest, then segment after segment of the load, with the frames on the way."""
 
-import math
 
 import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.mechanics.compiled import compiled
+from softfinger.mechanics.forward.acting import ACTING, SLOPE, VALUE, advance_acting, fill_load
 from softfinger.mechanics.forward.advance import (
     commit_step,
     emit_frame,
@@ -29,12 +29,10 @@ from softfinger.mechanics.forward.work import (
 )
 
 _DELAY, _LAG = CHAIN_SLOTS.index("delay"), CHAIN_SLOTS.index("lag")
-_SECOND = CHAIN_SLOTS.index("lag_second_share")
 _WIDTH, _DRIVER = CHAIN_SLOTS.index("friction_width"), CHAIN_SLOTS.index("friction_driver")
 _INERTIA = CHAIN_SLOTS.index("inertia_scale")
 _MAX_STEPS = 20_000
 _INSTANT = 1e-12  # [s] knots that rounding alone keeps apart are a jump
-_VALUE, _SLOPE, _ACTING, _FIRST = range(4)  # _FIRST: behind the first stage of two
 
 
 @compiled
@@ -62,10 +60,10 @@ def run_trial(
     for knot in range(-1, last + 1):
         end = load_time[knot + 1] if knot < last else time[max(frames - 1, 0)] - delay
         if knot >= 0:
-            jump = load_torque[knot] - load[_VALUE]
-            load[_VALUE], load[_SLOPE] = load_torque[knot], 0.0
+            jump = load_torque[knot] - load[VALUE]
+            load[VALUE], load[SLOPE] = load_torque[knot], 0.0
             if knot < last and end - now > _INSTANT:
-                load[_SLOPE] = (load_torque[knot + 1] - load_torque[knot]) / (end - now)
+                load[SLOPE] = (load_torque[knot + 1] - load_torque[knot]) / (end - now)
             _jump(model, work, load, jump)
         if frame >= frames:
             break
@@ -97,7 +95,7 @@ def _jump(model: Model, work: Work, load: NDArray, jump: float) -> None:
     state = work.state
     if model.chain[_LAG] > 0.0:
         return  # the load that acts does not jump
-    load[_ACTING] = load[_VALUE]
+    load[ACTING] = load[VALUE]
     if model.groups[HAS_LAG]:  # a lag of nothing delays the jump by d(lag): a kick
         for j in range(state.offset.size):
             for mode in range(state.mode.shape[1]):
@@ -140,13 +138,13 @@ def _run_segment(
         final = now + step * 1.001 >= end
         length = end - now if final else step
         if straight:
-            set_straight_drives(work, load[_VALUE], load[_SLOPE] * length)
+            set_straight_drives(work, load[VALUE], load[SLOPE] * length)
         else:
             for i in range(4):
                 if i != START or not opened:
                     share = _SHARES[i] if i != START else 0.0
                     since = now - start + share * length
-                    _fill_load(model, work, i, load, d_acting, since)
+                    fill_load(model, work, i, load, d_acting, since)
             if not opened:
                 open_step(model, work, tangents)
                 opened = True
@@ -164,12 +162,8 @@ def _run_segment(
         commit_step(model, work, length)
         now, opened = ahead, False
     if model.chain[_LAG] > 0.0:
-        _fill_load(model, work, START, load, d_acting, end - start)
-        if model.chain[_SECOND] > 0.0:
-            _advance_first_stage(model, load, d_acting, end - start)
-        load[_ACTING] = work.nodes.load[START]
-        d_acting[0] = work.nodes.d_load[START]
-    load[_VALUE] += load[_SLOPE] * (end - start)
+        advance_acting(model, work, load, d_acting, end - start)
+    load[VALUE] += load[SLOPE] * (end - start)
     return frame
 
 
@@ -191,71 +185,3 @@ def _first_step(model: Model, work: Work, tolerance: float) -> float:
     if model.chain[_LAG] > 0.0:
         step = min(step, 0.2 * model.chain[_LAG])
     return step
-
-
-@compiled
-def _fill_load(
-    model: Model, work: Work, i: int, load: NDArray, d_acting: NDArray, since: float
-) -> None:
-    """Write the load that acts `since` seconds into a segment: the log through a lag."""
-    nodes, lag, slope = work.nodes, model.chain[_LAG], load[_SLOPE]
-    if lag > 0.0 and model.chain[_SECOND] > 0.0:
-        _fill_load_of_two_stages(model, work, i, load, d_acting, since)
-        return
-    if lag > 0.0:
-        decay = math.exp(-since / lag)
-        gap = load[_ACTING] - load[_VALUE] + lag * slope
-        nodes.load[i] = load[_VALUE] + slope * (since - lag) + gap * decay
-        by_lag = slope * (decay - 1.0) + gap * decay * since / (lag * lag)
-    else:
-        decay, by_lag = 0.0, -slope
-        nodes.load[i] = load[_VALUE] + slope * since
-    for c in range(d_acting.shape[1]):
-        nodes.d_load[i, c] = by_lag * model.d_chain[c, _LAG] + decay * d_acting[0, c]
-
-
-@compiled
-def _fill_load_of_two_stages(
-    model: Model, work: Work, i: int, load: NDArray, d_acting: NDArray, since: float
-) -> None:
-    """Write the load behind two lags l₁ > l₂ in a row, the log v + st before them.
-
-    v + s (t − l₁ − l₂) + A exp(−t/l₁) + B exp(−t/l₂), where A is what the first stage lacks at the
-    start times l₁/(l₁ − l₂), and B what then remains to the load that acts.
-    """
-    nodes, slope = work.nodes, load[_SLOPE]
-    lag, share = model.chain[_LAG], model.chain[_SECOND]
-    first, second = lag * (1.0 - share), lag * share
-    apart = first - second
-    lack = load[_FIRST] - load[_VALUE] + slope * first
-    slow = lack * first / apart
-    fast = load[_ACTING] - load[_VALUE] + slope * lag - slow
-    decay, fading = math.exp(-since / first), math.exp(-since / second)
-    nodes.load[i] = load[_VALUE] + slope * (since - lag) + slow * decay + fast * fading
-    for c in range(d_acting.shape[1]):
-        d_lag = model.d_chain[c, _LAG]
-        d_second = d_lag * share + lag * model.d_chain[c, _SECOND]
-        d_first = d_lag - d_second
-        d_lack = d_acting[1, c] + slope * d_first
-        d_slow = d_lack * first + lack * (first * d_second - second * d_first) / apart
-        d_slow /= apart
-        d_fast = d_acting[0, c] + slope * d_lag - d_slow
-        nodes.d_load[i, c] = (
-            (d_slow + slow * since * d_first / (first * first)) * decay
-            + (d_fast + fast * since * d_second / (second * second)) * fading
-            - slope * d_lag
-        )
-
-
-@compiled
-def _advance_first_stage(model: Model, load: NDArray, d_acting: NDArray, since: float) -> None:
-    """Take what is behind the first stage of two to the end of a segment."""
-    slope, lag, share = load[_SLOPE], model.chain[_LAG], model.chain[_SECOND]
-    first = lag * (1.0 - share)
-    decay = math.exp(-since / first)
-    lack = load[_FIRST] - load[_VALUE] + slope * first
-    load[_FIRST] = load[_VALUE] + slope * (since - first) + lack * decay
-    by_first = slope * (decay - 1.0) + lack * decay * since / (first * first)
-    for c in range(d_acting.shape[1]):
-        d_first = model.d_chain[c, _LAG] * (1.0 - share) - lag * model.d_chain[c, _SECOND]
-        d_acting[1, c] = by_first * d_first + decay * d_acting[1, c]
