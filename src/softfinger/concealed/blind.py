@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import resource
 import shutil
 import subprocess
@@ -14,6 +15,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 COMMAND = (sys.executable, "-c", "from softfinger.cli import main; main()", "diagnose")
+ONE_THREAD = {"NUMBA_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # campaigns run side by side
 CRASHED = {"decision": "crashed", "effects": [], "equivalent": [], "location": None, "elpd": None}
 
 
@@ -44,7 +46,7 @@ def diagnose_blind(
     -------
     dict
         `verdict`, whose decision is ``crashed`` where there is none; `reason`, then, else null;
-        `seconds` and `cpu_seconds` that it took.
+        `seconds` and `cpu_seconds` that it took, in one thread.
     """
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     begin = time.monotonic()
@@ -75,8 +77,9 @@ def _run(command: Sequence[str], place: Path, patience: float) -> str | None:
     """Why a command failed, in a line; None if it did not."""
     try:
         done = subprocess.run(
-            command, cwd=place, capture_output=True, text=True, timeout=patience, check=False
-        )
+            command, cwd=place, capture_output=True, text=True, timeout=patience, check=False,
+            env=os.environ | ONE_THREAD,
+        )  # fmt: skip
     except subprocess.TimeoutExpired:
         return f"it took more than {patience:g} s"
     if done.returncode == 0:

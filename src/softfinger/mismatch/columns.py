@@ -137,7 +137,7 @@ def collect_columns(problem: Problem, origin: Candidate, pieces: Iterable[Piece]
         for start in model.list_starts(len(origin.model.pieces)):
             shared = np.concatenate([known, model.place_start(len(origin.model.pieces), start)])
             try:
-                column = problem.simulate(model, own, shared)[1][..., own.shape[1] + new]
+                column = problem.simulate(model, own, shared, only=new)[1]
             except (ArithmeticError, Fault):
                 continue
             if np.isfinite(column).all():

@@ -1,8 +1,6 @@
 """New trials of a campaign's finger, moved with the effects of a model file."""
 
-import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import xarray as xr
@@ -11,7 +9,7 @@ from numpy.typing import NDArray
 from softfinger.mechanics.effects.model_file import ModelFile, build_model
 from softfinger.mechanics.forward.simulate import simulate_joint_angle_array
 from softfinger.mechanics.forward.slots import SlotArrays
-from softfinger.mismatch.problem import PARTS, TOLERANCE, pose_problem
+from softfinger.mismatch.problem import TOLERANCE, pose_problem
 
 Move = Callable[[NDArray, NDArray, NDArray, NDArray, NDArray, NDArray], NDArray[np.float64]]
 
@@ -55,17 +53,9 @@ def build_mover(angles: xr.Dataset, content: ModelFile, effect: xr.DataArray) ->
             chosen = place[like[draw == k]]
             parts.append(SlotArrays(*(slot[chosen] for slot in slots)))
         slots = SlotArrays(*(np.concatenate(p) for p in zip(*parts, strict=True)))
-        sorted_own = own[order]
-
-        def run(part: NDArray) -> NDArray:
-            return simulate_joint_angle_array(
-                sorted_own[part], SlotArrays(*(slot[part] for slot in slots)), [], problem.finger,
-                time, *load, gradient=False, tolerance=TOLERANCE,
-            )[0]  # fmt: skip
-
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
-            pieces = np.array_split(np.arange(len(own)), min(PARTS, len(own)))
-            angle = np.concatenate(list(pool.map(run, pieces)))
+        angle, _ = simulate_joint_angle_array(
+            own[order], slots, [], problem.finger, time, *load, by_own=False, tolerance=TOLERANCE
+        )
         moved = np.empty_like(angle)
         moved[order] = angle
         return moved

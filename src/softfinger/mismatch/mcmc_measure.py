@@ -1,15 +1,12 @@
 """The full model's χ² at many points of φ and η at once: what the sampler's chains ask for."""
 
-import os
-from concurrent.futures import ThreadPoolExecutor
-
 import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.faults import Fault
 from softfinger.mechanics.forward.simulate import simulate_joint_angle_array
 from softfinger.mechanics.forward.slots import SlotArrays
-from softfinger.mismatch.problem import OWN, PARTS, TOLERANCE, Candidate, Problem
+from softfinger.mismatch.problem import OWN, TOLERANCE, Candidate, Problem
 from softfinger.mismatch.reduce import reduce_trials
 
 
@@ -38,16 +35,9 @@ def measure_chains(
         for a in (trials.node.reshape(n, -1), trials.load_time, trials.load_torque)
     ]
 
-    def run(part: NDArray) -> NDArray:
-        chosen = SlotArrays(*(slot[part] for slot in slots))
-        rows = (a[part] for a in repeated)
-        return simulate_joint_angle_array(
-            wide[part], chosen, [], problem.finger, *rows, gradient=False, tolerance=TOLERANCE
-        )[0]
-
-    parts = np.array_split(np.arange(len(wide)), min(PARTS, len(wide)))
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        angle = np.concatenate(list(pool.map(run, parts)))
+    angle, _ = simulate_joint_angle_array(
+        wide, slots, [], problem.finger, *repeated, by_own=False, tolerance=TOLERANCE
+    )
     angle = angle.reshape(chains, n, *angle.shape[1:])
     empty = np.zeros((*angle.shape[1:], 0))
     chi_square = np.stack([reduce_trials(trials, a, empty)[:, 0, 0] for a in angle])

@@ -104,7 +104,7 @@ def predict_trials(
             trials.node.reshape(n, -1),
             trials.load_time,
             trials.load_torque,
-            gradient=False,
+            by_own=False,
             tolerance=TOLERANCE,
         )
         drawn[k] = angle.reshape(*drawn.shape[1:], 2).mean(axis=-1)

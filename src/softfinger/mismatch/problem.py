@@ -1,9 +1,6 @@
 """A campaign as a mixed-effects problem: recordings, priors, forward model; and its fits."""
 
-import os
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +18,6 @@ from softfinger.mechanics.forward.simulate import (
     describe_unknown_finger,
     simulate_joint_angle_array,
 )
-from softfinger.mechanics.forward.slots import SlotArrays
 from softfinger.mechanics.geometry import FingerGeometry
 from softfinger.mismatch.pilot import guess_own
 from softfinger.mismatch.reduce import reduce_trials
@@ -39,13 +35,6 @@ TOLERANCE = 1e-5  # [rad] of the forward model, a hundredth of a good camera's n
 LONGEST_OWN_STEP = (0.7, 0.7, 1.0, 0.5)
 START_SPREAD = (0.4, 0.6, 0.8, 0.02)
 LAYOUT = ("trial", "joint", "frame")
-PARTS = 4  # into which trials are cut to move side by side; the same on every machine
-
-
-@cache
-def _open_pool(_process: int) -> ThreadPoolExecutor:
-    """Threads for the forward model, which lets go of the interpreter; a fork gets its own."""
-    return ThreadPoolExecutor(PARTS)
 
 
 class Candidate(NamedTuple):
@@ -73,29 +62,29 @@ class Problem:
         return EffectModel(self.setting) if self.repaired is None else self.repaired
 
     def simulate(
-        self, model: EffectModel, own: NDArray[np.float64], shared: NDArray[np.float64]
+        self,
+        model: EffectModel,
+        own: NDArray[np.float64],
+        shared: NDArray[np.float64],
+        only: NDArray[np.int64] | None = None,
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Angles (trial, joint, node) and derivatives (trial, joint, node, 4 · joint + p)."""
+        """Angles (trial, joint, node) and derivatives (trial, joint, node, 4 · joint + p).
+
+        With `only` the derivatives are those by these places of φ alone, which is quicker.
+        """
         trials = self.trials
         own = own.reshape(len(own), trials.joints, OWN)
-        slots, tangents = model.fill_slots(shared), model.fill_tangents(shared)
-        node = trials.node.reshape(len(own), -1)
-
-        def run(part: NDArray[np.int64]) -> tuple[NDArray, NDArray]:
-            return simulate_joint_angle_array(
-                own[part],
-                SlotArrays(*(slot[part] for slot in slots)),
-                [SlotArrays(*(slot[part] for slot in tangent)) for tangent in tangents],
-                self.finger,
-                node[part],
-                trials.load_time[part],
-                trials.load_torque[part],
-                tolerance=TOLERANCE,
-            )
-
-        parts = np.array_split(np.arange(len(own)), min(PARTS, len(own)))
-        angle, slope = zip(*_open_pool(os.getpid()).map(run, parts), strict=True)
-        return np.concatenate(angle), np.concatenate(slope)
+        return simulate_joint_angle_array(
+            own,
+            model.fill_slots(shared),
+            model.fill_tangents(shared, only),
+            self.finger,
+            trials.node.reshape(len(own), -1),
+            trials.load_time,
+            trials.load_torque,
+            by_own=only is None,
+            tolerance=TOLERANCE,
+        )
 
     def linearise(
         self, model: EffectModel, own: NDArray[np.float64], shared: NDArray[np.float64]
@@ -241,7 +230,7 @@ def simulate_frames(
         np.where(np.isfinite(time), forward, np.nan),
         trials.load_time,
         trials.load_torque,
-        gradient=gradient,
+        by_own=gradient,
         tolerance=TOLERANCE,
     )
 

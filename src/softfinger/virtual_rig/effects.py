@@ -48,7 +48,7 @@ def move_with_effects(
         rig.link_length_m, rig.link_mass_kg, rig.joint_length_m, rig.wire_offset_m
     )
     angle, _ = simulate_joint_angle_array(
-        own, slots, [], describe_finger(geometry), time, *load, gradient=False
+        own, slots, [], describe_finger(geometry), time, *load, by_own=False
     )
     coords = {"trial": drawn["trial"], "joint": drawn["joint"], "time": ("frame", time)}
     return xr.DataArray(angle, coords, ("trial", "joint", "frame"), name="joint_angle")

@@ -59,10 +59,10 @@ EFFECTS = {
 }  # fmt: skip
 
 
-def simulate(parameters, values, tangents=(), gradient=False):
+def simulate(parameters, values, tangents=(), by_own=False):
     return simulate_joint_angle_array(
         parameters, build_slots(1, 2, values), tangents, FINGER, TIME, *LOAD,
-        gradient=gradient, tolerance=1e-10,
+        by_own=by_own, tolerance=1e-10,
     )  # fmt: skip
 
 
@@ -73,8 +73,10 @@ def check_tangents(names, slack):
     free = [name for name in values if not SLOTS[name].constant]
     seeds = {name: PAIR + PAIR.T if SLOTS[name].kind == "coupling" else 1.0 for name in free}
     tangents = [build_tangent(1, 2, {name: seeds[name]}) for name in free]
-    angle, gradient = simulate(PARAMETERS, values, tangents, gradient=True)
+    angle, gradient = simulate(PARAMETERS, values, tangents, by_own=True)
     assert np.isfinite(angle).all()
+    alone = simulate(PARAMETERS, values, tangents)[1]  # along the directions, in steps of its own
+    assert np.abs(alone - gradient[..., 8:]).max() < slack * np.abs(gradient).max() + 1e-9, names
     for column in range(8 + len(free)):
         if column < 8:
             step = 1e-4
@@ -108,10 +110,10 @@ def test_the_order_of_trials_does_not_matter(name, order):
     parameters = PARAMETERS + 0.1 * rng.normal(size=(4, 2, 4))
     slots = build_slots(4, 2, EFFECTS[name])
     order = np.array(order)
-    straight = simulate_joint_angle_array(
-        parameters, slots, [], FINGER, TIME, *LOAD, gradient=False
-    )[0]
+    straight = simulate_joint_angle_array(parameters, slots, [], FINGER, TIME, *LOAD, by_own=False)[
+        0
+    ]
     mixed = simulate_joint_angle_array(
-        parameters[order], slots, [], FINGER, TIME, *LOAD, gradient=False
+        parameters[order], slots, [], FINGER, TIME, *LOAD, by_own=False
     )[0]
     np.testing.assert_array_equal(mixed, straight[order])

@@ -58,7 +58,7 @@ def test_linear_extensions_are_exact_too(parameters):
     def simulate(**slots):
         finger = describe_unknown_finger(1)
         return simulate_joint_angle_array(
-            values, build_slots(1, 1, slots), [], finger, time, *LOAD, gradient=False
+            values, build_slots(1, 1, slots), [], finger, time, *LOAD, by_own=False
         )[0][0, 0]
 
     second = simulate(second_compliance=2.0, second_time=4.0)
@@ -77,7 +77,7 @@ def test_springpot_creeps_as_stated(exponent):
     angle, _ = simulate_joint_angle_array(
         np.array([[[30.0, 0.0, 30.0, 0.0]]]),
         build_slots(1, 1, {"springpot_compliance": 1.0, "springpot_exponent": exponent}),
-        [], describe_unknown_finger(1), time, [0.0], [1.0], gradient=False,
+        [], describe_unknown_finger(1), time, [0.0], [1.0], by_own=False,
     )  # fmt: skip
     expected = compute_creep_compliance_array(Springpot(1.0, exponent), time)
     np.testing.assert_allclose(angle[0, 0], expected, rtol=6e-5)
@@ -89,7 +89,7 @@ def test_springpot_ends_as_spring_and_as_dashpot(exponent):
     angle, _ = simulate_joint_angle_array(
         np.array([[[30.0, 0.0, 30.0, 0.0]]]),
         build_slots(1, 1, {"springpot_compliance": 2.0, "springpot_exponent": exponent}),
-        [], describe_unknown_finger(1), time, [0.0], [1.0], gradient=False,
+        [], describe_unknown_finger(1), time, [0.0], [1.0], by_own=False,
     )  # fmt: skip
     np.testing.assert_allclose(angle[0, 0], 2.0 * time**exponent, rtol=1e-9)
 

@@ -182,11 +182,13 @@ class EffectModel:
             raise ArithmeticError(f"{self.label}: a slot is not finite at {shared}")
         return build_slots(self.setting.trials, self.setting.joints, values)
 
-    def fill_tangents(self, shared: NDArray[np.float64]) -> list[SlotArrays]:
-        """Differentiate the slots by each number of φ: central differences of a smooth map."""
+    def fill_tangents(
+        self, shared: NDArray[np.float64], only: NDArray[np.int64] | None = None
+    ) -> list[SlotArrays]:
+        """Differentiate the slots by numbers of φ, all or `only` these: central differences."""
         tangents = []
-        for k, entry in enumerate(self.entries):
-            step = DIFFERENCE * entry.parameter.sd
+        for k in range(len(shared)) if only is None else only:
+            step = DIFFERENCE * self.entries[k].parameter.sd
             up, down = shared.copy(), shared.copy()
             up[k], down[k] = shared[k] + step, shared[k] - step
             pairs = zip(self.fill_slots(up), self.fill_slots(down), strict=True)

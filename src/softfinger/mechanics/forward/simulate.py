@@ -17,6 +17,7 @@ from softfinger.mechanics.checks import require_finite, require_forward_in_time,
 from softfinger.mechanics.compiled import compiled
 from softfinger.mechanics.forward.modes import MODES
 from softfinger.mechanics.forward.observe import observe
+from softfinger.mechanics.forward.side_by_side import run_side_by_side
 from softfinger.mechanics.forward.slots import (
     SlotArrays,
     build_slots,
@@ -158,7 +159,7 @@ def simulate_joint_angle(
         time,
         load_time,
         load_torque,
-        gradient=directions is not None,
+        by_own=directions is not None,
     )
     result = xr.Dataset(
         {"joint_angle": (("trial", "joint", "frame"), angle)},
@@ -183,7 +184,7 @@ def simulate_joint_angle_array(
     load_time: ArrayLike,
     load_torque: ArrayLike,
     *,
-    gradient: bool = True,
+    by_own: bool = True,
     tolerance: float = TOLERANCE,
     longest_step: float = np.inf,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -195,18 +196,19 @@ def simulate_joint_angle_array(
         (trial, joint, 4): log k_v, log c_v, log c_p, q_ini.
     slots, tangents
         Of `build_slots` and `build_tangent`, one tangent for each direction.
+    by_own
+        Whether the gradient holds each trial's own parameters beside the directions.
     tolerance, longest_step
         [rad] inside a step, [s]; an infinite tolerance makes all steps the longest.
 
     Returns
     -------
     angle (trial, joint, n) [rad] and gradient (trial, joint, n, 4 joint + direction): first by the
-    parameters of joint 1, then of joint 2 …, then along the directions. NaN as there.
+    parameters of joint 1, then of joint 2 … (`by_own`), then along the directions. NaN as there.
     """
     trials, joints, _ = parameters.shape
     check_load(load_time, load_torque)
-    time = np.asarray(time, float)
-    require_forward_in_time("time", time, padded=True)
+    require_forward_in_time("time", np.asarray(time, float), padded=True)
     if finger.moment.size != joints:
         raise Fault(
             f"the parameters have {joints} joints and the finger {finger.moment.size}: "
@@ -219,12 +221,18 @@ def simulate_joint_angle_array(
     rows = [np.array(np.broadcast_to(a, (trials, a.shape[-1])), order="C") for a in rows]
     joint = slots.joint.copy()
     joint[..., :4] += parameters
-    changes = (np.stack(parts) for parts in zip(*tangents, strict=True))
-    empty = (np.zeros((0, *part.shape)) for part in slots)
-    return _run_trials(
-        joint, slots.chain, slots.coupling, *(changes if tangents else empty), groups,
-        *finger, *rows, gradient, float(tolerance), float(longest_step),
-    )  # fmt: skip
+    values, none = (joint, slots.chain, slots.coupling), [np.zeros((0, *s.shape)) for s in slots]
+    changes = [np.stack(parts) for parts in zip(*tangents, strict=True)] or none
+
+    def run(some: slice) -> tuple[NDArray, NDArray]:
+        return _run_trials(
+            *(value[some] for value in values),
+            *(np.ascontiguousarray(change[:, some]) for change in changes),
+            groups, *finger, *(row[some] for row in rows),
+            by_own, float(tolerance), float(longest_step),
+        )  # fmt: skip
+
+    return run_side_by_side(run, trials)
 
 
 def _check_finger(finger: Finger, groups: NDArray[np.bool_]) -> None:
@@ -260,26 +268,25 @@ def _run_trials(
     time: NDArray,
     load_time: NDArray,
     load_torque: NDArray,
-    with_gradient: bool,
+    by_own: bool,
     tolerance: float,
     longest: float,
 ) -> tuple[NDArray, NDArray]:
     """Run every trial in turn, in the same arrays."""
     trials, joints, _ = joint.shape
-    extra = d_joint.shape[0]
-    columns = 4 * joints + extra if with_gradient else 0
+    own = 4 * joints * by_own
+    columns = own + d_joint.shape[0]
     modes = MODES if groups[HAS_SPRINGPOT] else (3 if groups[HAS_SECOND] else 2)
-    model = allocate_model(joints, columns, groups, arm_ratio, moment, inertia)
+    model = allocate_model(joints, by_own, columns, groups, arm_ratio, moment, inertia)
     work = allocate_work(joints, modes, columns)
     angle = np.full((trials, joints, time.shape[1]), np.nan)
     gradient = np.zeros((trials, joints, time.shape[1], columns))
     for trial in range(trials):
         model.joint[:], model.chain[:] = joint[trial], chain[trial]
         model.coupling[:] = coupling[trial]
-        if with_gradient:
-            model.d_joint[4 * joints :] = d_joint[:, trial]
-            model.d_chain[4 * joints :] = d_chain[:, trial]
-            model.d_coupling[4 * joints :] = d_coupling[:, trial]
+        model.d_joint[own:] = d_joint[:, trial]
+        model.d_chain[own:] = d_chain[:, trial]
+        model.d_coupling[own:] = d_coupling[:, trial]
         done = run_trial(
             model, work, time[trial], load_time[trial], load_torque[trial],
             tolerance, longest, angle[trial], gradient[trial],

@@ -240,16 +240,20 @@ def find_groups(
     groups: Sequence[str], slots: SlotArrays, tangents: Sequence[SlotArrays]
 ) -> NDArray[np.bool_]:
     """Tell which physics is on: a slot that is not null, or a direction that moves one."""
-    return np.array(
-        [
-            any(
-                (_select(slots, name) != SLOTS[name].null).any()
-                or any(_select(tangent, name).any() for tangent in tangents)
-                for name in _BELONGS[group]
-            )
-            for group in groups
-        ]
-    )
+    on = _find_moved(slots, _NULLS)
+    for tangent in tangents:
+        on |= _find_moved(tangent, tuple(0.0 * null for null in _NULLS))
+    names = (*JOINT_SLOTS, *CHAIN_SLOTS, *COUPLING_SLOTS)
+    moved = {name for name, is_on in zip(names, on, strict=True) if is_on}
+    return np.array([not moved.isdisjoint(_BELONGS[group]) for group in groups])
+
+
+def _find_moved(slots: SlotArrays, nulls: tuple[NDArray, ...]) -> NDArray[np.bool_]:
+    """Which slots, joint ones first, differ from their nulls in any trial."""
+    joint, chain, coupling = slots
+    moved = joint != nulls[0], chain != nulls[1], coupling != nulls[2][:, None, None]
+    places = np.moveaxis(moved[2], -3, -1)
+    return np.concatenate([m.reshape(-1, m.shape[-1]).any(axis=0) for m in (*moved[:2], places)])
 
 
 def _select(slots: SlotArrays, name: str) -> NDArray:

@@ -1,6 +1,5 @@
 """One trial: rest, then segment after segment of the load, with the frames on the way."""
 
-
 import numpy as np
 from numpy.typing import NDArray
 

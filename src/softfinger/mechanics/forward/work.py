@@ -209,17 +209,18 @@ for _face, _type in (
 @compiled
 def allocate_model(
     joints: int,
+    by_own: bool,
     columns: int,
     groups: NDArray,
     arm_ratio: float,
     moment: NDArray,
     inertia: NDArray,
 ) -> Model:
-    """Make room for a trial's slots, with unit tangents for each joint's own four parameters."""
+    """Make room for a trial's slots; `by_own`: with unit tangents for each joint's own four."""
     d_joint = np.zeros((columns, joints, _JOINT))
     mixed = groups[HAS_FRICTION] or groups[HAS_GRAVITY] or groups[HAS_COUPLING]
     mixed = mixed or groups[HAS_INERTIA]
-    own = 4 if columns > 0 else 0
+    own = 4 if by_own else 0
     extra = columns - own * joints
     count = columns if mixed else own + extra
     reach = np.zeros((joints, count), np.int64)

@@ -68,9 +68,7 @@ def trials():
         parameters = np.tile(own, (TRIALS, 1, 1))
         filled = build_slots(TRIALS, JOINTS, slots)
         series = time, load_time, load
-        return simulate_joint_angle_array(parameters, filled, [], finger, *series, gradient=False)[
-            0
-        ]
+        return simulate_joint_angle_array(parameters, filled, [], finger, *series, by_own=False)[0]
 
     return simulate
 
