@@ -9,10 +9,11 @@ from softfinger.concealed.blind import diagnose_blind, read_answer, write_answer
 
 # Writes down what it was given and where it stands, as a verdict.
 TELLTALE = """
-import json, pathlib, sys
+import json, os, pathlib, sys
 here = pathlib.Path.cwd()
 found = sorted(str(p.relative_to(here)) for p in here.rglob("*") if p.is_file())
 answer = {"decision": "adequate", "given": sys.argv[1:], "place": str(here), "found": found}
+answer["threads"] = os.environ["NUMBA_NUM_THREADS"]
 pathlib.Path("out/verdict.json").write_text(json.dumps(answer))
 """
 
@@ -40,6 +41,7 @@ def test_the_process_gets_a_copy_of_the_campaign_and_nothing_else(campaign):
     assert verdict["found"] == ["campaign/campaign.yaml"]
     assert not verdict["place"].startswith(str(campaign.parents[1]))
     assert json.loads((diagnosis / "verdict.json").read_text()) == verdict
+    assert verdict["threads"] == "1"  # others run beside it
     assert answer["seconds"] > 0.0
 
 

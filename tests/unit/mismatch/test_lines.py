@@ -8,17 +8,28 @@ from softfinger.mismatch.lines import find_line, transform_series
 TRIALS, JOINTS, FRAMES = 5, 2, 331
 
 
-def build(rng, amplitude):
+def build(rng, amplitude, *, everywhere=False):
+    """A wave in the second joint, or in both; what a link's direction errs, both joints show."""
     interval = 0.04
     time = np.cumsum(rng.uniform(0.5, 1.5, (TRIALS, FRAMES)), axis=1) * interval
-    residual = rng.normal(0.0, 0.003, (TRIALS, JOINTS, FRAMES))
+    link = rng.normal(0.0, 0.003 / np.sqrt(2), (TRIALS, JOINTS + 1, FRAMES))
+    residual = np.diff(link, axis=1)
     phase = rng.uniform(0, 2 * np.pi, TRIALS)
-    residual[:, 1] += amplitude * np.sin(2 * np.pi * 3.3 * time + phase[:, None])
+    wave = amplitude * np.sin(2 * np.pi * 3.3 * time + phase[:, None])
+    residual[:, 1] += wave
+    residual[:, 0] += wave * everywhere
     residual[:, :, 40:44] = np.nan
     problem = SimpleNamespace(
         trials=SimpleNamespace(interval=interval),
-        setting=SimpleNamespace(duration=float(np.ptp(time, axis=1).max())),
-        noise=xr.Dataset({"noise_autocorrelation": ("joint", np.zeros(JOINTS))}),
+        setting=SimpleNamespace(
+            duration=float(np.ptp(time, axis=1).max()), stiffness=np.full(JOINTS, 0.1)
+        ),
+        noise=xr.Dataset(
+            {
+                "noise_autocorrelation": ("joint", np.zeros(JOINTS)),
+                "noise_correlation": (("joint", "other_joint"), [[1.0, -0.5], [-0.5, 1.0]]),
+            }
+        ),
     )
     return problem, residual, time
 
@@ -29,6 +40,17 @@ def test_a_line_is_found_whatever_its_phases():
     assert line.joint == 2
     assert line.p_value < 1e-6
     assert line.gain > 10.0
+
+
+def test_a_line_in_all_joints_is_found_where_no_joint_shows_it_alone():
+    problem, residual, time = build(np.random.default_rng(1), 0.0006, everywhere=True)
+    line = find_line(problem, residual, time)
+    assert abs(line.frequency_hz - 3.3) < 0.1
+    assert line.joint == 0
+    assert line.p_value < 1e-6
+    assert line.gain > 10.0
+    residual[:, 0] = np.nan
+    assert find_line(problem, residual, time).gain < 4.6
 
 
 def test_noise_holds_no_line():

@@ -35,7 +35,9 @@ SPEC = ArtifactSpec(
             _BETWEEN, "1", "false-discovery rate at which it counts", **_P
         ),
         "line_frequency": Variable((), "Hz", "strongest spectral line that the final model leaves"),
-        "line_joint": Variable((), "1", "its joint", "whole number"),
+        "line_joint": Variable(
+            (), "1", "its joint; 0: all, as the load moves them", "whole number"
+        ),
         "line_p_value": Variable((), "1", "its p-value, corrected for the frequencies", **_P),
     },
 )

@@ -275,12 +275,12 @@ def _run_trials(
     """Run every trial in turn, in the same arrays."""
     trials, joints, _ = joint.shape
     own = 4 * joints * by_own
-    columns = own + d_joint.shape[0]
+    columns = own + len(d_joint)
     modes = MODES if groups[HAS_SPRINGPOT] else (3 if groups[HAS_SECOND] else 2)
     model = allocate_model(joints, by_own, columns, groups, arm_ratio, moment, inertia)
     work = allocate_work(joints, modes, columns)
     angle = np.full((trials, joints, time.shape[1]), np.nan)
-    gradient = np.zeros((trials, joints, time.shape[1], columns))
+    gradient = np.zeros((*angle.shape, columns))
     for trial in range(trials):
         model.joint[:], model.chain[:] = joint[trial], chain[trial]
         model.coupling[:] = coupling[trial]
@@ -292,8 +292,7 @@ def _run_trials(
             tolerance, longest, angle[trial], gradient[trial],
         )  # fmt: skip
         if not done:
-            angle[trial] = np.nan
-            gradient[trial] = np.nan
+            angle[trial], gradient[trial] = np.nan, np.nan
         elif groups[HAS_OBSERVATION]:
             observe(
                 model, link_length, marker_middle, optical_centre, angle[trial], gradient[trial]
