@@ -12,7 +12,7 @@ from softfinger.concealed.effects import EFFECTS, LISTED, OUTSIDE
 from softfinger.concealed.noise import NOISE_KINDS, NoiseKind
 from softfinger.concealed.protocols import PROTOCOLS, Protocol
 
-TRIALS = (1,) * 3 + (10,) * 6 + (40,) * 8 + (100,) * 3
+TRIALS = (1,) * 4 + (10,) * 9 + (40,) * 5 + (100,) * 2
 FILMED_TRIALS = (4, 6, 8, 10)
 JOINTS = 3
 
