@@ -43,7 +43,7 @@ individuals = st.integers(0, 10_000).map(
 @settings(deadline=None)
 @given(loads())
 def test_a_written_log_is_read_as_the_load_that_acted(load):
-    rows = write_rows(load, 0.05)
+    rows = write_rows(load)
     time, tension = build_load_array(rows[:, 0], rows[:, 1], 1.5 * 0.05)
     probe = np.setdiff1d(np.linspace(-0.5, 25.0, 499), load.time)
     np.testing.assert_allclose(Load(time, tension).value(probe), load.value(probe), atol=1e-9)
