@@ -100,14 +100,13 @@ def measure_power(
     white = np.array([whiten_series(values, gap, r) for values, r in pairs])
     white -= white.mean(axis=1, keepdims=True)
     scale = white.std(axis=1)
-    waves = [transform_series(values, time[used], frequency) for values in white / scale[:, None]]
-    waves = np.array(waves) * np.sqrt(2.0 / used.sum())
     correlation = problem.noise["noise_correlation"].values[np.ix_(seen, seen)]
     for k, shape in enumerate(shapes):
         if not shape[~seen].any():
-            there = shape[seen] / scale
-            weight = np.linalg.solve(correlation, there)
-            yield k, np.abs(weight @ waves) ** 2 / (there @ weight)
+            weight = np.linalg.solve(correlation, shape[seen] / scale) / scale
+            series = weight @ white  # its own variance is the measure: a model's may be wrong
+            wave = transform_series(series, time[used], frequency)
+            yield k, 2.0 * np.abs(wave) ** 2 / (series.size * series.var())
 
 
 def transform_series(

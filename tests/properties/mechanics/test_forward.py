@@ -110,10 +110,7 @@ def test_the_order_of_trials_does_not_matter(name, order):
     parameters = PARAMETERS + 0.1 * rng.normal(size=(4, 2, 4))
     slots = build_slots(4, 2, EFFECTS[name])
     order = np.array(order)
-    straight = simulate_joint_angle_array(parameters, slots, [], FINGER, TIME, *LOAD, by_own=False)[
-        0
-    ]
-    mixed = simulate_joint_angle_array(
-        parameters[order], slots, [], FINGER, TIME, *LOAD, by_own=False
-    )[0]
+    series = FINGER, TIME, *LOAD
+    straight, _ = simulate_joint_angle_array(parameters, slots, [], *series, by_own=False)
+    mixed, _ = simulate_joint_angle_array(parameters[order], slots, [], *series, by_own=False)
     np.testing.assert_array_equal(mixed, straight[order])
