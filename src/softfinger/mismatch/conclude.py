@@ -40,6 +40,7 @@ from softfinger.mismatch.verdict import (
 from softfinger.mismatch.verdict import FreeForm as FreeFormNote
 
 MISSING = 1e-3  # p-value of a misfit from which something is missing
+SHAPE_LEFT = 0.25  # of what effects gain: with more than that left to a shape, they are not it
 FALSE_DISCOVERIES = 0.05  # rate among located cells
 LEAST_LEFT = float(np.log(10 / 0.01))  # nats that ten such terms exceed by chance in 1 %
 
@@ -80,10 +81,14 @@ class Findings(NamedTuple):
         return max(self.further, free, self.line.gain, self.jumps.gain)
 
     def is_unlisted(self, needed: float) -> bool:
-        """Whether something is missing that one or two listed effects do not mostly explain."""
+        """Whether something is missing that one or two listed effects do not mostly explain.
+
+        Scatter may be noise that was misjudged; evidence for a shape, a line or jumps is not, so
+        less of that may be left.
+        """
         scatter = self.best_p < MISSING
         scatter &= self.best_excess > (1 - EXPLAINED) * max(self.base_excess, 0.0)
-        least = max(needed, LEAST_LEFT, (1 - EXPLAINED) / EXPLAINED * self.gain)
+        least = max(needed, LEAST_LEFT, SHAPE_LEFT * self.gain)
         return bool(scatter or self.left > least)
 
 

@@ -120,8 +120,12 @@ class Problem:
         *,
         steps: int | None = None,
         tolerance: float = 0.02,
+        first: float = -np.inf,
     ) -> Fit | None:
-        """Fit a model from (η, φ, Ω); None where the numbers leave the plausible range."""
+        """Fit a model from (η, φ, Ω); None where the numbers leave the plausible range.
+
+        `first` is the log evidence that an earlier fit began with, where this one goes on from it.
+        """
         longest = np.tile(LONGEST_OWN_STEP, self.trials.joints)
         try:
             return fit_nonlinear(
@@ -132,6 +136,7 @@ class Problem:
                 start,
                 steps=steps or max(MOST_STEPS, FEW_TRIALS_STEPS // len(self.trials.name)),
                 tolerance=tolerance,
+                first=first,
             )
         except np.linalg.LinAlgError:
             return None

@@ -168,7 +168,8 @@ def prune(problem: Problem, candidate: Candidate) -> Candidate:
     model, _ = drop_places(problem, candidate.model, there, rounds=5)
     if model is candidate.model:
         return candidate
-    refit = problem.fit(model, (fit.own, fit.shared[candidate.model.match(model)], fit.omega))
+    start = fit.own, fit.shared[candidate.model.match(model)], fit.omega
+    refit = problem.fit(model, start, first=fit.first)
     if refit is None or not refit.converged or refit.log_evidence < candidate.log_evidence:
         return candidate
     return Candidate(model, refit, refit.log_evidence)
@@ -205,7 +206,7 @@ def fit_scored(
         start = origin.fit.own, score.shared, origin.fit.omega
         fit = problem.fit(score.model, start, steps=FIRST_STEPS)
         if fit is not None and fit.log_evidence > best:
-            fit = _go_on(problem, score.model, fit)
+            fit = go_on(problem, score.model, fit)
         if fit is None:
             continue
         if fit.converged:
@@ -216,7 +217,7 @@ def fit_scored(
         if fit.log_evidence < best - reach:
             candidates.append(Candidate(model, None, fit.log_evidence))
             continue
-        fit = _go_on(problem, model, fit)
+        fit = go_on(problem, model, fit)
         if fit is not None and fit.converged:
             candidates.append(prune(problem, Candidate(model, fit, fit.log_evidence)))
         elif fit is not None:
@@ -224,6 +225,8 @@ def fit_scored(
     return sorted(candidates, key=lambda c: -c.log_evidence)
 
 
-def _go_on(problem: Problem, model: EffectModel, fit: Fit) -> Fit | None:
+def go_on(problem: Problem, model: EffectModel, fit: Fit) -> Fit | None:
     """Fit on until it comes to rest."""
-    return fit if fit.converged else problem.fit(model, (fit.own, fit.shared, fit.omega))
+    if fit.converged:
+        return fit
+    return problem.fit(model, (fit.own, fit.shared, fit.omega), first=fit.first)

@@ -14,6 +14,7 @@ import numpy as np
 from softfinger.mechanics.effects.model import Piece
 from softfinger.mismatch.columns import ScoreColumns, collect_columns
 from softfinger.mismatch.free_form import fit_free_form
+from softfinger.mismatch.other_forms import find_other_form, keep_leading, swap_forms
 from softfinger.mismatch.pairs import rank_pairs
 from softfinger.mismatch.problem import Candidate, Problem
 from softfinger.mismatch.rank import Progress, Score, prune, rank_pieces
@@ -84,10 +85,10 @@ def search_effects(
     for size in range(2, MOST_EFFECTS + 1):
         larger = []
         for rival in _list_rivals(base, found, len(best.model.ids)):
-            more = [p for p in pieces if p.effect.id not in rival.model.ids]
-            more = progress(_compatible(rival, more), "trying effects")
-            found_columns = collect_columns(problem, rival, more)
-            larger += rank_pieces(problem, rival, found_columns, progress)[0]
+            larger += _extend(problem, rival, pieces, progress)
+        other = find_other_form(found, best)
+        if other is not None:
+            larger += _extend(problem, other, keep_leading(pieces, larger, best), progress)
         if size == 2:
             known = {c.model.ids for c in larger if c.fit is not None}
             larger += rank_pairs(problem, base, columns, known, progress)
@@ -99,6 +100,8 @@ def search_effects(
             break
         found += larger
         larger = []
+        found += swap_forms(problem, top, pieces)
+        top = max((top, *found), key=lambda c: c.log_evidence if c.fit is not None else -np.inf)
         best = _eliminate(problem, top, more, found)
     found.sort(key=lambda c: -c.log_evidence)
     return Search(base, found, larger, best, first_gain, refused, scores)
@@ -132,6 +135,15 @@ def _list_rivals(base: Candidate, found: list[Candidate], size: int) -> list[Can
     return [c for c in rivals if c.log_evidence > leading - behind]
 
 
+def _extend(
+    problem: Problem, rival: Candidate, pieces: Iterable[Piece], progress: Progress
+) -> list[Candidate]:
+    """Rank every further effect on top of a fitted model."""
+    more = _compatible(rival, [p for p in pieces if p.effect.id not in rival.model.ids])
+    columns = collect_columns(problem, rival, progress(more, "trying effects"))
+    return rank_pieces(problem, rival, columns, progress)[0]
+
+
 def _compatible(candidate: Candidate, pieces: Iterable[Piece]) -> list[Piece]:
     """Pieces that claim no slot that the model already uses in another sense."""
     fitting = []
@@ -156,7 +168,8 @@ def _eliminate(
             kept = tuple(p for p in candidate.model.pieces if p is not piece)
             model = replace(candidate.model, pieces=kept)
             shared = candidate.fit.shared[candidate.model.match(model)]
-            fit = problem.fit(model, (candidate.fit.own, shared, candidate.fit.omega))
+            start = candidate.fit.own, shared, candidate.fit.omega
+            fit = problem.fit(model, start, first=candidate.fit.first)
             if fit is not None and fit.converged:
                 smaller.append(prune(problem, Candidate(model, fit, fit.log_evidence)))
         found += smaller

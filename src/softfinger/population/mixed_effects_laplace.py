@@ -56,6 +56,8 @@ class Fit(NamedTuple):
         (trial, d + p + 1, d + p + 1) of [∂F/∂η | ∂F/∂φ | residual] at the modes, whitened.
     converged
         Whether it came to rest.
+    first
+        Log evidence of its first linearisation.
     """
 
     own: NDArray[np.float64]
@@ -68,6 +70,7 @@ class Fit(NamedTuple):
     log_evidence: float
     gram: NDArray[np.float64]
     converged: bool
+    first: float
 
     @property
     def chi_square(self) -> NDArray[np.float64]:
@@ -84,6 +87,7 @@ def fit_nonlinear(
     *,
     steps: int = 25,
     tolerance: float = 0.02,
+    first: float = -np.inf,
 ) -> Fit:
     """Fit a nonlinear mixed-effects model.
 
@@ -104,10 +108,12 @@ def fit_nonlinear(
         Most linearisations.
     tolerance
         Change of the log evidence [nats] at which it has come to rest; of a large gain, `SHARE`.
+    first
+        Log evidence from which the gain counts, where an earlier fit goes on.
     """
     own, shared, omega = (np.array(a, float) for a in start)
     gram = linearise(own, shared)
-    first = best = -np.inf
+    best = -np.inf
     moving, spreading = Relaxation(), Relaxation()
     for _ in range(steps):
         moved, near, centre = centre_gram(gram, prior, own, shared)
@@ -136,8 +142,10 @@ def fit_nonlinear(
             break
         best = evidence
     else:
-        return _finish(gram, prior, bounds, own, shared, omega, converged=False)
-    return _finish(gram, prior, bounds, own, shared, omega, converged=np.isfinite(best))
+        return _finish(gram, prior, bounds, own, shared, omega, converged=False, first=first)
+    return _finish(
+        gram, prior, bounds, own, shared, omega, converged=np.isfinite(best), first=first
+    )
 
 
 def _finish(
@@ -149,6 +157,7 @@ def _finish(
     omega: NDArray,
     *,
     converged: bool,
+    first: float,
 ) -> Fit:
     d = len(omega)
     linear, evidence = solve_linearised(gram, prior, bounds, (own, shared), omega, rounds=30)
@@ -164,6 +173,7 @@ def _finish(
         evidence,
         gram,
         bool(converged),
+        float(first),
     )
 
 
