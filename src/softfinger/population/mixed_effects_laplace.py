@@ -57,7 +57,7 @@ class Fit(NamedTuple):
     converged
         Whether it came to rest.
     first
-        Log evidence of its first linearisation.
+        Log evidence of its first linearisation; −∞ where there was none.
     """
 
     own: NDArray[np.float64]
@@ -70,7 +70,7 @@ class Fit(NamedTuple):
     log_evidence: float
     gram: NDArray[np.float64]
     converged: bool
-    first: float
+    first: float = -np.inf
 
     @property
     def chi_square(self) -> NDArray[np.float64]:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from softfinger.mismatch.calibrate import FalseAlarms
+from softfinger.mismatch.conclude import MISSING, Findings
 from softfinger.mismatch.decide import drop_negligible, join_ids, settle_search, weigh_models
 from softfinger.mismatch.rank import Candidate
 from softfinger.mismatch.search import Search
@@ -117,3 +118,22 @@ def test_of_two_effects_the_one_above_its_floor_is_kept():
     assert settled.candidates == [one, other]
     assert settled.rejected == [pair]
     assert drop_negligible(settled) is settled
+
+
+@pytest.mark.parametrize(
+    ("shape", "p", "unlisted"), [(240.0, 1.0, False), (260.0, 1.0, True), (0.0, MISSING / 2, True)]
+)
+def test_effects_that_leave_much_do_not_explain(shape, p, unlisted):
+    quiet = SimpleNamespace(gain=-1.0)
+    findings = Findings(
+        base_excess=1.0,
+        base_p=0.0,
+        best_excess=0.6,
+        best_p=p,
+        line=quiet,
+        jumps=quiet,
+        free=SimpleNamespace(gain=shape),
+        gain=1000.0,
+        further=0.0,
+    )
+    assert findings.is_unlisted(7.0) is unlisted
