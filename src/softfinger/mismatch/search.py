@@ -20,7 +20,7 @@ from softfinger.mismatch.problem import Candidate, Problem
 from softfinger.mismatch.rank import Progress, Score, prune, rank_pieces
 
 MOST_EFFECTS = 3
-FORM_ERROR = 0.02  # of what effects explain: what their textbook forms may leave to others
+FORM_ERROR = 0.005  # of what effects explain: what their textbook forms may leave to others
 RIVALS = 2  # sets of effects from which a further effect is tried
 RIVAL_NATS, RIVAL_SHARE = 10.0, 0.15  # behind the best, at most, or that share of its gain
 
