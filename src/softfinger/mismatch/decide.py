@@ -2,7 +2,7 @@
 
 Prior ½ on the base model, the rest shared evenly by the sets of effects that were fitted, and
 within a set by its forms. Where several sets remain that share an effect and differ in what they
-add to it, and that effect explains most of what is there, the shared part is what is known.
+add to it, and that adds hardly anything, the shared part is what is known.
 """
 
 from collections.abc import Iterable
@@ -15,6 +15,7 @@ from softfinger.mismatch.search import Search
 
 SURE = 0.95  # posterior probability from which one set of effects is named
 EXPLAINED = 0.5  # share of what is missing that listed effects must explain
+SLIGHT = 0.02  # of what effects gain: additions that disagree and gain less are not claimed
 
 Ids = frozenset[str]
 
@@ -70,9 +71,9 @@ def weigh_models(base: Candidate, others: Iterable[Candidate]) -> Posterior:
 
 
 def settle_search(search: Search) -> Search:
-    """Keep what the likely sets of effects share, where it explains most and the rest disagrees.
+    """Keep what the likely sets of effects share, where they disagree about a slight rest.
 
-    What is left then is too small, and too little like any one effect, to be given a name. Where
+    Such a rest is too small, and too little like any one effect, to be given a name. Where
     the base model is still the most probable, though a gain has passed the test of false alarms, as
     one in a hundred does by chance, nothing is said to be missing.
     """
@@ -84,8 +85,8 @@ def settle_search(search: Search) -> Search:
     kept = posterior.best.get(core) if len(likely) > 1 and core else None
     if kept is None or kept.fit is None:
         return search
-    gain = kept.log_evidence - search.base.log_evidence
-    if gain < EXPLAINED * (search.best.log_evidence - search.base.log_evidence):
+    added = search.best.log_evidence - kept.log_evidence
+    if added > SLIGHT * (kept.log_evidence - search.base.log_evidence):
         return search
     size = len(kept.model.ids)
     fewer = [c for c in search.candidates if len(c.model.ids) <= size]

@@ -56,10 +56,10 @@ def search(*candidates):
     return Search(Candidate(model(), "fit", 0.0), ordered, [], ordered[0], 0.0, {}, [])
 
 
-def test_what_close_sets_share_is_settled_where_it_explains_most():
+def test_what_close_sets_share_is_settled_where_they_add_hardly_anything():
     one, pairs = (
-        Candidate(model("a"), "fit", 90.0),
-        [Candidate(model("a", second), "fit", 100.0) for second in "bcd"],
+        Candidate(model("a"), "fit", 990.0),
+        [Candidate(model("a", second), "fit", 1000.0) for second in "bcd"],
     )
     found = search(one, *pairs, Candidate(model("b"), "fit", 40.0))
     settled = settle_search(found)
@@ -70,10 +70,11 @@ def test_what_close_sets_share_is_settled_where_it_explains_most():
     assert posterior.sets[frozenset("a")] > 0.99
 
 
-def test_sets_stand_where_what_they_share_explains_too_little_or_was_not_fitted():
-    pairs = [Candidate(model("a", second), "fit", 100.0) for second in "bc"]
-    for one in (Candidate(model("a"), "fit", 45.0), Candidate(model("a"), None, 90.0)):
-        found = search(one, *pairs)
+def test_sets_stand_where_they_add_much_or_what_they_share_was_not_fitted():
+    pairs = [Candidate(model("a", second), "fit", 1000.0) for second in "bc"]
+    rival = Candidate(model("b"), "fit", 950.0)
+    for one in (Candidate(model("a"), "fit", 900.0), Candidate(model("a"), None, 990.0)):
+        found = search(one, rival, *pairs)
         assert settle_search(found) is found
 
 
