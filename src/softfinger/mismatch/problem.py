@@ -159,6 +159,11 @@ def pose_problem(
     priors
         Whether the file's priors count; they do not where they come from these recordings.
 
+    Returns
+    -------
+    problem, fit
+        What models with effects gain counts from this fit.
+
     Raises
     ------
     Fault
@@ -171,7 +176,9 @@ def pose_problem(
     left = angles["joint_angle"].sel(trial=problem.trials.name).transpose(*LAYOUT) - left
     noise = prepare_trials(angles.sel(trial=problem.trials.name).assign(joint_angle=left))[1]
     problem, fit = _fit_base(angles, *prepare_trials(angles, noise), fit)
-    return (problem, fit) if content is None else _repair_base(problem, fit, content, priors=priors)
+    if content is not None:
+        problem, fit = _repair_base(problem, fit, content, priors=priors)
+    return problem, fit._replace(first=fit.log_evidence)
 
 
 def _repair_base(

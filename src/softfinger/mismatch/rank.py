@@ -204,7 +204,7 @@ def fit_scored(
             continue
         leading.discard(score.effect)
         start = origin.fit.own, score.shared, origin.fit.omega
-        fit = problem.fit(score.model, start, steps=FIRST_STEPS)
+        fit = problem.fit(score.model, start, steps=FIRST_STEPS, first=origin.fit.first)
         if fit is not None and fit.log_evidence > best:
             fit = go_on(problem, score.model, fit)
         if fit is None:

@@ -57,7 +57,7 @@ class Fit(NamedTuple):
     converged
         Whether it came to rest.
     first
-        Log evidence of its first linearisation; −∞ where there was none.
+        Log evidence from which its gain counts: as given, or of its first linearisation.
     """
 
     own: NDArray[np.float64]
@@ -109,7 +109,7 @@ def fit_nonlinear(
     tolerance
         Change of the log evidence [nats] at which it has come to rest; of a large gain, `SHARE`.
     first
-        Log evidence from which the gain counts, where an earlier fit goes on.
+        Log evidence from which the gain counts, where other fits have led to this one.
     """
     own, shared, omega = (np.array(a, float) for a in start)
     gram = linearise(own, shared)
