@@ -133,9 +133,12 @@ def fit_nonlinear(
         evidence = linear.log_evidence
         if taken is None:
             break
+        made = taken.own - own
         own, shared, gram, fraction = taken
         moving = moving.take(most, wanted, fraction)
-        still = np.all(np.abs(step) <= 0.05 * _spread(linear))
+        # a trial whose step leads back to where it was is at rest, whatever it wants
+        far = np.minimum(np.abs(step), np.abs(made) / fraction)
+        still = np.all(far <= 0.05 * _spread(linear))
         first = evidence if np.isinf(first) else first
         if abs(evidence - best) < tolerance + SHARE * abs(evidence - first) and still:
             best = evidence

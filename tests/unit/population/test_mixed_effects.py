@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
+from softfinger.population import mixed_effects_laplace
 from softfinger.population.mixed_effects import (
     LOG_TWO_PI,
     WIDEST,
@@ -10,6 +11,7 @@ from softfinger.population.mixed_effects import (
     hold_omega,
 )
 from softfinger.population.mixed_effects_laplace import SharedBounds, fit_nonlinear
+from softfinger.population.mixed_effects_step import Taken
 
 TRIALS, OWN, SHARED = 7, 4, 2
 
@@ -116,3 +118,25 @@ def test_a_fit_goes_through_a_narrow_bent_valley_in_a_few_steps():
     assert fit.converged
     assert fit.shared[0] == pytest.approx(1.5, abs=0.01)
     np.testing.assert_allclose(fit.own[:, 0], fit.shared[0] ** 2, atol=1e-3)
+
+
+def test_a_fit_is_at_rest_where_its_steps_lead_back(monkeypatch):
+    """The linear model asks for a step that each trial then takes back, again and again."""
+    rows = np.array([[10.0, 0.0, 10.0], [0.0, 10.0, 0.0]])
+    gram = np.stack([rows.T @ rows] * 3)
+    prior = Prior(np.zeros(2), np.full(2, 0.01), np.ones(1), 2.0, 1)
+    bounds = SharedBounds(np.full(1, -np.inf), np.full(1, np.inf), np.full(1, 10.0))
+    start = np.zeros((3, 1)), np.zeros(1), np.eye(1)
+
+    def lead(back):
+        def take(linearise, prior, linear, place, step, gram, longest, most):
+            moved = 0.0 if back else most
+            return Taken(place[0] + moved * step[0], place[1], gram, most)
+
+        monkeypatch.setattr(mixed_effects_laplace, "take_step", take)
+        return fit_nonlinear(
+            lambda own, shared: gram, prior, bounds, np.full(1, 5.0), start, steps=12
+        )
+
+    assert lead(back=True).converged
+    assert not lead(back=False).converged  # it moves on and on
