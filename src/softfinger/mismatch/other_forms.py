@@ -46,7 +46,7 @@ def swap_forms(problem: Problem, candidate: Candidate, pieces: list[Piece]) -> l
     Returns
     -------
     list of Candidate
-        Every model that came to rest, the best last; empty where no other form gains.
+        Models that came to rest, round by round, each round's best last; empty where none gains.
     """
     fitted: list[Candidate] = []
     while True:

@@ -124,7 +124,7 @@ class Problem:
     ) -> Fit | None:
         """Fit a model from (η, φ, Ω); None where the numbers leave the plausible range.
 
-        `first` is the log evidence that an earlier fit began with, where this one goes on from it.
+        `first` is the log evidence from which its gain counts: the digits asked of it follow.
         """
         longest = np.tile(LONGEST_OWN_STEP, self.trials.joints)
         try:
