@@ -7,7 +7,7 @@ import xarray as xr
 from scipy.stats import norm
 
 from softfinger.mechanics.effects.model import Entry
-from softfinger.mismatch.decide import EXPLAINED, SURE, Posterior, join_ids
+from softfinger.mismatch.decide import SURE, Posterior, join_ids
 from softfinger.mismatch.free_form import FreeForm, fit_free_form
 from softfinger.mismatch.jumps import Jumps, find_jumps
 from softfinger.mismatch.lines import Line, find_line
@@ -40,6 +40,7 @@ from softfinger.mismatch.verdict import (
 from softfinger.mismatch.verdict import FreeForm as FreeFormNote
 
 MISSING = 1e-3  # p-value of a misfit from which something is missing
+SCATTER_LEFT = 0.5  # of the excess: with more scatter than that left, effects are not it
 SHAPE_LEFT = 0.25  # of what effects gain: with more than that left to a shape, they are not it
 FALSE_DISCOVERIES = 0.05  # rate among located cells
 LEAST_LEFT = float(np.log(10 / 0.01))  # nats that ten such terms exceed by chance in 1 %
@@ -87,7 +88,7 @@ class Findings(NamedTuple):
         less of that may be left.
         """
         scatter = self.best_p < MISSING
-        scatter &= self.best_excess > (1 - EXPLAINED) * max(self.base_excess, 0.0)
+        scatter &= self.best_excess > SCATTER_LEFT * max(self.base_excess, 0.0)
         least = max(needed, LEAST_LEFT, SHAPE_LEFT * self.gain)
         return bool(scatter or self.left > least)
 

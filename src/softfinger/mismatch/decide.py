@@ -14,7 +14,6 @@ from softfinger.mismatch.rank import Candidate
 from softfinger.mismatch.search import Search
 
 SURE = 0.95  # posterior probability from which one set of effects is named
-EXPLAINED = 0.5  # share of what is missing that listed effects must explain
 SLIGHT = 0.02  # of what effects gain: additions that disagree and gain less are not claimed
 
 Ids = frozenset[str]
