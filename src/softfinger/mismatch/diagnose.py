@@ -9,9 +9,10 @@ import xarray as xr
 from softfinger.mechanics.effects.model_file import ModelFile
 from softfinger.mismatch.calibrate import FalseAlarms, calibrate_false_alarms
 from softfinger.mismatch.columns import collect_columns
-from softfinger.mismatch.conclude import MISSING, Findings, conclude, examine
+from softfinger.mismatch.conclude import conclude
 from softfinger.mismatch.config import MismatchSettings
 from softfinger.mismatch.decide import Posterior, drop_negligible, settle_search, weigh_models
+from softfinger.mismatch.findings import MISSING, Findings, examine
 from softfinger.mismatch.masking import list_invisible, tabulate_masking
 from softfinger.mismatch.problem import Candidate, Problem, pose_problem
 from softfinger.mismatch.rank import list_pieces

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from softfinger.mismatch.calibrate import FalseAlarms
-from softfinger.mismatch.conclude import MISSING, Findings
 from softfinger.mismatch.decide import drop_negligible, join_ids, settle_search, weigh_models
+from softfinger.mismatch.findings import MISSING, Findings
 from softfinger.mismatch.rank import Candidate
 from softfinger.mismatch.search import Search
 
