@@ -17,6 +17,8 @@ from softfinger.mismatch.verdict import (
     estimate_normal,
 )
 
+LEVELS = (np.arange(1000) + 0.5) / 1000  # at which a normal law stands for its draws
+
 
 def list_effects(
     problem: Problem, search: Search, posterior: Posterior, decision: str
@@ -63,23 +65,22 @@ def estimate_parameters(candidate: Candidate, number: int) -> dict[str, Estimate
     estimates = {}
     for k, entry in enumerate(candidate.model.entries):
         if entry.piece == number:
-            name, estimate = estimate_entry(entry, float(candidate.fit.shared[k]), float(sd[k]))
-            estimates[name] = estimate
+            estimates |= estimate_entry(entry, float(candidate.fit.shared[k]), float(sd[k]))
     return estimates
 
 
-def estimate_entry(entry: Entry, mean: float, sd: float) -> tuple[str, Estimate]:
-    """Name and posterior of one number of φ; what is reported otherwise goes by its quantiles."""
+def estimate_entry(entry: Entry, mean: float, sd: float) -> dict[str, Estimate]:
+    """Posterior of one number of φ, by name; what is reported otherwise goes by its quantiles."""
     parameter = entry.parameter
-    if parameter.report is None:
-        return entry.name, (estimate_lognormal if parameter.log else estimate_normal)(mean, sd)
-    name, convert = parameter.report
-    joint = entry.place[0] if entry.place else -1
-    places = np.clip(mean + sd * norm.ppf([0.05, 0.16, 0.5, 0.84, 0.95]), parameter.low, None)
-    values = [convert(float(np.exp(x) if parameter.log else x), joint) for x in places]
-    low, lower, middle, upper, high = sorted(values)
-    estimate = Estimate(mean=middle, sd=(upper - lower) / 2, q05=low, q95=high)
-    return name + entry.suffix, estimate
+    if not parameter.report:
+        estimate = estimate_lognormal if parameter.log else estimate_normal
+        return {entry.name: estimate(mean, sd)}
+    internal = np.clip(mean + sd * norm.ppf(LEVELS), parameter.low, None)
+    estimates = {}
+    for name, values in entry.report(internal).items():
+        low, lower, middle, upper, high = np.quantile(values, (0.05, 0.16, 0.5, 0.84, 0.95))
+        estimates[name] = Estimate(mean=middle, sd=(upper - lower) / 2, q05=low, q95=high)
+    return estimates
 
 
 def locate_effect(problem: Problem, base: Candidate, candidate: Candidate, number: int) -> Location:

@@ -45,8 +45,8 @@ def refine_verdict(
         return Refined(verdict, r_hat)
     found: dict[str, dict[str, Estimate]] = {}
     for k, entry in enumerate(best.model.entries):
-        name, estimate = estimate_draws(entry, draws["effect"][..., k].ravel())
-        found.setdefault(best.model.pieces[entry.piece].effect.id, {})[name] = estimate
+        estimates = estimate_draws(entry, draws["effect"][..., k].ravel())
+        found.setdefault(best.model.pieces[entry.piece].effect.id, {}).update(estimates)
     forms = {piece.effect.id: piece for piece in best.model.pieces}
 
     def refine(effect: Effect) -> Effect:
@@ -62,17 +62,12 @@ def refine_verdict(
     return Refined(verdict.model_copy(update={"effects": effects}), r_hat)
 
 
-def estimate_draws(entry: Entry, internal: NDArray[np.float64]) -> tuple[str, Estimate]:
-    """Name and posterior of one number of φ, from its draws (n,) on the internal scale."""
-    parameter = entry.parameter
-    values = np.exp(internal) if parameter.log else internal
-    name = parameter.name
-    if parameter.report is not None:
-        name, convert = parameter.report
-        joint = entry.place[0] if entry.place else -1
-        values = np.array([convert(float(value), joint) for value in values])
-    low, high = np.quantile(values, (0.05, 0.95))
-    estimate = Estimate(
-        mean=float(values.mean()), sd=float(values.std(ddof=1)), q05=float(low), q95=float(high)
-    )
-    return name + entry.suffix, estimate
+def estimate_draws(entry: Entry, internal: NDArray[np.float64]) -> dict[str, Estimate]:
+    """Posterior of one number of φ, by name, from its draws (n,) on the internal scale."""
+    estimates = {}
+    for name, values in entry.report(internal).items():
+        low, high = np.quantile(values, (0.05, 0.95))
+        estimates[name] = Estimate(
+            mean=float(values.mean()), sd=float(values.std(ddof=1)), q05=float(low), q95=float(high)
+        )
+    return estimates

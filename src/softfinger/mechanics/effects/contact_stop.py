@@ -23,7 +23,7 @@ def _build_form(kind: str, setting: Setting) -> Form:
         low=0.05,
         high=1.0,
         starts=(0.6, 0.8, 0.92),
-        report=("stop_angle_rad", lambda share, joint: share * setting.reach[joint]),
+        report={"stop_angle_rad": lambda share, joint: share * setting.reach[joint]},
     )
 
     def slots(values: Values) -> dict:

@@ -42,8 +42,8 @@ class Parameter:
     starts
         Internal values from which a fit begins; every combination of starts is tried.
     report
-        Name under which a verdict gives it, and its value there from the physical one and the
-        joint (0-based; −1 for the chain); None: as it is.
+        Names under which a verdict gives it, each with its value there from the physical one and
+        the joint (0-based; −1 for the chain); empty: as it is.
     """
 
     name: str
@@ -56,7 +56,7 @@ class Parameter:
     amplitude: bool = False
     floor: float = 0.0
     starts: tuple[float, ...] = ()
-    report: tuple[str, Callable[[float, int], float]] | None = None
+    report: Mapping[str, Callable[[float, int], float]] = field(default_factory=dict)
 
 
 def positive(name: str, sd: float, **more: object) -> Parameter:

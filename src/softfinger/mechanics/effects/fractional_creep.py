@@ -18,7 +18,7 @@ def _build_forms(setting: Setting) -> list[Form]:
     share = positive("springpot_share", 0.3, per="joint", floor=5e-4)
     bent = Parameter(
         "exponent_loss", 0.0, 0.3, low=0.0, high=0.9, amplitude=True, floor=1e-3, starts=(0.003,),
-        report=("exponent", lambda loss, _: 1.0 - loss),
+        report={"exponent": lambda loss, _: 1.0 - loss},
     )  # fmt: skip
 
     def scale(values: Values) -> float:

@@ -2,22 +2,25 @@
 
 from dataclasses import replace
 
-from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, signed
+from softfinger.mechanics.effects.effect import Effect, Form, Parameter, Setting, Values, signed
 
 
 def _build_forms(setting: Setting) -> list[Form] | str:
     if not setting.masses:
         return "link masses and lengths are not declared"
-    plain = ("tilt_rad", lambda tilt, _: tilt)
     along = signed("tilt_along_rad", 0.2, low=-1.6, high=1.6, floor=2e-4)
     across = signed("tilt_across_rad", 0.2, low=-1.6, high=1.6, floor=2e-4)
 
     def slots(values: Values) -> dict:
         return {name.removesuffix("_rad"): value for name, value in values.items()}
 
+    def alone(tilt: Parameter) -> tuple[Parameter]:
+        """Give the angle between plane and horizon, and beside it the way it tilts."""
+        return (replace(tilt, report={"tilt_rad": lambda x, _: abs(x), tilt.name: lambda x, _: x}),)
+
     return [
-        Form("across", (replace(across, report=plain),), slots),
-        Form("along", (replace(along, report=plain),), slots),
+        Form("across", alone(across), slots),
+        Form("along", alone(along), slots),
         Form("both", (across, along), slots),
     ]
 

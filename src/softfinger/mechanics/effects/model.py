@@ -54,6 +54,15 @@ class Entry:
         """The parameter's name with its joint or pair."""
         return self.parameter.name + self.suffix
 
+    def report(self, values: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+        """Convert internal values (n,) into what a verdict gives, by the names it gives them."""
+        physical = np.exp(values) if self.parameter.log else values
+        joint = self.place[0] if self.place else -1
+        return {
+            name + self.suffix: np.array([convert(float(value), joint) for value in physical])
+            for name, convert in self.parameter.report.items()
+        } or {self.name: physical}
+
 
 Known = Mapping[tuple[str, str], tuple[float, float]]
 """(effect id, name of a number of φ) → mean and sd on the internal scale."""

@@ -20,7 +20,7 @@ def _build_forms(setting: Setting) -> list[Form] | str:
         square,
         low=1e-6 * square.sd,
         floor=(0.02 / setting.torque) ** 2,
-        report=("scale_torque_nm", lambda x, _: max(x, 1e-6 * square.sd) ** -0.5),
+        report={"scale_torque_nm": lambda x, _: max(x, 1e-6 * square.sd) ** -0.5},
     )
     power = positive("extra_power", 1.0, floor=1e-3)
 
