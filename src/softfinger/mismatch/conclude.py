@@ -5,7 +5,7 @@ import xarray as xr
 
 from softfinger.mismatch.decide import SURE, Posterior, join_ids
 from softfinger.mismatch.describe import list_effects
-from softfinger.mismatch.findings import Findings
+from softfinger.mismatch.findings import Findings, weigh_against_shape
 from softfinger.mismatch.free_form import FreeForm
 from softfinger.mismatch.locate import WINDOWS_S, list_trial_covariates, locate_within
 from softfinger.mismatch.problem import Candidate, Problem
@@ -15,6 +15,7 @@ from softfinger.mismatch.verdict import FreeForm as FreeFormNote
 from softfinger.mismatch.verdict import Location, ResidualRms, SetAside, Verdict
 
 FALSE_DISCOVERIES = 0.05  # rate among located cells
+LIKELY = 0.5  # probability from which an effect is stated to be a part of what is unlisted
 
 
 def conclude(
@@ -29,7 +30,11 @@ def conclude(
     """Write the verdict."""
     final = search.best
     decision = choose_decision(search, posterior, findings.is_unlisted(needed))
+    if decision == "unlisted" and search.best is not search.base:
+        posterior = posterior.doubt(weigh_against_shape(problem, search, findings))
     effects = [] if decision == "adequate" else list_effects(problem, search, posterior, decision)
+    if decision == "unlisted":
+        effects = [effect for effect in effects if effect.probability > LIKELY]
     location = effects[0].location if effects else None
     if decision == "unlisted":
         location = locate_misfit(problem, search.best, findings)

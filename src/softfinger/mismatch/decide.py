@@ -47,6 +47,11 @@ class Posterior(NamedTuple):
                 break
         return chosen
 
+    def doubt(self, probability: float) -> "Posterior":
+        """Keep in mind that, but for this probability, what is missing is not in the catalogue."""
+        inclusion = {name: probability * p for name, p in self.inclusion.items()}
+        return self._replace(inclusion=inclusion)
+
 
 def weigh_models(base: Candidate, others: Iterable[Candidate]) -> Posterior:
     """Weigh the base model and every other fitted model by evidence and prior."""

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
+from scipy.special import expit
 
 from softfinger.mismatch.free_form import FreeForm, fit_free_form
 from softfinger.mismatch.jumps import Jumps, find_jumps
@@ -79,6 +80,18 @@ def examine(problem: Problem, search: Search, angles: xr.Dataset, *, needed: flo
     further = max(search.best.log_evidence - best_few, 0.0)
     jumps = find_jumps(problem, search.best, angles)
     return Findings(*base, *best, line, jumps, free, gain, further)
+
+
+def weigh_against_shape(problem: Problem, search: Search, findings: Findings) -> float:
+    """Probability that what is missing is the best effects and a rest, and not a shape alone.
+
+    What no effect explains may make effects seem to be there that only take its part. A free-form
+    term on top of the base model takes it without them; both have prior ½.
+    """
+    alone = fit_free_form(problem, search.base)
+    shape = search.base.log_evidence + (0.0 if alone is None else alone.gain)
+    rest = 0.0 if findings.free is None else findings.free.gain
+    return float(expit(search.best.log_evidence + rest - shape))
 
 
 def _is_small(search: Search, candidate: Candidate) -> bool:
