@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 LOG_TWO_PI = float(np.log(2.0 * np.pi))
 WIDEST = 20.0
+FARTHEST = 3.0  # that an extrapolation takes the logarithm of an sd: far beyond, Ω is singular
 
 
 class Prior(NamedTuple):
@@ -198,7 +199,9 @@ def _climb(
         length = np.sqrt(np.sum(step**2) / max(np.sum(bend**2), 1e-300))
         length = min(max(length, 1.0), 16.0)
         omega, value = two[6], two[5]
-        trial = _unpack(x0 + 2.0 * length * step + length**2 * bend, omega.shape[0])
+        away = x0 + 2.0 * length * step + length**2 * bend - x2
+        most = np.max(np.abs(away[:: omega.shape[0] + 1]))  # of logarithms of sds
+        trial = _unpack(x2 + away * FARTHEST / max(most, FARTHEST), omega.shape[0])
         if np.all(np.isfinite(trial)):
             far = _solve(gram, mean, precision, spread, weight, block, trial)
             near = _solve(gram, mean, precision, spread, weight, block, omega)

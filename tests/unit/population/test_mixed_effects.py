@@ -140,3 +140,19 @@ def test_a_fit_is_at_rest_where_its_steps_lead_back(monkeypatch):
 
     assert lead(back=True).converged
     assert not lead(back=False).converged  # it moves on and on
+
+
+@pytest.mark.parametrize("precision", np.linspace(1400.0, 1600.0, 5))
+def test_an_extrapolation_stops_before_a_spread_that_vanishes(precision):
+    """A shared column explains what one of two correlated parameters has of its own."""
+    rng = np.random.default_rng(0)
+    first, rest = 0.3 * rng.normal(size=1000), 0.01 * rng.normal(size=1000)
+    zero, one = np.zeros(1000), np.ones(1000)
+    rows = [[one, zero, zero, first], [zero, one, rest, 0.02 * first + rest]]
+    rows = 1e4 * np.moveaxis(np.array(rows), -1, 0)
+    prior = Prior(np.zeros(3), np.array([4.0, 4.0, precision]), np.array([0.3, 0.01]), 4.0, 2)
+    start = np.array([[0.09, 0.0018], [0.0018, 0.000136]])
+    fit = fit_linear(np.einsum("nri,nrj->nij", rows, rows), prior, start)
+    least = 4.0 * 0.01**2 / 1004.0  # what the prior alone leaves
+    assert least < fit.omega[1, 1] - fit.omega[0, 1] ** 2 / fit.omega[0, 0] < 2e-4
+    assert fit.shared[2] > 0.95
