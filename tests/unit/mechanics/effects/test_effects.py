@@ -162,3 +162,14 @@ def test_a_shift_in_time_is_worth_a_name_where_the_log_states_when_its_steps_are
     for name in ("actuator_lag", "camera_delay"):
         for form in list_effects()[name].build_forms(setting):
             assert form.parameters[0].floor == pytest.approx(frames * setting.interval)
+
+
+@pytest.mark.parametrize("way", ["across", "along"])
+def test_a_tilt_about_one_axis_is_reported_as_an_angle_and_with_its_way(way):
+    gravity = list_effects()["gravity"]
+    form = next(form for form in gravity.build_forms(build_setting()) if form.name == way)
+    model = EffectModel(build_setting(), (Piece(gravity, form, ()),))
+    reported = model.entries[0].report(np.array([-0.1, 0.2]))
+    np.testing.assert_array_equal(reported.pop("tilt_rad"), [0.1, 0.2])
+    np.testing.assert_array_equal(reported.pop(f"tilt_{way}_rad"), [-0.1, 0.2])
+    assert not reported
