@@ -20,7 +20,7 @@ def test_every_campaign_is_sealed_diagnosed_and_scored(tmp_path):
     status, said = _plan(tmp_path, campaigns=3, seed=7)
     assert status == 0, said
     table = dict(re.findall(r"^(\w+) +(\d+)$", said.split("Job stats:")[1], re.MULTILINE))
-    assert {table[rule] for rule in ("conceal", "diagnose_blind", "rivals")} == {
+    assert {table[rule] for rule in ("conceal", "diagnose_blind", "limit", "rivals")} == {
         "5"
     }  # and the paper's own case, twice
     assert table["score"] == "1"

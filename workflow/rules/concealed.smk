@@ -71,6 +71,22 @@ rule rivals:
         "{params.python} -m benchmarks._rivals {input}/angles.nc {output} 2> {log}"
 
 
+rule limit:
+    input:
+        truth=OUT / "truth/{case}.json",
+        digest=OUT / "digest/{case}.txt",  # the answer stands before the truth is read
+    output:
+        limit=OUT / "limit/{case}.json",
+    log:
+        OUT / "logs/limit_{case}.log",
+    params:
+        code=code_hash("limit"),
+    message:
+        "Ask what the oracle itself could name of campaign {wildcards.case}"
+    script:
+        "../scripts/limit.py"
+
+
 rule score:
     input:
         **{
@@ -80,6 +96,7 @@ rule score:
             ]
             for part in (*TEXTS, "truth", "answer")
         },
+        limits=[OUT / f"limit/{case}.json" for case in CASES],
         rivals=[OUT / f"rivals/{case}.json" for case in CASES],
         measured=[OUT / f"measured/{name}.json" for name in KNOWN],
         diagnoses=[OUT / f"diagnosis/{case}" for case in CASES],

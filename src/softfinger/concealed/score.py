@@ -10,13 +10,17 @@ from scipy.stats import beta
 
 from softfinger.concealed.effects import LISTED
 from softfinger.concealed.judge import SAME_IN_EVERY_FORM, Judgement, judge
+from softfinger.concealed.limit import compute_limit
 
 TRUTHS = ("clean", *LISTED, "two effects", "outside")
 ANSWERS = ("adequate", *LISTED, "two effects", "ambiguous", "unlisted", "crashed")
 GAIN_EDGES = np.array([-np.inf, 1.0, 3.0, 7.0, 15.0, 30.0, 100.0, 1000.0, np.inf])
 PROBABILITY_EDGES = np.array([0.0, 0.05, 0.2, 0.5, 0.8, 0.95, 0.99, 1.0])
+SURE = 0.95  # probability from which on the oracle, like a verdict, names
 BENCHMARKS = {
     "concealed_named_share": "named",
+    "concealed_nameable_share": "nameable",
+    "concealed_named_share_of_nameable": "named_nameable",
     "concealed_false_alarm_share": "false_alarm",
     "concealed_unlisted_share": "unlisted",
     "concealed_set_contains_truth_share": "set_contains_truth",
@@ -25,7 +29,11 @@ BENCHMARKS = {
 
 
 def score(
-    verdicts: Sequence[dict], truths: Sequence[dict], seconds: Sequence[float] | None = None
+    verdicts: Sequence[dict],
+    truths: Sequence[dict],
+    limits: Sequence[dict] | None = None,
+    *,
+    seconds: Sequence[float] | None = None,
 ) -> xr.Dataset:
     """Score verdicts against truths, case by case in the same order.
 
@@ -33,6 +41,8 @@ def score(
     ----------
     verdicts, truths
         Contents of the ``verdict.json`` and truth files.
+    limits : sequence of dict, optional
+        From `limit.weigh_stand_ins`; without them the oracle is held against the base model only.
     seconds : sequence of float, optional
         How long each diagnosis took [s].
 
@@ -48,6 +58,8 @@ def score(
         Attribute gap_closed_median.
     """
     cases = [judge(v, t) for v, t in zip(verdicts, truths, strict=True)]
+    limits = [{}] * len(cases) if limits is None else limits
+    could = np.array([compute_limit(t, w) for t, w in zip(truths, limits, strict=True)])
     seconds = np.full(len(cases), np.nan) if seconds is None else np.asarray(seconds, float)
     gap = np.array([np.nan if c.gap_closed is None else c.gap_closed for c in cases])
     scored = xr.Dataset(
@@ -65,7 +77,12 @@ def score(
         float(np.nanmedian(gap)) if np.isfinite(gap).any() else np.nan
     )
     return xr.merge(
-        [scored, _count_shares(cases, truths), _trace_curve(cases), _check_probabilities(cases)],
+        [
+            scored,
+            _count_shares(cases, truths, could),
+            _trace_curve(cases, could),
+            _check_probabilities(cases),
+        ],
         combine_attrs="override",
     )
 
@@ -127,14 +144,17 @@ def _count_answers(cases: list[Judgement]) -> np.ndarray:
     return counts
 
 
-def _count_shares(cases: list[Judgement], truths: Sequence[dict]) -> xr.Dataset:
+def _count_shares(cases: list[Judgement], truths: Sequence[dict], could: np.ndarray) -> xr.Dataset:
     clean = [c for c in cases if c.truth == "clean"]
     listed = [c for c in cases if c.truth not in ("clean", "outside")]
     zero = [c for c, t in zip(cases, truths, strict=True) if -1.0 in t["case"]["quantiles"]]
     covered = [hit for c in cases for key, hit in c.covered.items() if key in SAME_IN_EVERY_FORM]
     any_form = [hit for c in cases for hit in c.covered.values()]
+    sure = [(c, p >= SURE) for c, p in zip(cases, could, strict=True) if _counts_as_named(c)]
     hits = {
         "named": [c.right for c in cases if _counts_as_named(c)],
+        "nameable": [nameable for _, nameable in sure],
+        "named_nameable": [c.right for c, nameable in sure if nameable],
         "named_single": [c.right for c in listed if c.visible and c.truth != "two effects"],
         "named_two": [c.right for c in listed if c.visible and c.truth == "two effects"],
         "false_alarm": [not c.right for c in clean],
@@ -163,11 +183,14 @@ def _count_shares(cases: list[Judgement], truths: Sequence[dict]) -> xr.Dataset:
     )
 
 
-def _trace_curve(cases: list[Judgement]) -> xr.Dataset:
-    listed = [c for c in cases if c.truth not in ("clean", "outside")]
+def _trace_curve(cases: list[Judgement], could: np.ndarray) -> xr.Dataset:
+    is_listed = np.array([c.truth not in ("clean", "outside") for c in cases], bool)
+    listed, could = (
+        [c for c, there in zip(cases, is_listed, strict=True) if there],
+        could[is_listed],
+    )
     gain = np.array([c.gain for c in listed])
     right = np.array([c.right for c in listed], bool)
-    could = 1.0 / (1.0 + len(LISTED) * np.exp(-np.clip(gain, -50.0, 50.0)))
     at = np.digitize(gain, GAIN_EDGES) - 1
     bins = range(GAIN_EDGES.size - 1)
     rows = np.array([compute_share(int(right[at == b].sum()), int((at == b).sum())) for b in bins])

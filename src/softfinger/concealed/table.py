@@ -8,16 +8,17 @@ from softfinger.concealed.judge import judge
 
 
 def tabulate_cases(
-    names: Sequence[str], truths: Sequence[dict], answers: Sequence[dict]
+    names: Sequence[str],
+    truths: Sequence[dict],
+    answers: Sequence[dict],
+    limits: Sequence[dict],
 ) -> list[dict]:
     """Rows of plain words and numbers, in the order of the suite's names."""
-    return [
-        _tabulate(name, truth, answer)
-        for name, truth, answer in zip(names, truths, answers, strict=True)
-    ]
+    rows = zip(names, truths, answers, limits, strict=True)
+    return [_tabulate(name, truth, answer, weighed) for name, truth, answer, weighed in rows]
 
 
-def _tabulate(name: str, truth: Mapping, answer: Mapping) -> dict:
+def _tabulate(name: str, truth: Mapping, answer: Mapping, weighed: Mapping) -> dict:
     case, verdict = truth["case"], answer["verdict"]
     judged = judge(verdict, truth)
     gains = ", ".join(f"{e['gain_nats']:.0f}" for e in truth["effects"])
@@ -29,6 +30,7 @@ def _tabulate(name: str, truth: Mapping, answer: Mapping) -> dict:
         "noise": "filmed" if case["filmed"] else case["noise"].replace("_", " "),
         "oracle_nats": round(truth["gain_nats"], 1),
         "nats_of_each": gains if len(truth["effects"]) > 1 else "",
+        "stand_in": describe_stand_in(weighed),
         "masked": judged.masked,
         "answer": describe_answer(verdict),
         "reason": answer["reason"] or "",
@@ -64,6 +66,18 @@ def describe_truth(truth: Mapping) -> str:
     ]
     outside = any(not e["listed"] for e in truth["effects"])
     return (" + ".join(names) or "clean") + (" [not in the catalogue]" if outside else "")
+
+
+def describe_stand_in(weighed: Mapping[str, Mapping[str, float]]) -> str:
+    """Name what comes closest in the place of each effect, and by how many nats it is behind.
+
+    >>> describe_stand_in({"camera_delay": {"inertia": 17.0, "actuator_lag": 0.6}})
+    'actuator_lag 0.6'
+    """
+    closest = [
+        min(others.items(), key=lambda pair: pair[1]) for others in weighed.values() if others
+    ]
+    return ", ".join(f"{name} {nats:.{1 if abs(nats) < 10 else 0}f}" for name, nats in closest)
 
 
 def describe_answer(verdict: Mapping) -> str:

@@ -32,6 +32,8 @@ from softfinger.report.page import render_page
 # statistic → (meaning, goal, whether more is better)
 STATISTICS: dict[str, tuple[str, float | None, bool]] = {
     "named": ("right name, where the oracle gains 15 nats or more", 0.95, True),
+    "nameable": ("… share of those that the oracle itself could name", None, True),
+    "named_nameable": ("… right name, where the oracle itself could name it", None, True),
     "named_single": ("… of a single effect", None, True),
     "named_two": ("… of two effects at once", None, True),
     "false_alarm": ("alarms on clean campaigns", 0.05, False),
@@ -133,6 +135,13 @@ def _tell_question(proof: Proof) -> list[Section]:
                     "integrated over the population. No tool can do better. From 15 nats on an "
                     "effect counts as visible. A crash counts as wrong."
                 ),
+                Paragraph(
+                    "Visible is not nameable: a recording that starts late and a tension that "
+                    "lags may do the same to the angles. So the oracle also fits, in the place of "
+                    "what was concealed, the effects of the catalogue that come closest, in the "
+                    "forms that the generator gives them, to the same campaign free of noise. It "
+                    "could name an effect to which it would give a probability of 0.95."
+                ),
             ),
         )
     ]
@@ -147,8 +156,9 @@ def _tell_score(proof: Proof) -> list[Section]:
             draw_right_by_evidence(score),
             "Share of right answers rising with the oracle's evidence, beside the oracle's limit.",
             "Campaigns with one or two effects of the catalogue. The limit: the probability that "
-            "the oracle itself gives the truth against the base model and the rest of the "
-            "catalogue. 95 % Clopper–Pearson intervals; rule score.",
+            "the oracle itself gives the truth against the base model and what comes closest in "
+            "the catalogue (below 15 nats: against the base model only). 95 % Clopper–Pearson "
+            "intervals; rule score.",
         ),
         Picture(
             "confusion",
@@ -243,8 +253,8 @@ def _tell_buried(proof: Proof) -> list[Section]:
 
 COLUMNS = {
     "truth": "concealed", "oracle_nats": "oracle [nats]", "right": "right",
-    "contains": "in the set", "answer": "answered", "campaign": "campaign",
-    "protocol": "protocol", "trials": "trials", "noise": "noise",
+    "contains": "in the set", "stand_in": "comes closest [nats]", "answer": "answered",
+    "campaign": "campaign", "protocol": "protocol", "trials": "trials", "noise": "noise",
     "cpu_seconds": "CPU [s]", "seconds": "wall [s]", "reason": "reason",
 }  # fmt: skip
 

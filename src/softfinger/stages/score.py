@@ -30,6 +30,7 @@ def score(
     seal: Paths,
     answer: Paths,
     digest: Paths,
+    limits: Paths,
     rivals: Paths,
     measured: Paths,
     diagnoses: Paths,
@@ -43,7 +44,7 @@ def score(
 
     Parameters
     ----------
-    truth, salt, seal, answer, digest, rivals, diagnoses
+    truth, salt, seal, answer, digest, limits, rivals, diagnoses
         Files and folders of every campaign, in one order.
     measured
         Answers to the real recordings that are there.
@@ -57,8 +58,9 @@ def score(
     answers = [read_answer(Path(p), d) for p, d in zip(answer, digests, strict=True)]
     truths = [open_seal(Path(t), Path(s), d) for t, s, d in zip(truth, salt, seals, strict=True)]
     verdicts = [found["verdict"] for found in answers]
-    scored = _score(verdicts, truths, answers, seed)
-    cases = tabulate_cases(names, truths, answers)
+    weighed = [_read_json(path) for path in limits]
+    scored = _score(verdicts, truths, weighed, answers, seed)
+    cases = tabulate_cases(names, truths, answers, weighed)
     pd.DataFrame(cases).to_csv(table, index=False)
     found = collect_benchmarks(scored) | {"concealed_campaigns": len(cases)}
     Path(figures).write_text(json.dumps(found, indent=2, sort_keys=True) + "\n", encoding="utf-8")
@@ -66,7 +68,7 @@ def score(
         Proof(
             seed=seed,
             score=scored,
-            rivals=_score_rivals(rivals, truths),
+            rivals=_score_rivals(rivals, truths, weighed),
             cases=cases,
             seals=list(zip(names, seals, digests, strict=True)),
             measured=_tabulate_measured(measured, known),
@@ -77,19 +79,26 @@ def score(
 
 
 def _score(
-    verdicts: Sequence[dict], truths: Sequence[dict], answers: Sequence[dict], seed: int
+    verdicts: Sequence[dict],
+    truths: Sequence[dict],
+    weighed: Sequence[dict],
+    answers: Sequence[dict],
+    seed: int,
 ) -> xr.Dataset:
-    scored = score_verdicts(verdicts, truths, [found["seconds"] for found in answers])
+    seconds = [found["seconds"] for found in answers]
+    scored = score_verdicts(verdicts, truths, weighed, seconds=seconds)
     spent = ("case", [found["cpu_seconds"] for found in answers])
     chance = shuffle_truths(verdicts, truths, np.random.default_rng(seed))
     return scored.assign(cpu_seconds=spent).assign_attrs(source="synthetic", chance=chance)
 
 
-def _score_rivals(rivals: Paths, truths: Sequence[dict]) -> dict[str, xr.Dataset]:
-    said = [json.loads(Path(path).read_text(encoding="utf-8")) for path in rivals]
+def _score_rivals(
+    rivals: Paths, truths: Sequence[dict], weighed: Sequence[dict]
+) -> dict[str, xr.Dataset]:
+    said = [_read_json(path) for path in rivals]
     names = {"loo": "frame-wise LOO", "bic": "per-trial BIC"}
     return {
-        name: score_verdicts([answer[key] for answer in said], truths)
+        name: score_verdicts([answer[key] for answer in said], truths, weighed)
         for key, name in names.items()
     }
 
@@ -97,7 +106,7 @@ def _score_rivals(rivals: Paths, truths: Sequence[dict]) -> dict[str, xr.Dataset
 def _tabulate_measured(answers: Paths, known: Mapping[str, Any]) -> list[dict] | str:
     if not answers:
         return f"Skipped: the folder {known['folder']} with the real recordings is not there."
-    said = {Path(path).stem: json.loads(Path(path).read_text("utf-8")) for path in answers}
+    said = {Path(path).stem: _read_json(path) for path in answers}
     return [tabulate_measured(name, known["known"][name], found) for name, found in said.items()]
 
 
@@ -118,6 +127,10 @@ def _find_buried(
         f"{said}"
     )
     return case["campaign"], sentence, open_artifact(Path(diagnoses[k]) / "repair.nc", REPAIR)
+
+
+def _read_json(path: Path) -> dict:
+    return json.loads(Path(path).read_text(encoding="utf-8"))
 
 
 def _read_line(path: Path) -> str:

@@ -53,12 +53,13 @@ ANSWERS = [
     _answer("unlisted"),
     _answer("crashed", reason="ValueError: <no>"),
 ]
+LIMITS = [{"gravity": {"moment_arm": 0.4, "inertia": 31.0}}, {}, {}, {"inertia": {"gravity": 25.0}}]
 
 
 @pytest.fixture
 def scored():
     verdicts = [answer["verdict"] for answer in ANSWERS]
-    found = score(verdicts, TRUTHS, [31.0] * 4)
+    found = score(verdicts, TRUTHS, LIMITS, seconds=[31.0] * 4)
     spent = ("case", [12.5] * 4)
     return found.assign(cpu_seconds=spent).assign_attrs(source="synthetic", chance=0.25)
 
@@ -85,7 +86,7 @@ def _render(scored, **changes):
         "seed": 7,
         "score": scored,
         "rivals": {"per-trial BIC": scored},
-        "cases": tabulate_cases(NAMES, TRUTHS, ANSWERS),
+        "cases": tabulate_cases(NAMES, TRUTHS, ANSWERS, LIMITS),
         "seals": [(name, "f00d" * 16, "beef" * 16) for name in NAMES],
         "measured": "Skipped: there are none.",
         "buried": None,
@@ -103,6 +104,14 @@ def test_the_page_shows_scores_digests_and_crashes(scored, repair):
     assert "It concealed gravity." in page
     assert "Skipped: there are none." in page
     assert "25 %" in page  # chance
+    assert "moment_arm 0.4" in page
+
+
+def test_what_the_oracle_could_not_name_either_is_told_apart(scored):
+    share = scored.share.to_series()
+    assert share["nameable"] == 0.5
+    assert share["named_nameable"] == 0.0  # gravity was named, but by luck
+    assert scored.share_count.to_series()["named_nameable"] == 1
 
 
 def test_a_page_without_a_buried_case_says_so(scored):
@@ -121,7 +130,7 @@ def test_a_crash_counts_as_wrong_and_is_counted(scored):
     assert share["named"] == 0.5
     assert share["crashed"] == 0.25
     assert share["strength_zero_adequate"] == 1.0
-    rows = tabulate_cases(NAMES, TRUTHS, ANSWERS)
+    rows = tabulate_cases(NAMES, TRUTHS, ANSWERS, LIMITS)
     assert [row["right"] for row in rows] == [True, True, True, False]
     assert rows[3]["reason"] == "ValueError: <no>"
 

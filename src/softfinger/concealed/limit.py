@@ -1,0 +1,168 @@
+"""How surely the oracle itself could name what was concealed: the limit that no tool can beat.
+
+The evidence gain over the base model says whether something shows. Whether it can be named is
+another question: what does the same to the angles as another effect cannot, however strong it is.
+So others of the catalogue, in the generator's own forms, are fitted in place of what was concealed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softfinger.concealed.effects import EFFECTS, LISTED, Dose, Effect
+from softfinger.concealed.judge import VISIBLE_NATS
+from softfinger.concealed.oracle import fit_model
+from softfinger.concealed.setting import Setting, draw_setting, record_cleanly, set_strengths
+from softfinger.concealed.suite import CaseSpec
+
+Array = NDArray[np.float64]
+
+SCREENED_TRIALS, WITHIN_TRIALS, BETWEEN_TRIALS = 2, 4, 12  # that stand for the whole campaign
+FITTED = 3  # that come closest in one step from where they are as large as the effect
+FIRST_TRY = 0.3  # of the typical strength, at which an effect's size is measured
+
+
+def weigh_stand_ins(truth: dict) -> dict[str, dict[str, float]]:
+    """Evidence [nats] that the oracle expects for an effect over others in its place.
+
+    Parameters
+    ----------
+    truth : dict
+        What `generate.compute_truth` wrote.
+
+    Returns
+    -------
+    dict
+        Listed effect that gains 15 nats → each of the others that come closest → log Bayes factor,
+        averaged over the noise: both fitted to recordings free of noise, and half a nat for each
+        parameter that one has more (`oracle.expect_gain`). Where a fit of the other stays in a
+        local optimum, it is too large.
+    """
+    spec = read_spec(truth["case"])
+    setting = draw_setting(spec)
+    strengths = dict.fromkeys(setting.doses, 0.0)
+    strengths |= {e["id"]: e["strength"] for e in truth["effects"]}
+    doses = set_strengths(setting.doses, strengths)
+    told = [e["id"] for e in truth["effects"] if e["listed"] and e["gain_nats"] >= VISIBLE_NATS]
+    others = [o for o in LISTED if o not in doses and EFFECTS[o].trials <= spec.trials]
+    return {name: _Place(name, doses, setting).weigh(others) for name in told}
+
+
+def compute_limit(truth: dict, weighed: dict[str, dict[str, float]]) -> float:
+    """Probability that the oracle gives what was concealed, each effect as likely beforehand.
+
+    Parameters
+    ----------
+    truth
+        Contents of the truth file.
+    weighed
+        From `weigh_stand_ins`. Where it is empty, as below 15 nats, nothing in the catalogue is
+        taken to come closer than the base model: an upper bound.
+
+    Examples
+    --------
+    >>> truth = {"gain_nats": 40.0, "effects": [{"id": "gravity", "gain_nats": 40.0}]}
+    >>> round(compute_limit(truth, {"gravity": {"moment_arm": 0.0, "inertia": 30.0}}), 3)
+    0.5
+    """
+    if not weighed:
+        return 1.0 / (1.0 + len(LISTED) * _invert(truth["gain_nats"]))
+    gains = {e["id"]: e["gain_nats"] for e in truth["effects"]}
+    odds = [
+        _invert(gains[name]) + sum(_invert(nats) for nats in others.values())
+        for name, others in weighed.items()
+    ]
+    return float(np.prod([1.0 / (1.0 + against) for against in odds]))
+
+
+def _invert(nats: float) -> float:
+    return float(np.exp(-np.clip(nats, -50.0, 50.0)))
+
+
+def read_spec(case: dict) -> CaseSpec:
+    """Return the case that `CaseSpec.to_json` wrote, after it was JSON."""
+    return CaseSpec(**{key: _freeze(value) for key, value in case.items()})
+
+
+def _freeze(value: object) -> object:
+    return tuple(_freeze(v) for v in value) if isinstance(value, list) else value
+
+
+class _Place:
+    """The place of one concealed effect, in which others can stand."""
+
+    def __init__(self, name: str, doses: dict[str, Dose], setting: Setting) -> None:
+        self.name, self.doses, self.setting = name, doses, setting
+        self.rest = {other: dose for other, dose in doses.items() if other != name}
+
+    def weigh(self, others: list[str]) -> dict[str, float]:
+        """Expected log Bayes factor over those that come closest."""
+        screened = {o: self._compare(o, SCREENED_TRIALS, iterations=0) for o in others}
+        closest = sorted(others, key=screened.__getitem__)[:FITTED]
+        between = [o for o in others if EFFECTS[o].level == "between_trials"]
+        if EFFECTS[self.name].level != "between_trials":
+            between = []
+        return {  # few trials do not show what effects between trials share
+            o: self._compare(o, BETWEEN_TRIALS if o in between else WITHIN_TRIALS, iterations=25)
+            for o in dict.fromkeys([*closest, *between])
+        }
+
+    def _compare(self, other: str, few: int, *, iterations: int) -> float:
+        count = len(self.setting.trials)
+        chosen = np.unique(np.linspace(0, count - 1, min(count, few)).round().astype(int))
+        clean = record_cleanly(self.setting, self.doses, chosen)
+
+        def expect(doses: dict[str, Dose], iterations: int) -> float:
+            fit = fit_model(
+                clean,
+                self.setting.rig,
+                self.setting.noise,
+                doses,
+                self.setting.individuals[chosen],
+                times=count / chosen.size,
+                iterations=iterations,
+            )
+            return fit.log_evidence + 0.5 * fit.solution.effect.size
+
+        begin = [
+            self.rest | {other: self._match_size(other, dose)}
+            for dose in list_doses(EFFECTS[other], self.doses[self.name], self.setting.rig.joints)
+        ]
+        return expect(self.doses, 0) - max(expect(doses, iterations) for doses in begin)
+
+    def _match_size(self, other: str, dose: Dose) -> Dose:
+        """Strength at which another effect moves the last trial's angles about as far."""
+        last = np.array([len(self.setting.trials) - 1])
+        first = FIRST_TRY * EFFECTS[other].typical
+        sets = (self.rest, self.doses, self.rest | {other: replace(dose, strength=first)})
+        without, seen, tried = (record_cleanly(self.setting, d, last)[0].angle for d in sets)
+        size = np.abs(tried - without).max()
+        scale = np.abs(seen - without).max() / size if size > 0.0 else 1.0
+        largest = EFFECTS[other].largest
+        return replace(dose, strength=float(np.clip(first * scale, 1e-3 * largest, largest)))
+
+
+def list_doses(effect: Effect, like: Dose, joints: int) -> list[Dose]:
+    """Every choice and place in which an effect can stand for another: doses of strength zero.
+
+    One that may act on any joints acts on those of the other; one that is tied to a joint or to a
+    pair is tried on each.
+    """
+    free = {key: np.sqrt(s.low * s.high) for key, s in effect.shape.items() if not s.choice}
+    choices = {key: (s.low, s.high) for key, s in effect.shape.items() if s.choice}
+    places = {
+        "chain": [()],
+        "first": [(0,)],
+        "one": [(j,) for j in range(joints)],
+        "pair": [(j, j + 1) for j in range(joints - 1)],
+        "any": [like.joints or tuple(range(joints))],
+    }[effect.joints]
+    return [
+        Dose(0.0, free | dict(zip(choices, values, strict=True)), place)
+        for place in places
+        for values in product(*choices.values())
+    ]
