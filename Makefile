@@ -70,12 +70,14 @@ benchmark: setup ## time us beside our rivals, into results/benchmarks.json
 benchmark-long: setup ## the benchmarks that take hours, into the same file
 	$(BIN)/python -m benchmarks --long
 
+PROOF = $(SNAKEMAKE) --snakefile workflow/concealed.smk --workflow-profile profiles/proof --configfile config/concealed.yaml
+
 concealed: setup ## the proof: a sample of campaigns with concealed physics, diagnosed blind (SEED=1)
-	$(SNAKEMAKE) --snakefile workflow/concealed.smk --workflow-profile profiles/default --configfile config/concealed.yaml --config seed=$(SEED)
+	$(PROOF) --config seed=$(SEED)
 	$(BIN)/python -m benchmarks._concealed results/concealed/seed_$(SEED)/benchmarks.json
 
 concealed-long: setup ## the proof in full: 200 campaigns (hours; SEED=1)
-	$(SNAKEMAKE) --snakefile workflow/concealed.smk --workflow-profile profiles/default --configfile config/concealed.yaml config/concealed_long.yaml --config seed=$(SEED)
+	$(PROOF) config/concealed_long.yaml --config seed=$(SEED)
 	$(BIN)/python -m benchmarks._concealed results/concealed_long/seed_$(SEED)/benchmarks.json
 
 lock: | $(UV) ## renew environment.lock from pyproject.toml
