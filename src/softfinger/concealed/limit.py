@@ -21,8 +21,10 @@ from softfinger.concealed.suite import CaseSpec
 
 Array = NDArray[np.float64]
 
-SCREENED_TRIALS, WITHIN_TRIALS, BETWEEN_TRIALS = 2, 4, 12  # that stand for the whole campaign
-FITTED = 3  # that come closest in one step from where they are as large as the effect
+SCREENED_TRIALS, WITHIN_TRIALS, BETWEEN_TRIALS = 2, 4, 10  # that stand for the whole campaign
+FITTED = 3  # that come closest in one step from where they move the angles as far
+SIZES = (1.0, 0.1)  # times that, where another effect is tried
+ITERATIONS = 10
 FIRST_TRY = 0.3  # of the typical strength, at which an effect's size is measured
 
 
@@ -37,19 +39,23 @@ def weigh_stand_ins(truth: dict) -> dict[str, dict[str, float]]:
     Returns
     -------
     dict
-        Listed effect that gains 15 nats → each of the others that come closest → log Bayes factor,
-        averaged over the noise: both fitted to recordings free of noise, and half a nat for each
-        parameter that one has more (`oracle.expect_gain`). Where a fit of the other stays in a
-        local optimum, it is too large.
+        Listed effect that gains 15 nats → each of the others that come closest → log Bayes factor:
+        of what the effect gains, the share that the other does not. Both are fitted to some of
+        the recordings, free of noise, and get half a nat for each parameter
+        (`oracle.expect_gain`). Where a fit of the other stays in a local optimum, it is too large.
     """
     spec = read_spec(truth["case"])
     setting = draw_setting(spec)
     strengths = dict.fromkeys(setting.doses, 0.0)
     strengths |= {e["id"]: e["strength"] for e in truth["effects"]}
     doses = set_strengths(setting.doses, strengths)
-    told = [e["id"] for e in truth["effects"] if e["listed"] and e["gain_nats"] >= VISIBLE_NATS]
+    told = {
+        e["id"]: e["gain_nats"]
+        for e in truth["effects"]
+        if e["listed"] and e["gain_nats"] >= VISIBLE_NATS
+    }
     others = [o for o in LISTED if o not in doses and EFFECTS[o].trials <= spec.trials]
-    return {name: _Place(name, doses, setting).weigh(others) for name in told}
+    return {name: _Place(name, doses, setting).weigh(others, gain) for name, gain in told.items()}
 
 
 def compute_limit(truth: dict, weighed: dict[str, dict[str, float]]) -> float:
@@ -99,42 +105,49 @@ class _Place:
         self.name, self.doses, self.setting = name, doses, setting
         self.rest = {other: dose for other, dose in doses.items() if other != name}
 
-    def weigh(self, others: list[str]) -> dict[str, float]:
-        """Expected log Bayes factor over those that come closest."""
-        screened = {o: self._compare(o, SCREENED_TRIALS, iterations=0) for o in others}
-        closest = sorted(others, key=screened.__getitem__)[:FITTED]
+    def weigh(self, others: list[str], gain: float) -> dict[str, float]:
+        """Log Bayes factor over those that come closest, of an effect that gains so much."""
         between = [o for o in others if EFFECTS[o].level == "between_trials"]
         if EFFECTS[self.name].level != "between_trials":
-            between = []
-        return {  # few trials do not show what effects between trials share
-            o: self._compare(o, BETWEEN_TRIALS if o in between else WITHIN_TRIALS, iterations=25)
-            for o in dict.fromkeys([*closest, *between])
+            # what happens within each trial is not what changes from one to the next
+            others, between = [o for o in others if o not in between], []
+        screened = {other: self._screen(other) for other in others}
+        closest = sorted(others, key=lambda other: -screened[other][0])[:FITTED]
+        few = BETWEEN_TRIALS if between else WITHIN_TRIALS
+        true = self._expect(self.doses, few, iterations=0)
+        whole = max(true - self._expect(self.rest, few), 1.0)
+        return {
+            other: gain / whole * (true - self._expect(screened[other][1], few))
+            for other in dict.fromkeys([*closest, *between])
         }
 
-    def _compare(self, other: str, few: int, *, iterations: int) -> float:
+    def _screen(self, other: str) -> tuple[float, dict[str, Dose]]:
+        """Evidence of another in one step, where it comes closest, and what acts then."""
+        sets = [
+            self.rest | {other: replace(dose, strength=size * self._match_size(other, dose))}
+            for dose in list_doses(EFFECTS[other], self.doses[self.name], self.setting.rig.joints)
+            for size in SIZES
+        ]
+        evidence = [self._expect(doses, SCREENED_TRIALS, iterations=0) for doses in sets]
+        best = int(np.argmax(evidence))
+        return evidence[best], sets[best]
+
+    def _expect(self, doses: dict[str, Dose], few: int, iterations: int = ITERATIONS) -> float:
+        """Log evidence of a set of effects from a few trials that stand for all."""
         count = len(self.setting.trials)
         chosen = np.unique(np.linspace(0, count - 1, min(count, few)).round().astype(int))
-        clean = record_cleanly(self.setting, self.doses, chosen)
+        fit = fit_model(
+            record_cleanly(self.setting, self.doses, chosen),
+            self.setting.rig,
+            self.setting.noise,
+            doses,
+            self.setting.individuals[chosen],
+            times=count / chosen.size,
+            iterations=iterations,
+        )
+        return fit.log_evidence + 0.5 * fit.solution.effect.size
 
-        def expect(doses: dict[str, Dose], iterations: int) -> float:
-            fit = fit_model(
-                clean,
-                self.setting.rig,
-                self.setting.noise,
-                doses,
-                self.setting.individuals[chosen],
-                times=count / chosen.size,
-                iterations=iterations,
-            )
-            return fit.log_evidence + 0.5 * fit.solution.effect.size
-
-        begin = [
-            self.rest | {other: self._match_size(other, dose)}
-            for dose in list_doses(EFFECTS[other], self.doses[self.name], self.setting.rig.joints)
-        ]
-        return expect(self.doses, 0) - max(expect(doses, iterations) for doses in begin)
-
-    def _match_size(self, other: str, dose: Dose) -> Dose:
+    def _match_size(self, other: str, dose: Dose) -> float:
         """Strength at which another effect moves the last trial's angles about as far."""
         last = np.array([len(self.setting.trials) - 1])
         first = FIRST_TRY * EFFECTS[other].typical
@@ -143,7 +156,7 @@ class _Place:
         size = np.abs(tried - without).max()
         scale = np.abs(seen - without).max() / size if size > 0.0 else 1.0
         largest = EFFECTS[other].largest
-        return replace(dose, strength=float(np.clip(first * scale, 1e-3 * largest, largest)))
+        return float(np.clip(first * scale, 1e-3 * largest, largest))
 
 
 def list_doses(effect: Effect, like: Dose, joints: int) -> list[Dose]:
