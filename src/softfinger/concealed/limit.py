@@ -21,7 +21,8 @@ from softfinger.concealed.suite import CaseSpec
 
 Array = NDArray[np.float64]
 
-SCREENED_TRIALS, WITHIN_TRIALS, BETWEEN_TRIALS = 2, 4, 10  # that stand for the whole campaign
+SCREENED, FEW, MORE = 2, 4, 10  # trials that stand for the whole campaign
+LARGEST_SCALE = 2.0
 FITTED = 3  # that come closest in one step from where they move the angles as far
 SIZES = (1.0, 0.1)  # times that, where another effect is tried
 ITERATIONS = 10
@@ -113,11 +114,13 @@ class _Place:
             others, between = [o for o in others if o not in between], []
         screened = {other: self._screen(other) for other in others}
         closest = sorted(others, key=lambda other: -screened[other][0])[:FITTED]
-        few = BETWEEN_TRIALS if between else WITHIN_TRIALS
-        true = self._expect(self.doses, few, iterations=0)
-        whole = max(true - self._expect(self.rest, few), 1.0)
+        for few in (FEW, MORE)[bool(between) :]:
+            true = self._expect(self.doses, few, iterations=0)
+            scale = gain / max(true - self._expect(self.rest, few), 1.0)
+            if scale < LARGEST_SCALE:  # these trials show the effect about as well as all do
+                break
         return {
-            other: gain / whole * (true - self._expect(screened[other][1], few))
+            other: scale * (true - self._expect(screened[other][1], few))
             for other in dict.fromkeys([*closest, *between])
         }
 
@@ -128,7 +131,7 @@ class _Place:
             for dose in list_doses(EFFECTS[other], self.doses[self.name], self.setting.rig.joints)
             for size in SIZES
         ]
-        evidence = [self._expect(doses, SCREENED_TRIALS, iterations=0) for doses in sets]
+        evidence = [self._expect(doses, SCREENED, iterations=0) for doses in sets]
         best = int(np.argmax(evidence))
         return evidence[best], sets[best]
 

@@ -105,7 +105,7 @@ def fit_nonlinear(
     start
         η (trial, d), φ (p,), Ω (d, d).
     steps
-        Most linearisations.
+        Most steps; where they are tried again and again, twice as many linearisations end the fit.
     tolerance
         Change of the log evidence [nats] at which it has come to rest; of a large gain, `SHARE`.
     first
@@ -115,6 +115,7 @@ def fit_nonlinear(
     gram = linearise(own, shared)
     best = -np.inf
     moving, spreading = Relaxation(), Relaxation()
+    tries, converged = 0, False
     for _ in range(steps):
         moved, near, centre = centre_gram(gram, prior, own, shared)
         linear = fit_linear(moved, near, omega)
@@ -132,23 +133,21 @@ def fit_nonlinear(
         taken = take_step(linearise, prior, linear, (own, shared), moves, gram, own_step, most)
         evidence = linear.log_evidence
         if taken is None:
+            converged = np.isfinite(best)
             break
         made = taken.own - own
-        own, shared, gram, fraction = taken
+        own, shared, gram, fraction, _ = taken
         moving = moving.take(most, wanted, fraction)
         # a trial whose step leads back to where it was is at rest, whatever it wants
         far = np.minimum(np.abs(step), np.abs(made) / fraction)
         still = np.all(far <= 0.05 * _spread(linear))
         first = evidence if np.isinf(first) else first
-        if abs(evidence - best) < tolerance + SHARE * abs(evidence - first) and still:
-            best = evidence
-            break
+        converged = abs(evidence - best) < tolerance + SHARE * abs(evidence - first) and still
         best = evidence
-    else:
-        return _finish(gram, prior, bounds, own, shared, omega, converged=False, first=first)
-    return _finish(
-        gram, prior, bounds, own, shared, omega, converged=np.isfinite(best), first=first
-    )
+        tries += taken.tries
+        if converged or tries > 2 * steps:
+            break
+    return _finish(gram, prior, bounds, own, shared, omega, converged=converged, first=first)
 
 
 def _finish(

@@ -24,12 +24,13 @@ RETURNS = 2  # Gauss-Newton steps of η back to the bottom of the valley
 
 
 class Taken(NamedTuple):
-    """η, φ and Gram matrices after a step, and the fraction of it that was taken."""
+    """η, φ and Gram matrices after a step, the fraction of it that was taken, and what it took."""
 
     own: NDArray[np.float64]
     shared: NDArray[np.float64]
     gram: NDArray[np.float64]
     fraction: float
+    tries: int
 
 
 class Relaxation(NamedTuple):
@@ -100,15 +101,17 @@ def take_step(
     """
     now = _penalise(prior, linear, *place, gram)
     fraction = min(most, 1.0 / max(1.0, np.max(np.abs(step[0]) / longest)))
+    tries = 0
     for _ in range(SHORTENINGS):
         own, shared = (p + fraction * s for p, s in zip(place, step, strict=True))
         for correction in range(RETURNS + 1):
             there = linearise(own, shared)
+            tries += 1
             if not np.isfinite(there).all():
                 break
             value = _penalise(prior, linear, own, shared, there)
             if value <= now + 1e-6 * abs(now) + 0.01:
-                return Taken(own, shared, there, fraction)
+                return Taken(own, shared, there, fraction, tries)
             if correction < RETURNS:
                 own = own + _step_back(linear, own, there, longest)
         fraction /= 3.0

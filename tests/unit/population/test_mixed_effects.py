@@ -128,10 +128,15 @@ def test_a_fit_is_at_rest_where_its_steps_lead_back(monkeypatch):
     bounds = SharedBounds(np.full(1, -np.inf), np.full(1, np.inf), np.full(1, 10.0))
     start = np.zeros((3, 1)), np.zeros(1), np.eye(1)
 
-    def lead(back):
+    taken = []
+
+    def lead(back, tries=1):
+        taken.clear()
+
         def take(linearise, prior, linear, place, step, gram, longest, most):
+            taken.append(tries)
             moved = 0.0 if back else most
-            return Taken(place[0] + moved * step[0], place[1], gram, most)
+            return Taken(place[0] + moved * step[0], place[1], gram, most, tries)
 
         monkeypatch.setattr(mixed_effects_laplace, "take_step", take)
         return fit_nonlinear(
@@ -140,6 +145,9 @@ def test_a_fit_is_at_rest_where_its_steps_lead_back(monkeypatch):
 
     assert lead(back=True).converged
     assert not lead(back=False).converged  # it moves on and on
+    assert len(taken) == 12
+    assert not lead(back=False, tries=9).converged  # and is soon given up where it must seek
+    assert len(taken) == 3
 
 
 @pytest.mark.parametrize("precision", np.linspace(1400.0, 1600.0, 5))
