@@ -40,7 +40,7 @@ def weigh_stand_ins(truth: dict) -> dict[str, dict[str, float]]:
     Returns
     -------
     dict
-        Listed effect that gains 15 nats → each of the others that come closest → log Bayes factor:
+        Effect that gains 15 nats → each of the catalogue that comes closest → log Bayes factor:
         of what the effect gains, the share that the other does not. Both are fitted to some of
         the recordings, free of noise, and get half a nat for each parameter
         (`oracle.expect_gain`). Where a fit of the other stays in a local optimum, it is too large.
@@ -50,11 +50,7 @@ def weigh_stand_ins(truth: dict) -> dict[str, dict[str, float]]:
     strengths = dict.fromkeys(setting.doses, 0.0)
     strengths |= {e["id"]: e["strength"] for e in truth["effects"]}
     doses = set_strengths(setting.doses, strengths)
-    told = {
-        e["id"]: e["gain_nats"]
-        for e in truth["effects"]
-        if e["listed"] and e["gain_nats"] >= VISIBLE_NATS
-    }
+    told = {e["id"]: e["gain_nats"] for e in truth["effects"] if e["gain_nats"] >= VISIBLE_NATS}
     others = [o for o in LISTED if o not in doses and EFFECTS[o].trials <= spec.trials]
     return {name: _Place(name, doses, setting).weigh(others, gain) for name, gain in told.items()}
 

@@ -23,6 +23,7 @@ BENCHMARKS = {
     "concealed_named_share_of_nameable": "named_nameable",
     "concealed_false_alarm_share": "false_alarm",
     "concealed_unlisted_share": "unlisted",
+    "concealed_unlisted_share_of_recognisable": "unlisted_recognisable",
     "concealed_set_contains_truth_share": "set_contains_truth",
     "concealed_interval_coverage_90": "interval_coverage_90",
 }
@@ -150,7 +151,9 @@ def _count_shares(cases: list[Judgement], truths: Sequence[dict], could: np.ndar
     zero = [c for c, t in zip(cases, truths, strict=True) if -1.0 in t["case"]["quantiles"]]
     covered = [hit for c in cases for key, hit in c.covered.items() if key in SAME_IN_EVERY_FORM]
     any_form = [hit for c in cases for hit in c.covered.values()]
-    sure = [(c, p >= SURE) for c, p in zip(cases, could, strict=True) if _counts_as_named(c)]
+    known = [(c, bool(p >= SURE)) for c, p in zip(cases, could, strict=True) if c.visible]
+    sure = [pair for pair in known if _counts_as_named(pair[0])]
+    outside = [pair for pair in known if pair[0].truth == "outside"]
     hits = {
         "named": [c.right for c in cases if _counts_as_named(c)],
         "nameable": [nameable for _, nameable in sure],
@@ -163,7 +166,9 @@ def _count_shares(cases: list[Judgement], truths: Sequence[dict], could: np.ndar
         "buried_wrongly_named": [
             c.answer != "adequate" and not c.contains for c in listed if not c.visible
         ],
-        "unlisted": [c.right for c in cases if c.truth == "outside" and c.visible],
+        "unlisted": [c.right for c, _ in outside],
+        "recognisable": [recognisable for _, recognisable in outside],
+        "unlisted_recognisable": [c.right for c, recognisable in outside if recognisable],
         "set_contains_truth": [c.contains for c in cases if c.masked],
         "set_contains_truth_visible": [c.contains for c in listed if c.visible],
         "interval_coverage_90": covered,

@@ -39,6 +39,8 @@ STATISTICS: dict[str, tuple[str, float | None, bool]] = {
     "false_alarm": ("alarms on clean campaigns", 0.05, False),
     "strength_zero_adequate": ("effects of strength zero called adequate", None, True),
     "unlisted": ("effects from outside the catalogue called unlisted", 0.90, True),
+    "recognisable": ("… share of those in which the catalogue comes not as close", None, True),
+    "unlisted_recognisable": ("… called unlisted, where it comes not as close", None, True),
     "set_contains_truth": ("truth in the named or equivalent set, where masked", 0.95, True),
     "set_contains_truth_visible": ("… wherever visible", None, True),
     "buried_wrongly_named": ("below 15 nats: something claimed that is not there", None, False),
@@ -140,7 +142,9 @@ def _tell_question(proof: Proof) -> list[Section]:
                     "lags may do the same to the angles. So the oracle also fits, in the place of "
                     "what was concealed, the effects of the catalogue that come closest, in the "
                     "forms that the generator gives them, to the same campaign free of noise. It "
-                    "could name an effect to which it would give a probability of 0.95."
+                    "could name an effect to which it would give a probability of 0.95; and where "
+                    "that effect is from outside the catalogue, nothing in the catalogue comes as "
+                    "close."
                 ),
             ),
         )

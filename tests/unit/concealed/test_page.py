@@ -53,7 +53,12 @@ ANSWERS = [
     _answer("unlisted"),
     _answer("crashed", reason="ValueError: <no>"),
 ]
-LIMITS = [{"gravity": {"moment_arm": 0.4, "inertia": 31.0}}, {}, {}, {"inertia": {"gravity": 25.0}}]
+LIMITS = [
+    {"gravity": {"moment_arm": 0.4, "inertia": 31.0}},
+    {},
+    {"joint_play": {"inertia": 9.0}},
+    {"inertia": {"gravity": 25.0}},
+]
 
 
 @pytest.fixture
@@ -112,6 +117,7 @@ def test_what_the_oracle_could_not_name_either_is_told_apart(scored):
     assert share["nameable"] == 0.5
     assert share["named_nameable"] == 0.0  # gravity was named, but by luck
     assert scored.share_count.to_series()["named_nameable"] == 1
+    assert share["recognisable"] == share["unlisted_recognisable"] == 1.0  # joint play
 
 
 def test_a_page_without_a_buried_case_says_so(scored):
