@@ -10,7 +10,7 @@ PROJECT = Path(__file__).parents[2]
 
 def _plan(folder, **settings):
     command = [sys.executable, "-m", "snakemake", "--snakefile", "workflow/concealed.smk"]
-    command += ["--workflow-profile", "profiles/proof", "--dry-run", "--config"]
+    command += ["--workflow-profile", "profiles/default", "--dry-run", "--config"]
     command += [f"{k}={v}" for k, v in ({"out": folder} | settings).items()]
     done = subprocess.run(command, cwd=PROJECT, capture_output=True, text=True, check=False)
     return done.returncode, done.stdout + done.stderr

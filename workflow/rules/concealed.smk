@@ -73,8 +73,8 @@ rule rivals:
 
 rule limit:
     input:
+        OUT / "digest/{case}.txt",  # the answer stands before the truth is read
         truth=OUT / "truth/{case}.json",
-        digest=OUT / "digest/{case}.txt",  # the answer stands before the truth is read
     output:
         limit=OUT / "limit/{case}.json",
     log:

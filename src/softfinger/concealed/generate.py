@@ -14,6 +14,7 @@ from softfinger.concealed.oracle import Fit, Recording, fit_model
 from softfinger.concealed.population import PARAMETERS
 from softfinger.concealed.setting import (
     Setting,
+    choose_trials,
     disturb,
     draw_setting,
     record_cleanly,
@@ -165,7 +166,7 @@ def _misfit(fit: Fit) -> float:
 
 
 def _find_window(setting: Setting, clean: list[Recording]) -> list[float]:
-    chosen = np.unique(np.linspace(0, len(clean) - 1, 6).round().astype(int))
+    chosen = choose_trials(len(clean), 6)
     fit = fit_model(
         [clean[k] for k in chosen],
         setting.rig,

@@ -16,13 +16,19 @@ from numpy.typing import NDArray
 from softfinger.concealed.effects import EFFECTS, LISTED, Dose, Effect
 from softfinger.concealed.judge import VISIBLE_NATS
 from softfinger.concealed.oracle import fit_model
-from softfinger.concealed.setting import Setting, draw_setting, record_cleanly, set_strengths
+from softfinger.concealed.setting import (
+    Setting,
+    choose_trials,
+    draw_setting,
+    record_cleanly,
+    set_strengths,
+)
 from softfinger.concealed.suite import CaseSpec
 
 Array = NDArray[np.float64]
 
 SCREENED, FEW, MORE = 2, 4, 10  # trials that stand for the whole campaign
-LARGEST_SCALE = 2.0
+LARGEST_SCALE = 2.0  # of the whole gain over that of a few trials, before more are taken
 FITTED = 3  # that come closest in one step from where they move the angles as far
 SIZES = (1.0, 0.1)  # times that, where another effect is tried
 ITERATIONS = 10
@@ -110,7 +116,7 @@ class _Place:
             others, between = [o for o in others if o not in between], []
         screened = {other: self._screen(other) for other in others}
         closest = sorted(others, key=lambda other: -screened[other][0])[:FITTED]
-        for few in (FEW, MORE)[bool(between) :]:
+        for few in (MORE,) if between else (FEW, MORE):
             true = self._expect(self.doses, few, iterations=0)
             scale = gain / max(true - self._expect(self.rest, few), 1.0)
             if scale < LARGEST_SCALE:  # these trials show the effect about as well as all do
@@ -134,7 +140,7 @@ class _Place:
     def _expect(self, doses: dict[str, Dose], few: int, iterations: int = ITERATIONS) -> float:
         """Log evidence of a set of effects from a few trials that stand for all."""
         count = len(self.setting.trials)
-        chosen = np.unique(np.linspace(0, count - 1, min(count, few)).round().astype(int))
+        chosen = choose_trials(count, few)
         fit = fit_model(
             record_cleanly(self.setting, self.doses, chosen),
             self.setting.rig,

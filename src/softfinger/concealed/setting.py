@@ -85,6 +85,15 @@ def set_strengths(doses: dict[str, Dose], strengths: dict[str, float]) -> dict[s
     }
 
 
+def choose_trials(count: int, few: int) -> Array:
+    """Places of at most a few trials, evenly over the campaign.
+
+    >>> choose_trials(10, 4)
+    array([0, 3, 6, 9])
+    """
+    return np.unique(np.linspace(0, count - 1, min(count, few)).round().astype(int))
+
+
 def record_cleanly(setting: Setting, doses: dict[str, Dose], chosen: Array) -> list[Recording]:
     """Recordings of some trials, free of noise and complete."""
     return [

@@ -6,7 +6,12 @@ import numpy as np
 
 from softfinger.concealed.effects import EFFECTS
 from softfinger.concealed.oracle import expect_gain
-from softfinger.concealed.setting import Setting, record_cleanly, set_strengths
+from softfinger.concealed.setting import (
+    Setting,
+    choose_trials,
+    record_cleanly,
+    set_strengths,
+)
 
 LEAST_NATS, MOST_NATS = 1.0, 10_000.0
 OFFSET_NATS = 10.0  # below it, evidence may be negative: what an idle parameter costs
@@ -19,7 +24,7 @@ def expect_effect_gain(effect: str, strength: float, setting: Setting) -> float:
     """Evidence [nats] that the oracle is to expect from one effect of some strength alone."""
     count = len(setting.trials)
     few = BETWEEN_TRIALS if EFFECTS[effect].level == "between_trials" else WITHIN_TRIALS
-    chosen = np.unique(np.linspace(0, count - 1, min(count, few)).round().astype(int))
+    chosen = choose_trials(count, few)
     doses = set_strengths({effect: setting.doses[effect]}, {effect: strength})
     return expect_gain(
         record_cleanly(setting, doses, chosen),

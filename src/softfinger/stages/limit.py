@@ -10,18 +10,15 @@ from softfinger.stages.linear_algebra import on_one_thread
 
 
 @on_one_thread
-def limit(*, truth: Path, digest: Path, limit: Path) -> None:
+def limit(*, truth: Path, limit: Path) -> None:
     """Write what `weigh_stand_ins` finds.
 
     Parameters
     ----------
     truth
         What was concealed.
-    digest
-        Of the answer, which stands before the truth is read.
     limit
         JSON file that is written.
     """
-    Path(digest).read_text(encoding="utf-8")
     weighed = weigh_stand_ins(json.loads(Path(truth).read_text(encoding="utf-8")))
     Path(limit).write_text(json.dumps(weighed, indent=1, sort_keys=True) + "\n", encoding="utf-8")
