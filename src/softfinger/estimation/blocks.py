@@ -226,8 +226,10 @@ def find_noise_middle(state: State, given: Given) -> NDArray[np.float64]:
     def measure(moved: NDArray) -> float:
         return -weigh_noise_point(state.noise + width * moved, *totals, given.noise)
 
+    # Not BFGS: where its line search ends for want of digits, it warns, and what it does to
+    # silence that (`warnings.catch_warnings`) does not hold where chains run in threads.
     with np.errstate(invalid="ignore", over="ignore"):  # a step may leave the noise's range
-        moved = minimize(measure, np.zeros(len(width)), method="BFGS").x
+        moved = minimize(measure, np.zeros(len(width)), method="L-BFGS-B").x
     return state.noise + width * moved
 
 

@@ -1,5 +1,8 @@
 """Draws in blocks come from the posterior that NUTS draws from."""
 
+import warnings
+from contextlib import nullcontext
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -37,6 +40,14 @@ OWN = ("log_k_v", "log_c_v", "log_c_p", "q_ini")
 
 def test_both_samplers_draw_from_one_posterior(campaign, tree):
     compare(campaign[0], tree["posterior"].dataset, (*POPULATION, *NOISE, *OWN))
+
+
+def test_a_chain_warns_of_nothing_that_it_would_have_to_silence(campaign, monkeypatch):
+    """Chains run in threads, and what one thread silences another makes heard again."""
+    fit = prepare_fit(campaign[0])
+    monkeypatch.setattr(warnings, "catch_warnings", lambda **_: nullcontext())
+    monkeypatch.setattr(warnings, "simplefilter", lambda *_, **__: None)
+    sample_posterior(fit, BLOCKS | {"tune": 20, "draws": 2}, np.random.default_rng(8))
 
 
 def test_what_mixes_badly_in_blocks_is_red(draw):
