@@ -83,7 +83,7 @@ def code_hash(stage: str) -> str:
     digest = hashlib.sha256()
     for path in find_modules(f"softfinger.stages.{stage}"):
         digest.update(path.relative_to(PACKAGE).as_posix().encode())
-        digest.update(_dump_code(path).encode() if path.suffix == ".py" else path.read_bytes())
+        digest.update(_hash_code(path))
     return digest.hexdigest()
 
 
@@ -112,14 +112,16 @@ def find_modules(module: str) -> list[Path]:
     return sorted(found | data)
 
 
-def _imported_modules(path: Path) -> Iterator[str]:
+@cache
+def _imported_modules(path: Path) -> tuple[str, ...]:
     """Modules whose names a file uses at run time."""
-    for node in _runtime_nodes(_parse(path)):
+    found: list[str] = []
+    for node in _runtime_statements(_parse(path)):
         if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names if alias.name.startswith("softfinger"))
+            found += [alias.name for alias in node.names if alias.name.startswith("softfinger")]
         elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith("softfinger"):
-            for alias in node.names:
-                yield _resolve_name(str(node.module), alias.name)
+            found += [_resolve_name(str(node.module), alias.name) for alias in node.names]
+    return tuple(found)
 
 
 def _resolve_name(module: str, name: str) -> str:
@@ -144,29 +146,34 @@ def _locate(module: str) -> Path | None:
     return None
 
 
-def _runtime_nodes(tree: ast.AST) -> Iterator[ast.AST]:
-    """Every node but those that only a type checker runs."""
+def _runtime_statements(tree: ast.AST) -> Iterator[ast.AST]:
+    """Every statement at any depth but those that only a type checker runs."""
     for node in ast.iter_child_nodes(tree):
         if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
             continue
-        yield node
-        yield from _runtime_nodes(node)
+        if isinstance(node, ast.stmt | ast.excepthandler | ast.match_case):
+            yield node
+            yield from _runtime_statements(node)
 
 
 @cache
 def _parse(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"))
-
-
-def _dump_code(path: Path) -> str:
+    """Syntax tree of a file, its docstrings left out."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
-    for node in ast.walk(tree):
+    for node in [tree, *_runtime_statements(tree)]:
         if (
             isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef)
             and ast.get_docstring(node, clean=False) is not None
         ):
             node.body = node.body[1:]
-    return ast.dump(tree)
+    return tree
+
+
+@cache
+def _hash_code(path: Path) -> bytes:
+    """Digest of a file's code without its wording, or of all of a file that is no Python."""
+    code = ast.dump(_parse(path)).encode() if path.suffix == ".py" else path.read_bytes()
+    return hashlib.sha256(code).digest()
 
 
 def _hash_text(text: str) -> str:

@@ -30,8 +30,8 @@ def package(tmp_path, monkeypatch):
 
 
 def rehash(stage: str) -> str:
-    provenance.code_hash.cache_clear()
-    provenance._parse.cache_clear()
+    for cached in ("code_hash", "_imported_modules", "_hash_code", "_parse"):
+        getattr(provenance, cached).cache_clear()
     return code_hash(stage)
 
 
