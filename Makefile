@@ -37,7 +37,7 @@ coverage: setup ## whether the quick run's 90 % intervals hold the virtual rig's
 	$(BIN)/python -m benchmarks._coverage 10
 
 test: setup ## set-up and all the tests but the slow ones
-	$(BIN)/python -m pytest --durations=12
+	$(BIN)/python -m pytest -n $(CORES) --no-loadscope-reorder --durations=12
 
 calibration: setup ## the slow tests: do claimed errors and intervals hold what they say
 	$(BIN)/python -m pytest -m slow

@@ -3,12 +3,29 @@
 import numpy as np
 import pytest
 import xarray as xr
+from xdist.scheduler import LoadScopeScheduling
 
 from softfinger.mechanics.geometry import FingerGeometry
 
 # The paper's table, joint 3's c_p as its notes advise for a simulated finger.
 MU = np.array([[-2.4441, -2.2986, -1.88], [-3.6635, -3.6476, -3.8777], [2.8538, 3.1129, 3.3]])
 SIGMA = np.array([[0.1973, 0.2238, 0.3957], [0.5232, 0.4838, 0.8223], [0.7011, 0.8496, 0.9]])
+
+
+class FolderScheduling(LoadScopeScheduling):
+    """Tests of one folder share fixtures, and so one of the processes that run side by side."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        return nodeid.split("::")[0].rpartition("/")[0]
+
+
+def pytest_xdist_make_scheduler(config, log):
+    return FolderScheduling(config, log)
+
+
+def pytest_collection_modifyitems(items):
+    """The longest first, so that no process waits for it in the end."""
+    items.sort(key=lambda item: "workflow" not in item.path.parts)
 
 
 @pytest.fixture
