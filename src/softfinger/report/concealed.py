@@ -236,7 +236,8 @@ def _build_shares(proof: Proof) -> Table:
 
 def _share(score: xr.Dataset, name: str) -> Cell:
     share, count = _pick(score, name)
-    return number(format_percent(share), share) if count else text("–")
+    rare = 0.0 < share < 0.01  # one of hundreds must not read as none
+    return number(format_percent(share, 1 if rare else 0), share) if count else text("–")
 
 
 def _tell_buried(proof: Proof) -> list[Section]:

@@ -67,13 +67,18 @@ def format_number(value: float, digits: int = 3) -> str:
 
     >>> format_number(0.0123456), format_number(1234567.0), format_number(float("inf"))
     ('0.0123', '1.23 × 10⁶', '∞')
+    >>> format_number(1815.2)
+    '1820'
     """
     if math.isnan(value):
         return "–"
     if math.isinf(value):
         return "∞" if value > 0 else "−∞"
     exponent = choose_exponent(value)
-    text = f"{value / 10**exponent:.{digits}g}".replace("-", "−")
+    text = f"{value / 10**exponent:.{digits}g}"
+    if "e+" in text:
+        text = f"{float(text):.0f}"
+    text = text.replace("-", "−")
     return f"{text} × 10{str(exponent).translate(SUPERSCRIPTS)}" if exponent else text
 
 

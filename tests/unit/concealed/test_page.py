@@ -99,6 +99,13 @@ def _render(scored, **changes):
     return render_proof(Proof(**content | changes))
 
 
+def test_one_of_hundreds_does_not_read_as_none(scored):
+    share = scored["share"].copy()
+    share.loc[{"statistic": "crashed"}] = 1 / 202
+    assert "0.5 %" not in _render(scored)
+    assert "0.5 %" in _render(scored.assign(share=share))
+
+
 def test_the_page_shows_scores_digests_and_crashes(scored, repair):
     page = _render(scored, buried=("aaaa000001", "It concealed gravity.", repair))
     assert "The proof, seed 7: 4 concealed campaigns" in page
