@@ -17,7 +17,7 @@ setup: .venv/.ready ## install everything that environment.lock names into .venv
 run: setup ## set-up and the main job: 100 filmed trials to a report (9 minutes on two cores)
 	$(SNAKEMAKE) --configfile config/default.yaml
 
-quick: setup ## the same with 12 trials (about 2 minutes)
+quick: setup ## the same with 12 trials (minutes; longer the first time, when code is compiled)
 	$(SNAKEMAKE) --configfile config/default.yaml config/quick.yaml
 
 figures: setup ## every figure of the main job as PDF, PNG and SVG, into results/default/figures
