@@ -19,12 +19,12 @@ virtual_rig: {n_trials: 3, duration_s: 3.0, fps: 30.0, load_time_s: [0.0, 3.0]}
 
 @dataclass(frozen=True)
 class Project:
-    """A copy of the project in which a test may edit code."""
+    """A folder in which the workflow was run."""
 
     root: Path
 
     def snakemake(self, *arguments: str) -> str:
-        """Run Snakemake on the copy's own code; what it says."""
+        """Run Snakemake on the code that stands there; what it says."""
         command = [sys.executable, "-m", "snakemake", *arguments, "--configfile", "small.yaml"]
         environment = os.environ | {"PYTHONPATH": str(self.root / "src")}
         done = subprocess.run(
@@ -37,11 +37,20 @@ class Project:
 @pytest.fixture(scope="session")
 def finished(tmp_path_factory) -> Project:
     root = tmp_path_factory.mktemp("project")
-    for name in ("src", "workflow", "config", "profiles"):
-        shutil.copytree(PROJECT / name, root / name)  # with what is compiled
-    for name in ("Snakefile", "environment.lock"):
-        shutil.copy(PROJECT / name, root / name)
+    for name in ("src", "workflow", "config", "profiles", "Snakefile", "environment.lock"):
+        (root / name).symlink_to(PROJECT / name)  # what is compiled is compiled once
     (root / "small.yaml").write_text(SMALL)
     project = Project(root)
     project.snakemake("all", "--cores", "2")
     return project
+
+
+@pytest.fixture
+def editable(finished):
+    """The finished project, with a copy of the code that a test may edit."""
+    source = finished.root / "src"
+    source.unlink()
+    shutil.copytree(PROJECT / "src", source, ignore=shutil.ignore_patterns("__pycache__"))
+    yield finished
+    shutil.rmtree(source)
+    source.symlink_to(PROJECT / "src")

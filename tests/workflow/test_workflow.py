@@ -60,16 +60,13 @@ def test_nothing_reruns_when_nothing_has_changed(finished):
         ("population/basis.py", {"least_squares", "fit", *PROPAGATED}),
     ],
 )
-def test_an_edit_of_library_code_reruns_what_depends_on_it_and_no_other(finished, module, rules):
-    path = finished.root / "src/softfinger" / module
+def test_an_edit_of_library_code_reruns_what_depends_on_it_and_no_other(editable, module, rules):
+    path = editable.root / "src/softfinger" / module
     before = path.read_text()
-    try:
-        path.write_text(before + "\nREVISION = 2\n")
-        assert planned_rules(finished.snakemake("all", "--cores", "2", "--dry-run")) == rules
-        path.write_text(before + "\n# a remark\n")
-        assert "Nothing to be done" in finished.snakemake("all", "--cores", "2", "--dry-run")
-    finally:
-        path.write_text(before)
+    path.write_text(before + "\nREVISION = 2\n")
+    assert planned_rules(editable.snakemake("all", "--cores", "2", "--dry-run")) == rules
+    path.write_text(before + "\n# a remark\n")
+    assert "Nothing to be done" in editable.snakemake("all", "--cores", "2", "--dry-run")
 
 
 def test_the_same_seed_gives_the_same_bytes_on_one_core_and_on_two(finished):

@@ -17,7 +17,12 @@ from pymc.logprob.transforms import Transform
 from pytensor.graph.basic import Variable
 from pytensor.tensor.variable import TensorVariable
 
-from softfinger.estimation.operations import CollapsedLikelihood, ColourTrials, FactorisePartials
+from softfinger.estimation.operations import (
+    CollapsedLikelihood,
+    ColourTrials,
+    FactorisePartials,
+    Multiply,
+)
 from softfinger.population.correlation import (
     Covariance,
     mark_free_partials,
@@ -43,7 +48,7 @@ class Whitening(Transform):
 
     def _colour(self, z: Variable, inputs: tuple[Variable, ...]) -> list[Variable]:
         mean, root, curvature, pull = inputs[-4:]
-        return ColourTrials()(z, curvature, pull, mean, root.T @ root)
+        return ColourTrials()(z, curvature, pull, mean, Multiply()(root.T, root))
 
     def backward(self, value: Variable, *inputs: Variable) -> TensorVariable:
         """Parameters from standard normals."""
@@ -138,7 +143,7 @@ def _population_logp(
     eta: Variable, mean: Variable, root: Variable, curvature: Variable, pull: Variable
 ) -> TensorVariable:
     """Normal, of precision AᵀA; the likelihood's stand-in serves the whitening only."""
-    z = root @ (eta - mean[:, None])
+    z = Multiply()(root, eta - mean[:, None])
     volume = pt.log(pt.diag(root)).sum() - 0.5 * np.log(2 * np.pi) * root.shape[0]
     return volume * eta.shape[1] - 0.5 * pt.sum(z**2)
 

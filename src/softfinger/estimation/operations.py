@@ -41,7 +41,8 @@ from softfinger.population.windows import Windows
 own = np.ascontiguousarray  # linear algebra wants whole rows
 
 
-@njit(error_model="numpy")  # numba's own cache would not see what changes in other modules
+# Not in numba's own cache, blind to other modules; inlined, as every layer is compiled whole again.
+@njit(error_model="numpy", inline="always")
 def evaluate_likelihood(
     eta: NDArray,
     sd: NDArray,
@@ -97,6 +98,14 @@ def _run_colours_back(  # noqa: ANN202
     )
 
 
+def _run_product(a: NDArray, b: NDArray) -> NDArray:
+    product = np.zeros((a.shape[0], b.shape[1]))
+    for i in range(a.shape[0]):
+        for k in range(a.shape[1]):
+            product[i] += a[i, k] * b[k]
+    return product
+
+
 def _run_factor(partial: NDArray):  # noqa: ANN202
     return factorise_partials(own(partial))
 
@@ -122,6 +131,28 @@ class _Compiled(Op):
             results = (results,)
         for storage, result in zip(output_storage, results, strict=True):
             storage[0] = np.asarray(result)
+
+
+class Multiply(_Compiled):
+    """Product of two matrices. PyTensor's own takes half a minute to compile, at every place."""
+
+    function = staticmethod(njit(_run_product))
+    run = staticmethod(_run_product)
+
+    def make_node(self, a: Variable, b: Variable) -> Apply:
+        """Build the node."""
+        return Apply(self, [a, b], [pt.dmatrix()])
+
+    def infer_shape(self, node: Apply, shapes: Sequence) -> list:
+        """Shape of the output."""
+        return [(shapes[0][0], shapes[1][1])]
+
+    def pullback(
+        self, inputs: Sequence[Variable], outputs: Sequence[Variable], cotangents: Sequence
+    ) -> list[Variable]:
+        """Pull the cotangent of the product back."""
+        a, b = inputs
+        return [Multiply()(cotangents[0], b.T), Multiply()(a.T, cotangents[0])]
 
 
 class CollapsedLikelihood(_Compiled):
@@ -264,6 +295,6 @@ def _compile(op: _Compiled, **_: object) -> tuple[Callable, int]:
 
 
 for _operation in (
-    CollapsedLikelihood, ColourTrials, PullColoursBack, FactorisePartials, PullFactorBack
+    Multiply, CollapsedLikelihood, ColourTrials, PullColoursBack, FactorisePartials, PullFactorBack
 ):  # fmt: skip
     register_funcify_default_op_cache_key(_operation)(_compile)

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import nutpie
 import pymc as pm
+import pytensor
 import pytensor.tensor as pt
 import xarray as xr
 from numba import njit
@@ -69,7 +70,8 @@ def compile_density(model: pm.Model) -> Density:
     point = pt.dvector("point")
     parts = _split(point, [start[value.name].shape for value in values])
     outputs = graph_replace([log_density, slope], dict(zip(values, parts, strict=True)))
-    with model:
+    # leave to reorder sums would make the draws of a first, compiling run differ from later ones
+    with model, pytensor.config.change_flags(numba__fastmath=False):
         compiled = compile_function([point], outputs, mode="NUMBA")
     data = {shared.name: shared.get_value() for shared in compiled.get_shared()}
     shapes = {model.values_to_rvs[v].name: start[v.name].shape for v in values}

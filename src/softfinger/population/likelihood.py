@@ -79,7 +79,7 @@ def fill_squares(
                 quadratic[i] += _square_pairs(weight, begin, products[g, i], pair[here, g])
 
 
-@njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
+@njit(cache=True, error_model="numpy")
 def _square_pairs(weight: NDArray, begin: NDArray, products: NDArray, pair: NDArray) -> float:
     """Square of the residuals' gains over a gap."""
     joints = weight.shape[0]
@@ -127,7 +127,7 @@ def fill_trial_sums(
                 _sum_pairs(weight, begin, products[g, i], sums[i, g])
 
 
-@njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
+@njit(cache=True, error_model="numpy")
 def _sum_pairs(weight: NDArray, begin: NDArray, products: NDArray, sums: NDArray) -> None:
     """Add w_jᵀ N w_k, w_jᵀ B w_k and w_jᵀ X w_k over a gap to (3, J, J)."""
     joints = weight.shape[0]
@@ -142,7 +142,7 @@ def _sum_pairs(weight: NDArray, begin: NDArray, products: NDArray, sums: NDArray
                     sums[part, j, k] += weight[j, r] * total
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", inline="always")
 def sum_log_likelihood(
     eta: NDArray,
     sd: NDArray,
@@ -269,7 +269,7 @@ def _start_pull(
     return total
 
 
-@njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
+@njit(cache=True, error_model="numpy")
 def _move(
     weight: NDArray,
     begin: NDArray,
@@ -306,7 +306,7 @@ def _move(
             pull[j, r - begin[j]] += total
 
 
-@njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
+@njit(cache=True, error_model="numpy")
 def _add_pairs(
     weight: NDArray, begin: NDArray, moved: NDArray, pair: NDArray, pull: NDArray, sums: NDArray
 ) -> float:
