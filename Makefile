@@ -7,7 +7,7 @@ CORES ?= 2
 SEED ?= 1
 SNAKEMAKE := $(BIN)/snakemake --cores $(CORES)
 
-.PHONY: help setup run quick figures recovery docs browser reproduce manifest kills cluster coverage test calibration lint format benchmark benchmark-long concealed concealed-long lock
+.PHONY: help setup run quick figures recovery docs browser reproduce manifest kills cluster coverage test calibration lint format benchmark benchmark-long concealed concealed-catalogue concealed-long lock
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)$$/\1\t\2/' | expand -t 18
@@ -77,6 +77,9 @@ PROOF = $(SNAKEMAKE) --snakefile workflow/concealed.smk --workflow-profile profi
 concealed: setup ## the proof: a sample of campaigns with concealed physics, diagnosed blind (SEED=1)
 	$(PROOF) --config seed=$(SEED)
 	$(BIN)/python -m benchmarks._concealed results/concealed/seed_$(SEED)/benchmarks.json
+
+concealed-catalogue: setup ## every effect of the catalogue under every protocol, and pairs, diagnosed blind (an hour; SEED=1)
+	$(PROOF) config/concealed_catalogue.yaml --config seed=$(SEED)
 
 concealed-long: setup ## the proof in full: 200 campaigns (hours; SEED=1)
 	$(PROOF) config/concealed_long.yaml --config seed=$(SEED)

@@ -17,7 +17,7 @@ configfile: Path(workflow.basedir).parent / "config/concealed.yaml"
 validate(config, "schemas/concealed.schema.yaml")
 
 OUT = Path(config["out"]) / f"seed_{config['seed']}"
-SUITE = {key: config[key] for key in ("campaigns", "filmed", "longest")}
+SUITE = {key: config[key] for key in ("kind", "campaigns", "filmed", "longest")}
 # Names that tell nothing, of neither the seed nor the place in the suite.
 CASES = {
     hashlib.sha256(f"{config['seed']}/{k}".encode()).hexdigest()[:10]: k

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
-from itertools import combinations
+from itertools import combinations, product
+from typing import Literal
 
 import numpy as np
 
@@ -15,6 +16,9 @@ from softfinger.concealed.protocols import PROTOCOLS, Protocol
 TRIALS = (1,) * 4 + (10,) * 9 + (40,) * 5 + (100,) * 2
 FILMED_TRIALS = (4, 6, 8, 10)
 JOINTS = 3
+PLAIN = 0.75  # places on the scale of strengths from which an effect is plainly visible
+
+Kind = Literal["sample", "catalogue"]
 
 
 @dataclass(frozen=True)
@@ -68,17 +72,50 @@ def build_paper_case(protocol: Protocol, trials: int, seed: int) -> CaseSpec:
     )
 
 
-def draw_proof(seed: int, campaigns: int, filmed: int, longest: int) -> list[CaseSpec]:
+def draw_proof(
+    seed: int, campaigns: int, filmed: int, longest: int, kind: Kind = "sample"
+) -> list[CaseSpec]:
     """Draw what a proof consists of: a suite, and after it the paper's own case in two protocols.
 
     Parameters
     ----------
     seed, campaigns, filmed, longest
         As for `draw_suite`.
+    kind
+        A balanced `sample` of everything, or the `catalogue`'s effects, plainly visible.
     """
     trials = min(max(TRIALS), longest)
     paper = [build_paper_case(protocol, trials, seed) for protocol in ("levels", "single_step")]
+    if kind == "catalogue":
+        return [*draw_catalogue(seed, campaigns, longest=longest), *paper]
     return [*draw_suite(seed, campaigns, filmed=filmed, longest=longest), *paper]
+
+
+def draw_catalogue(seed: int, n: int, *, longest: int = max(TRIALS)) -> list[CaseSpec]:
+    """Draw every effect of the catalogue under every protocol, and then pairs of effects.
+
+    Each as strong as the upper quarter of what the oracle can reach with it, on a logarithmic
+    scale; what the protocol hides stays hidden.
+
+    Parameters
+    ----------
+    seed, n, longest
+        As for `draw_suite`.
+
+    Examples
+    --------
+    >>> suite = draw_catalogue(1, 80)
+    >>> sum(len(spec.effects) == 2 for spec in suite)
+    12
+    """
+    rng = np.random.default_rng([seed, n, 2])
+    singles = list(product(LISTED, PROTOCOLS))[:n]
+    pairs = _take_turns(tuple(combinations(LISTED, 2)), n - len(singles), rng)
+    sets: list[tuple[str, ...]] = [*((name,) for name, _ in singles), *pairs]
+    protocols = [protocol for _, protocol in singles] + _take_turns(PROTOCOLS, len(pairs), rng)
+    places = [tuple(float(rng.uniform(PLAIN, 1.0)) for _ in effects) for effects in sets]
+    noises, lengths = _take_turns(NOISE_KINDS, n, rng), _take_turns(TRIALS, n, rng)
+    return _build_cases(sets, places, protocols, noises, lengths, set(), longest, rng)
 
 
 def draw_suite(
@@ -128,6 +165,20 @@ def draw_suite(
         sets[zero], places[zero] = (LISTED[rng.integers(len(LISTED))],), (-1.0,)
 
     on_film = _choose_filmed(sets, max(1, n // 20) if filmed is None else filmed, rng)
+    return _build_cases(sets, places, protocols, noises, lengths, on_film, longest, rng)
+
+
+def _build_cases(
+    sets: list[tuple[str, ...]],
+    places: list[tuple[float, ...]],
+    protocols: list[Protocol],
+    noises: list[NoiseKind],
+    lengths: list[int],
+    on_film: set[int],
+    longest: int,
+    rng: np.random.Generator,
+) -> list[CaseSpec]:
+    """Build the cases, in random order."""
     suite = []
     for k, effects in enumerate(sets):
         fewest = max([EFFECTS[name].trials for name in effects], default=1)
@@ -147,7 +198,7 @@ def draw_suite(
                 filmed=k in on_film,
             )
         )
-    return [suite[k] for k in rng.permutation(n)]
+    return [suite[k] for k in rng.permutation(len(suite))]
 
 
 def _take_turns[Item](items: tuple[Item, ...], n: int, rng: np.random.Generator) -> list[Item]:

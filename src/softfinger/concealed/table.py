@@ -25,6 +25,8 @@ def _tabulate(name: str, truth: Mapping, answer: Mapping, weighed: Mapping) -> d
     return {
         "campaign": name,
         "truth": describe_truth(truth),
+        "kind": judged.truth.replace("_", " "),
+        "visible": judged.visible,
         "protocol": case["protocol"].replace("_", " "),
         "trials": case["trials"],
         "noise": "filmed" if case["filmed"] else case["noise"].replace("_", " "),

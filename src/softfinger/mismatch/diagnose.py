@@ -17,7 +17,7 @@ from softfinger.mismatch.masking import list_invisible, tabulate_masking
 from softfinger.mismatch.problem import Candidate, Problem, pose_problem
 from softfinger.mismatch.rank import list_pieces
 from softfinger.mismatch.rival_noise import admit_noise
-from softfinger.mismatch.search import Search, search_effects
+from softfinger.mismatch.search import Search, search_effects, shape_rest
 from softfinger.mismatch.verdict import Verdict
 from softfinger.progress import track_progress
 from softfinger.settings import read_settings
@@ -74,11 +74,11 @@ def diagnose(
     )
     needed = alarms.threshold(settings.false_alarm_probability)
     search = search_effects(problem, base, (pieces, refused), columns, needed, progress)
-    search = settle_search(search)
+    search = shape_rest(problem, settle_search(search))
     findings = examine(problem, search, angles, needed=needed)
     if findings.best_p < MISSING:
         problem, search = admit_noise(problem, search, angles, needed)
-        search = settle_search(search)
+        search = shape_rest(problem, settle_search(search))
         findings = examine(problem, search, angles, needed=needed)
     search = drop_negligible(search)
     posterior = weigh_models(search.base, search.candidates)

@@ -67,12 +67,15 @@ class Findings(NamedTuple):
 
 
 def examine(problem: Problem, search: Search, angles: xr.Dataset, *, needed: float) -> Findings:
-    """Examine what the best model leaves: scatter, a line, a shape."""
+    """Examine what the best model leaves: scatter, a line, a shape.
+
+    What `shape_rest` makes of a search is asked for.
+    """
     rows = problem.trials.size[problem.trials.protocol]
     base, best = (compute_excess(c, rows) for c in (search.base, search.best))
     time = angles.sel(trial=problem.trials.name)["time"].transpose("trial", "frame").values
     line = find_line(problem, compute_residual(problem, search.best, angles), time)
-    free = fit_free_form(problem, search.best)
+    free = search.shape.free
     free = free if free is not None and free.gain > needed else None
     few = [c for c in (search.base, search.best, *search.candidates) if _is_small(search, c)]
     best_few = max(c.log_evidence for c in few)

@@ -5,12 +5,19 @@ one fitted model stand in one Gram matrix, so any two of them are scored togethe
 """
 
 from collections import Counter
-from collections.abc import Collection
+from collections.abc import Iterable
 from itertools import combinations
 
 from softfinger.mismatch.columns import Block, ScoreColumns, join_blocks
 from softfinger.mismatch.problem import Candidate, Problem
-from softfinger.mismatch.rank import Progress, Score, choose_starts, fit_scored, score_block
+from softfinger.mismatch.rank import (
+    Progress,
+    Score,
+    choose_starts,
+    find_best,
+    fit_scored,
+    score_block,
+)
 
 FORMS = 3  # of each effect, those that say most alone, that are tried in pairs
 SETS = 4  # pairs of effects that are fitted
@@ -20,7 +27,7 @@ def rank_pairs(
     problem: Problem,
     origin: Candidate,
     columns: ScoreColumns,
-    known: Collection[frozenset[str]],
+    known: Iterable[Candidate],
     progress: Progress,
 ) -> list[Candidate]:
     """Fit the pairs of effects that score best over a fitted model, but for those known.
@@ -30,13 +37,14 @@ def rank_pairs(
     columns
         Of the catalogue, on top of the fitted model.
     known
-        Sets of effects that were fitted before.
+        Pairs that were fitted before.
     """
+    before = {c.model.ids for c in known if c.fit is not None}
     best: dict[frozenset[str], Score] = {}
     for score in score_pairs(problem, origin, columns):
         best.setdefault(score.model.ids, score)
-    fresh = [score for ids, score in list(best.items())[:SETS] if ids not in known]
-    return fit_scored(problem, origin, fresh, progress)
+    fresh = [score for ids, score in list(best.items())[:SETS] if ids not in before]
+    return fit_scored(problem, origin, fresh, progress, find_best(known))
 
 
 def score_pairs(problem: Problem, origin: Candidate, columns: ScoreColumns) -> list[Score]:

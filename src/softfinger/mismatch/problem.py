@@ -121,10 +121,12 @@ class Problem:
         steps: int | None = None,
         tolerance: float = 0.02,
         first: float = -np.inf,
+        rival: float = -np.inf,
     ) -> Fit | None:
         """Fit a model from (η, φ, Ω); None where the numbers leave the plausible range.
 
-        `first` is the log evidence from which its gain counts: the digits asked of it follow.
+        `first` is the log evidence from which its gain counts: the digits asked of it follow;
+        `rival` that which is worth reaching.
         """
         longest = np.tile(LONGEST_OWN_STEP, self.trials.joints)
         try:
@@ -137,6 +139,7 @@ class Problem:
                 steps=steps or max(MOST_STEPS, FEW_TRIALS_STEPS // len(self.trials.name)),
                 tolerance=tolerance,
                 first=first,
+                rival=rival,
             )
         except np.linalg.LinAlgError:
             return None

@@ -21,6 +21,7 @@ FIRST_STEPS = 4  # linearisations before candidates are compared
 LEADING = 4  # effects whose best form is fitted however far it lies behind
 NEAR, NEAR_SHARE = 2.0, 0.7  # nats, or share of the best gain, within which a form is fitted
 REACH, REACH_SHARE = 20.0, 0.5  # nats, or share of the best gain, within which a fit goes on
+RIVAL_NATS, RIVAL_SHARE = 10.0, 0.15  # nats, or share of the best gain, within which sets compete
 HOPELESS = -2.0  # nats: no form whose linearised gain is lower is fitted
 
 Progress = Callable[[Iterable, str], Iterable]
@@ -169,24 +170,37 @@ def prune(problem: Problem, candidate: Candidate) -> Candidate:
     if model is candidate.model:
         return candidate
     start = fit.own, fit.shared[candidate.model.match(model)], fit.omega
-    refit = problem.fit(model, start, first=fit.first)
+    refit = problem.fit(model, start, first=fit.first, rival=candidate.log_evidence)
     if refit is None or not refit.converged or refit.log_evidence < candidate.log_evidence:
         return candidate
     return Candidate(model, refit, refit.log_evidence)
 
 
 def rank_pieces(
-    problem: Problem, origin: Candidate, columns: ScoreColumns, progress: Progress
+    problem: Problem,
+    origin: Candidate,
+    columns: ScoreColumns,
+    progress: Progress,
+    known: float = -np.inf,
 ) -> tuple[list[Candidate], list[Score]]:
-    """Score every form on top of a fitted model, and fit the promising ones; best first."""
+    """Score every form on top of a fitted model, and fit the promising ones; best first.
+
+    `known` as in `fit_scored`.
+    """
     scores = score_pieces(problem, origin, columns)
-    return fit_scored(problem, origin, scores, progress), scores
+    return fit_scored(problem, origin, scores, progress, known), scores
 
 
 def fit_scored(
-    problem: Problem, origin: Candidate, scores: list[Score], progress: Progress
+    problem: Problem,
+    origin: Candidate,
+    scores: list[Score],
+    progress: Progress,
+    known: float = -np.inf,
 ) -> list[Candidate]:
     """Fit every promising form among those that were scored, best first.
+
+    `known` is the best log evidence that others of their kind have reached.
 
     Promising are the best forms of the leading effects, and every form whose score is near the best
     fit so far. Each gets a few linearisations; one that then leads goes on at once, for only a fit
@@ -195,7 +209,7 @@ def fit_scored(
     that are not fitted count by their score.
     """
     leading = set(list(dict.fromkeys(s.effect for s in scores))[:LEADING])
-    begun, candidates, best = [], [], origin.log_evidence
+    begun, candidates, best = [], [], max(origin.log_evidence, known)
     for score in progress(scores, "fitting effects"):
         gain = best - origin.log_evidence
         near = score.gain >= max(0.0, gain - max(NEAR, NEAR_SHARE * gain))
@@ -206,7 +220,7 @@ def fit_scored(
         start = origin.fit.own, score.shared, origin.fit.omega
         fit = problem.fit(score.model, start, steps=FIRST_STEPS, first=origin.fit.first)
         if fit is not None and fit.log_evidence > best:
-            fit = go_on(problem, score.model, fit)
+            fit = go_on(problem, score.model, fit, best - compete(gain))
         if fit is None:
             continue
         if fit.converged:
@@ -217,7 +231,7 @@ def fit_scored(
         if fit.log_evidence < best - reach:
             candidates.append(Candidate(model, None, fit.log_evidence))
             continue
-        fit = go_on(problem, model, fit)
+        fit = go_on(problem, model, fit, best - compete(best - origin.log_evidence))
         if fit is not None and fit.converged:
             candidates.append(prune(problem, Candidate(model, fit, fit.log_evidence)))
         elif fit is not None:
@@ -225,8 +239,18 @@ def fit_scored(
     return sorted(candidates, key=lambda c: -c.log_evidence)
 
 
-def go_on(problem: Problem, model: EffectModel, fit: Fit) -> Fit | None:
-    """Fit on until it comes to rest."""
+def find_best(candidates: Iterable[Candidate]) -> float:
+    """Best log evidence [nats] of those that were fitted; −∞ of none."""
+    return max((c.log_evidence for c in candidates if c.fit is not None), default=-np.inf)
+
+
+def compete(gain: float) -> float:
+    """Distance [nats] from the best model, of such a gain, within which others compete with it."""
+    return max(RIVAL_NATS, RIVAL_SHARE * gain)
+
+
+def go_on(problem: Problem, model: EffectModel, fit: Fit, rival: float = -np.inf) -> Fit | None:
+    """Fit on until it comes to rest, or clearly will not reach the log evidence of a rival."""
     if fit.converged:
         return fit
-    return problem.fit(model, (fit.own, fit.shared, fit.omega), first=fit.first)
+    return problem.fit(model, (fit.own, fit.shared, fit.omega), first=fit.first, rival=rival)

@@ -13,16 +13,28 @@ import numpy as np
 
 from softfinger.mechanics.effects.model import Piece
 from softfinger.mismatch.columns import ScoreColumns, collect_columns
-from softfinger.mismatch.free_form import fit_free_form
+from softfinger.mismatch.free_form import FreeForm, fit_free_form
 from softfinger.mismatch.other_forms import find_other_form, keep_leading, swap_forms
 from softfinger.mismatch.pairs import rank_pairs
 from softfinger.mismatch.problem import Candidate, Problem
-from softfinger.mismatch.rank import Progress, Score, prune, rank_pieces
+from softfinger.mismatch.rank import Progress, Score, compete, find_best, prune, rank_pieces
+from softfinger.population.mixed_effects_laplace import Fit
 
 MOST_EFFECTS = 3
 FORM_ERROR = 0.005  # of what effects explain: what their textbook forms may leave to others
 RIVALS = 2  # sets of effects from which a further effect is tried
-RIVAL_NATS, RIVAL_SHARE = 10.0, 0.15  # behind the best, at most, or that share of its gain
+
+
+class Shape(NamedTuple):
+    """The best free-form term on top of a fit; None where there is none."""
+
+    fit: Fit
+    free: FreeForm | None
+
+    @property
+    def gain(self) -> float:
+        """Its gain [nats]."""
+        return 0.0 if self.free is None else max(self.free.gain, 0.0)
 
 
 class Search(NamedTuple):
@@ -44,6 +56,8 @@ class Search(NamedTuple):
         Effect id → why the campaign cannot show it.
     scores
         One-step scores of every form over the base model.
+    shape
+        The last free-form term that was fitted.
     """
 
     base: Candidate
@@ -53,6 +67,7 @@ class Search(NamedTuple):
     first_gain: float
     refused: dict[str, str]
     scores: list[Score]
+    shape: Shape | None = None
 
 
 def search_effects(
@@ -76,7 +91,7 @@ def search_effects(
     """
     pieces, refused = catalogue
     singles, scores = rank_pieces(problem, base, columns, progress)
-    found, larger = list(singles), []
+    found, larger, shape = list(singles), [], None
     fitted = [c for c in singles if c.fit is not None]
     best = max(fitted, key=lambda c: c.log_evidence, default=base)
     first_gain = best.log_evidence - base.log_evidence
@@ -85,18 +100,21 @@ def search_effects(
     for size in range(2, MOST_EFFECTS + 1):
         larger = []
         for rival in _list_rivals(base, found, len(best.model.ids)):
-            larger += _extend(problem, rival, pieces, progress)
+            larger += _extend(problem, rival, pieces, progress, larger)
         other = find_other_form(found, best)
         if other is not None:
-            larger += _extend(problem, other, keep_leading(pieces, larger, best), progress)
+            leading = keep_leading(pieces, larger, best)
+            larger += _extend(problem, other, leading, progress, larger)
         if size == 2:
-            known = {c.model.ids for c in larger if c.fit is not None}
-            larger += rank_pairs(problem, base, columns, known, progress)
+            larger += rank_pairs(problem, base, columns, larger, progress)
         fitted = [c for c in larger if c.fit is not None]
         top = max(fitted, key=lambda c: c.log_evidence, default=best)
         more = require_gain(needed, best.log_evidence - base.log_evidence, pieces)
         gain = top.log_evidence - best.log_evidence
-        if gain <= more or gain <= measure_shape(problem, best):
+        if gain <= more:
+            break
+        shape = measure_shape(problem, best)
+        if gain <= shape.gain:
             break
         found += larger
         larger = []
@@ -104,7 +122,7 @@ def search_effects(
         top = max((top, *found), key=lambda c: c.log_evidence if c.fit is not None else -np.inf)
         best = _eliminate(problem, top, more, found)
     found.sort(key=lambda c: -c.log_evidence)
-    return Search(base, found, larger, best, first_gain, refused, scores)
+    return Search(base, found, larger, best, first_gain, refused, scores, shape)
 
 
 def require_gain(needed: float, explained: float, pieces: list[Piece]) -> float:
@@ -117,10 +135,16 @@ def require_gain(needed: float, explained: float, pieces: list[Piece]) -> float:
     return needed + float(np.log(max(effects, 1))) + FORM_ERROR * max(explained, 0.0)
 
 
-def measure_shape(problem: Problem, candidate: Candidate) -> float:
-    """Gain [nats] of the best free-form term on top of a fitted model; 0 where there is none."""
-    shape = fit_free_form(problem, candidate)
-    return 0.0 if shape is None else max(shape.gain, 0.0)
+def measure_shape(problem: Problem, candidate: Candidate) -> Shape:
+    """Fit the best free-form term on top of a fitted model."""
+    return Shape(candidate.fit, fit_free_form(problem, candidate))
+
+
+def shape_rest(problem: Problem, search: Search) -> Search:
+    """Have the free-form term on top of the best model, unless it was fitted before."""
+    if search.shape is not None and search.shape.fit is search.best.fit:
+        return search
+    return search._replace(shape=measure_shape(problem, search.best))
 
 
 def _list_rivals(base: Candidate, found: list[Candidate], size: int) -> list[Candidate]:
@@ -131,17 +155,21 @@ def _list_rivals(base: Candidate, found: list[Candidate], size: int) -> list[Can
             best.setdefault(candidate.model.ids, candidate)
     rivals = list(best.values())[:RIVALS]
     leading = rivals[0].log_evidence
-    behind = max(RIVAL_NATS, RIVAL_SHARE * (leading - base.log_evidence))
+    behind = compete(leading - base.log_evidence)
     return [c for c in rivals if c.log_evidence > leading - behind]
 
 
 def _extend(
-    problem: Problem, rival: Candidate, pieces: Iterable[Piece], progress: Progress
+    problem: Problem,
+    rival: Candidate,
+    pieces: Iterable[Piece],
+    progress: Progress,
+    known: list[Candidate],
 ) -> list[Candidate]:
-    """Rank every further effect on top of a fitted model."""
+    """Rank every further effect on top of a fitted model, beside the sets that are known."""
     more = _compatible(rival, [p for p in pieces if p.effect.id not in rival.model.ids])
     columns = collect_columns(problem, rival, progress(more, "trying effects"))
-    return rank_pieces(problem, rival, columns, progress)[0]
+    return rank_pieces(problem, rival, columns, progress, find_best(known))[0]
 
 
 def _compatible(candidate: Candidate, pieces: Iterable[Piece]) -> list[Piece]:

@@ -27,6 +27,7 @@ from softfinger.population.rectangle import measure_rectangle
 
 SHARE = 1e-4  # of the evidence that a fit gains: the digits that are asked of it
 PINNED = 1e12  # precision, over the prior's, of a parameter held at its bound
+PACE = 8  # last steps that tell how fast a fit gains
 
 
 class SharedBounds(NamedTuple):
@@ -88,6 +89,7 @@ def fit_nonlinear(
     steps: int = 25,
     tolerance: float = 0.02,
     first: float = -np.inf,
+    rival: float = -np.inf,
 ) -> Fit:
     """Fit a nonlinear mixed-effects model.
 
@@ -110,12 +112,15 @@ def fit_nonlinear(
         Change of the log evidence [nats] at which it has come to rest; of a large gain, `SHARE`.
     first
         Log evidence from which the gain counts, where other fits have led to this one.
+    rival
+        Log evidence that is worth reaching: a fit that at its pace would end below it stops.
     """
     own, shared, omega = (np.array(a, float) for a in start)
     gram = linearise(own, shared)
     best = -np.inf
     moving, spreading = Relaxation(), Relaxation()
     tries, converged = 0, False
+    path: list[float] = []
     for _ in range(steps):
         moved, near, centre = centre_gram(gram, prior, own, shared)
         linear = fit_linear(moved, near, omega)
@@ -145,9 +150,22 @@ def fit_nonlinear(
         converged = abs(evidence - best) < tolerance + SHARE * abs(evidence - first) and still
         best = evidence
         tries += taken.tries
-        if converged or tries > 2 * steps:
+        path.append(evidence)
+        if converged or tries > 2 * steps or _extrapolate(path, steps) < rival:
             break
     return _finish(gram, prior, bounds, own, shared, omega, converged=converged, first=first)
+
+
+def _extrapolate(path: list[float], steps: int) -> float:
+    """Log evidence that a fit would reach after so many steps, at the pace of its last ones.
+
+    >>> _extrapolate([0.0] * 5 + [1.0, 2.0, 3.0, 4.0, 5.0], 26)
+    15.0
+    """
+    if len(path) <= PACE:
+        return np.inf
+    pace = max(path[-1] - path[-1 - PACE], 0.0) / PACE
+    return path[-1] + pace * (steps - len(path))
 
 
 def _finish(

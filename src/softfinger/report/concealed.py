@@ -26,6 +26,7 @@ from softfinger.report.blocks import (
     number,
     text,
 )
+from softfinger.report.concealed_protocols import build_protocols
 from softfinger.report.formatting import fix, format_number, format_percent
 from softfinger.report.page import render_page
 
@@ -181,7 +182,8 @@ def _tell_score(proof: Proof) -> list[Section]:
         ),
     )
     lines = Listing(_tell_remarks(score))
-    return [Section("score", "The score", (_build_shares(proof), lines, *pictures))]
+    tables = _build_shares(proof), build_protocols(proof.cases)
+    return [Section("score", "The score", (*tables, lines, *pictures))]
 
 
 def _tell_remarks(score: xr.Dataset) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ import xarray as xr
 from softfinger.concealed.score import score
 from softfinger.concealed.table import describe_answer, tabulate_cases, tabulate_measured
 from softfinger.report.concealed import Proof, render_proof
+from softfinger.report.concealed_protocols import build_protocols
 
 
 def _effect(name, **more):
@@ -125,6 +126,18 @@ def test_what_the_oracle_could_not_name_either_is_told_apart(scored):
     assert share["named_nameable"] == 0.0  # gravity was named, but by luck
     assert scored.share_count.to_series()["named_nameable"] == 1
     assert share["recognisable"] == share["unlisted_recognisable"] == 1.0  # joint play
+
+
+def test_the_page_counts_right_names_by_effect_and_protocol():
+    rows = tabulate_cases(NAMES, TRUTHS, ANSWERS, LIMITS)
+    hidden = {**rows[0], "visible": False, "protocol": "triangle"}
+    table = build_protocols([*rows, hidden])
+    cells = {row[0].text: [cell.text for cell in row[1:]] for row in table.rows}
+    assert table.columns == ("concealed", "single step", "triangle", "all")
+    assert cells == {
+        "gravity": ["1 of 1", "(+1)", "1 of 1 (+1)"],
+        "inertia": ["0 of 1", "–", "0 of 1"],
+    }
 
 
 def test_a_page_without_a_buried_case_says_so(scored):

@@ -6,7 +6,7 @@ import pytest
 from softfinger.concealed.effects import EFFECTS, LISTED, OUTSIDE
 from softfinger.concealed.noise import NOISE_KINDS
 from softfinger.concealed.protocols import PROTOCOLS
-from softfinger.concealed.suite import draw_proof, draw_suite
+from softfinger.concealed.suite import PLAIN, draw_catalogue, draw_proof, draw_suite
 
 
 @pytest.fixture(scope="module")
@@ -87,3 +87,14 @@ def test_no_campaign_is_longer_than_the_longest_and_the_papers_case_comes_last()
     assert [spec.effects for spec in proof[24:]] == [("moment_arm",), ("moment_arm",)]
     assert [spec.protocol for spec in proof[24:]] == ["levels", "single_step"]
     assert all(spec.strengths == (1.0,) for spec in proof[24:])
+
+
+def test_the_catalogues_suite_has_every_effect_under_every_protocol_plainly_visible():
+    suite = draw_catalogue(5, 92, longest=40)
+    singles = Counter((s.effects[0], s.protocol) for s in suite if len(s.effects) == 1)
+    assert singles == Counter({(name, protocol): 1 for name in LISTED for protocol in PROTOCOLS})
+    pairs = [s for s in suite if len(s.effects) == 2]
+    assert len({s.effects for s in pairs}) == len(pairs) == 24
+    assert {s.protocol for s in pairs} == set(PROTOCOLS)
+    assert all(PLAIN <= place <= 1.0 for s in suite for place in s.quantiles)
+    assert draw_proof(5, campaigns=92, filmed=0, longest=40, kind="catalogue")[:92] == suite
