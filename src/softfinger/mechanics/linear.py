@@ -59,3 +59,23 @@ def solve_pivoted(matrix: NDArray, pivot: NDArray, vector: NDArray) -> None:
     for k in range(vector.size):
         vector[k], vector[pivot[k]] = vector[pivot[k]], vector[k]
     solve_factorised(matrix, vector)
+
+
+@compiled
+def solve_columns(matrix: NDArray, pivot: NDArray, columns: NDArray) -> None:
+    """Solve in place with the factors of `factorise_pivoted`, all columns (n, column) at once."""
+    n, count = columns.shape
+    for k in range(n):
+        if pivot[k] != k:
+            for c in range(count):
+                columns[k, c], columns[pivot[k], c] = columns[pivot[k], c], columns[k, c]
+    for i in range(n):
+        for j in range(i):
+            for c in range(count):
+                columns[i, c] -= matrix[i, j] * columns[j, c]
+    for i in range(n - 1, -1, -1):
+        for j in range(i + 1, n):
+            for c in range(count):
+                columns[i, c] -= matrix[i, j] * columns[j, c]
+        for c in range(count):
+            columns[i, c] /= matrix[i, i]

@@ -46,7 +46,7 @@ def fit_free_form(problem: Problem, candidate: Candidate) -> FreeForm | None:
     for score in sorted(scores, key=lambda s: -s.gain):
         if score.gain <= (0.0 if best is None else best.gain):
             break
-        settled = settle_term(problem, candidate, score)
+        settled = settle_term(problem, candidate, score, 0.0 if best is None else best.gain)
         if settled is not None and settled.gain > (0.0 if best is None else best.gain):
             best = settled
     return best
@@ -71,9 +71,14 @@ def score_term(problem: Problem, candidate: Candidate, term: Term) -> list[Score
     return scores
 
 
-def settle_term(problem: Problem, candidate: Candidate, score: Score) -> FreeForm | None:
-    """Fit a term to the end; None where the model leaves its range."""
-    term, before = score.term, candidate.fit
+def settle_term(
+    problem: Problem, candidate: Candidate, score: Score, rival: float = -np.inf
+) -> FreeForm | None:
+    """Fit a term to the end, unless it clearly gains less than a rival [nats].
+
+    None where the model leaves its range.
+    """
+    term, before, sizes = score.term, candidate.fit, np.log(len(score.term.sizes))
     given = problem.build_bounds(candidate.model)
     free = np.full(term.count, np.inf)
     bounds = SharedBounds(
@@ -89,10 +94,11 @@ def settle_term(problem: Problem, candidate: Candidate, score: Score) -> FreeFor
             np.tile(LONGEST_OWN_STEP, problem.trials.joints),
             (before.own, np.concatenate([before.shared, np.zeros(term.count)]), before.omega),
             steps=STEPS,
+            rival=before.log_evidence + sizes + rival,
         )
     except np.linalg.LinAlgError:
         return None
-    gain = fit.log_evidence - before.log_evidence - np.log(len(term.sizes))
+    gain = fit.log_evidence - before.log_evidence - sizes
     start = len(before.shared)
     mean, covariance = fit.shared[start:], fit.shared_covariance[start:, start:]
     return _describe(float(gain), term, mean, covariance)

@@ -32,9 +32,12 @@ def test_a_pair_is_linearised_as_the_model_of_both_at_its_start(posed):
 
 def test_the_best_pair_holds_the_true_effect_and_known_pairs_are_not_fitted_again(posed):
     problem, base, columns = posed
-    best = score_pairs(problem, base, columns)[0].model.ids
+    model = score_pairs(problem, base, columns)[0].model
+    best = model.ids
     assert "second_retardation" in best
     assert len(best) == 2
-    fitted = rank_pairs(problem, base, columns, {best}, lambda items, _: items)
+    fitted = rank_pairs(
+        problem, base, columns, [base._replace(model=model)], lambda items, _: items
+    )
     assert fitted
     assert best not in {candidate.model.ids for candidate in fitted}

@@ -85,7 +85,7 @@ class Misled:
     def __init__(self, fit):
         self.fit_to, self.calls = fit, []
 
-    def fit(self, model, start, *, steps=None, first=0.0):
+    def fit(self, model, start, *, steps=None, first=0.0, rival=0.0):
         self.calls.append((model, steps))
         gain, converged = {
             ("lead", True): (300.0, False),

@@ -10,7 +10,7 @@ from softfinger.population.mixed_effects import (
     fit_linear,
     hold_omega,
 )
-from softfinger.population.mixed_effects_laplace import SharedBounds, fit_nonlinear
+from softfinger.population.mixed_effects_laplace import PACE, SharedBounds, fit_nonlinear
 from softfinger.population.mixed_effects_step import Taken
 
 TRIALS, OWN, SHARED = 7, 4, 2
@@ -118,6 +118,30 @@ def test_a_fit_goes_through_a_narrow_bent_valley_in_a_few_steps():
     assert fit.converged
     assert fit.shared[0] == pytest.approx(1.5, abs=0.01)
     np.testing.assert_allclose(fit.own[:, 0], fit.shared[0] ** 2, atol=1e-3)
+
+
+def test_a_fit_that_will_not_reach_its_rival_stops_and_any_other_goes_on():
+    """φ may move by 0.05 a step, and is wanted 24 steps away."""
+
+    def linearise(own, shared):
+        slope, missing = 30.0 * shared[0] ** 2, 10.0 * (1.5**3 - shared[0] ** 3)
+        rows = np.array([[10.0, 0.0, -10.0 * own[0, 0]], [0.0, slope, missing]])
+        return (rows.T @ rows)[None]
+
+    def fit(rival):
+        prior = Prior(np.zeros(2), np.full(2, 0.01), np.ones(1), 2.0, 1)
+        bounds = SharedBounds(np.full(1, -np.inf), np.full(1, np.inf), np.full(1, 0.05))
+        start = np.zeros((1, 1)), np.full(1, 0.3), np.eye(1)
+        far = np.full(1, 5.0)
+        return fit_nonlinear(linearise, prior, bounds, far, start, steps=60, rival=rival)
+
+    free = fit(-np.inf)
+    assert free.converged
+    assert free.shared[0] == pytest.approx(1.5, abs=0.01)
+    np.testing.assert_array_equal(fit(free.log_evidence - 1.0).shared, free.shared)
+    stopped = fit(free.log_evidence + 1000.0)
+    assert not stopped.converged
+    assert stopped.shared[0] == pytest.approx(0.3 + (PACE + 1) * 0.05)
 
 
 def test_a_fit_is_at_rest_where_its_steps_lead_back(monkeypatch):

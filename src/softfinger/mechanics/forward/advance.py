@@ -7,6 +7,12 @@ from softfinger.mechanics.compiled import compiled
 from softfinger.mechanics.forward.drives import drive_of
 from softfinger.mechanics.forward.phi import mode_response
 from softfinger.mechanics.forward.slots import CHAIN_SLOTS
+from softfinger.mechanics.forward.tangents import (
+    add_drives,
+    add_responses,
+    drive_modes,
+    move_modes,
+)
 from softfinger.mechanics.forward.work import (
     HAS_DELAY,
     HAS_FRICTION,
@@ -16,7 +22,7 @@ from softfinger.mechanics.forward.work import (
 )
 
 _DELAY = CHAIN_SLOTS.index("delay")
-_TANGENT_TOLERANCE = 1e-4  # of the largest tangent so far
+_TANGENT_TOLERANCE = 1e-3  # of the largest tangent so far
 _SHORT = 1e-4  # [s] steps that need not be shorter for a tangent's sake: early ones are rounding
 _BEND = 0.1  # how far the worst quadratic inside a step moves a mode, of a constant drive
 
@@ -40,13 +46,12 @@ def emit_frame(
     gradient: NDArray,
 ) -> None:
     """Write the joint angles and their tangents `span` seconds into the step."""
-    state, linear, weight = work.state, work.linear, work.weight
+    state, linear, weight, response = work.state, work.linear, work.weight, work.response
     moving = model.groups[HAS_DELAY] and span > 0.0
     for j in range(state.offset.size):
-        columns = model.columns[j]
         total, velocity = state.offset[j], 0.0
-        for c in columns:
-            gradient[j, frame, c] = state.d_offset[j, c]
+        row = gradient[j, frame]
+        row[:] = state.d_offset[j]
         weight[:] = 0.0
         for mode in range(linear.rate.shape[1]):
             rate, gain, drive = linear.rate[j, mode], linear.gain[j, mode], drive_of(mode)
@@ -55,7 +60,7 @@ def emit_frame(
                 linear.drive[j, drive, 1],
                 linear.drive[j, drive, 2],
             )
-            x, decay, slower, unit, w0, w1, w2 = mode_response(
+            x, response[mode, 0], response[mode, 1], response[mode, 2], w0, w1, w2 = mode_response(
                 rate, span, share, state.mode[j, mode], gain, d0, d1, d2
             )
             total += x
@@ -63,28 +68,21 @@ def emit_frame(
             weight[drive, 0] += gain * w0
             weight[drive, 1] += gain * w1
             weight[drive, 2] += gain * w2
-            for c in columns:
-                gradient[j, frame, c] += (
-                    decay * state.d_mode[j, mode, c]
-                    + slower * linear.d_rate[j, mode, c]
-                    + unit * linear.d_gain[j, mode, c]
-                )
         angle[j, frame] = total
+        if row.size == 0:
+            continue
+        add_responses(response, state.d_mode[j], linear.d_rate[j], linear.d_gain[j], row)
         if work.curved[0]:
-            for drive in range(3):
-                for power in range(3):
-                    for c in columns:
-                        change = linear.d_drive[j, drive, power, c]
-                        gradient[j, frame, c] += weight[drive, power] * change
+            add_drives(weight, linear.d_drive[j], row)
         if moving:
-            for c in columns:
-                gradient[j, frame, c] -= velocity * model.d_chain[c, _DELAY]
+            for c in range(row.size):
+                row[c] -= velocity * model.d_chain[c, _DELAY]
 
 
 @compiled
 def commit_step(model: Model, work: Work, step: float) -> None:
     """Move the state to the end of the step."""
-    state, linear, nodes = work.state, work.linear, work.nodes
+    state, linear, nodes, response = work.state, work.linear, work.nodes, work.response
     for j in range(state.offset.size):
         for mode in range(linear.rate.shape[1]):
             rate, gain, drive = linear.rate[j, mode], linear.gain[j, mode], drive_of(mode)
@@ -93,17 +91,17 @@ def commit_step(model: Model, work: Work, step: float) -> None:
                 linear.drive[j, drive, 1],
                 linear.drive[j, drive, 2],
             )
-            x, decay, slower, unit, w0, w1, w2 = mode_response(
+            x, response[mode, 0], response[mode, 1], response[mode, 2], w0, w1, w2 = mode_response(
                 rate, step, 1.0, state.mode[j, mode], gain, d0, d1, d2
             )
             state.mode[j, mode] = x
-            for c in model.columns[j]:
-                change = decay * state.d_mode[j, mode, c] + slower * linear.d_rate[j, mode, c]
-                change += unit * linear.d_gain[j, mode, c]
-                if work.curved[0]:
-                    drives = linear.d_drive[j, drive]
-                    change += gain * (w0 * drives[0, c] + w1 * drives[1, c] + w2 * drives[2, c])
-                state.d_mode[j, mode, c] = change
+            work.drive[mode], response[mode, 3] = drive, gain * w0
+            response[mode, 4], response[mode, 5] = gain * w1, gain * w2
+        if state.d_offset.shape[1] == 0:
+            continue
+        move_modes(response, state.d_mode[j], linear.d_rate[j], linear.d_gain[j])
+        if work.curved[0]:
+            drive_modes(response, work.drive, linear.d_drive[j], state.d_mode[j])
     if work.curved[0]:
         end = nodes.torque.shape[0] - 2
         state.torque[:] = nodes.torque[end]
@@ -137,19 +135,20 @@ def measure_error(model: Model, work: Work, step: float, tolerance: float) -> fl
         missed[2] -= nodes.torque[START, j]
         if not np.isfinite(missed).all():  # `max` would forget a NaN
             return np.inf
+        for c in model.columns[j]:
+            largest[c] = max(largest[c], abs(nodes.d_angle[1, j, c]), abs(nodes.d_angle[2, j, c]))
         for drive in range(3):
             reach = _BEND * linear.weight[drive, j, 1].sum()
             worst = max(worst, reach * abs(missed[drive]) / tolerance)
-        for c in model.columns[j]:
-            largest[c] = max(largest[c], abs(nodes.d_angle[1, j, c]), abs(nodes.d_angle[2, j, c]))
-            for drive in range(3):
+            if not (step > _SHORT and reach > 0.0):
+                continue
+            for c in model.columns[j]:
                 start = nodes.d_torque[START, j, c]
                 if drive == 0:
                     start -= nodes.d_spring[START, j, c]
                 elif drive == 1:
                     start = nodes.d_flow[START, j, c]
                 gap = abs(linear.d_drive[j, drive, 0, c] - start)
-                reach = _BEND * linear.weight[drive, j, 1].sum()
-                if step > _SHORT and reach * gap > 0.0:
+                if gap > 0.0:
                     worst = max(worst, reach * gap / (_TANGENT_TOLERANCE * largest[c]))
     return worst

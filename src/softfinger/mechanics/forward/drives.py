@@ -10,6 +10,13 @@ from softfinger.mechanics.forward.laws import (
 from softfinger.mechanics.forward.modes import FLOW, VOIGT
 from softfinger.mechanics.forward.phi import NODES as _SHARES
 from softfinger.mechanics.forward.phi import TO_MONOMIAL, mode_response, phi_functions
+from softfinger.mechanics.forward.tangents import (
+    add_rates,
+    add_responses,
+    add_scaled,
+    combine_nodes,
+    sum_modes,
+)
 from softfinger.mechanics.forward.work import (
     HAS_FLOW,
     HAS_INERTIA,
@@ -167,36 +174,36 @@ def fill_slopes_by_torque(model: Model, work: Work, j: int) -> None:
 def fill_tangents_at_fixed_torque(model: Model, work: Work, step: float, j: int) -> None:
     """Write how joint j's nodes move along each column while its torque is held."""
     nodes, linear, state = work.nodes, work.linear, work.state
+    response, motion = work.response, work.motion
+    d_mode, d_rate, d_gain = state.d_mode[j], linear.d_rate[j], linear.d_gain[j]
     inertial = model.groups[HAS_INERTIA]
     for i in range(3):
-        for c in model.columns[j]:
-            nodes.d_angle[i, j, c] = state.d_offset[j, c]
-            nodes.d_velocity[i, j, c] = 0.0
-            nodes.d_spring[i, j, c] = 0.0
-            nodes.d_flow[i, j, c] = 0.0
-            if model.groups[HAS_FLOW]:
+        nodes.d_angle[i, j] = state.d_offset[j]
+        nodes.d_velocity[i, j] = 0.0
+        nodes.d_spring[i, j] = 0.0
+        nodes.d_flow[i, j] = 0.0
+        if model.groups[HAS_FLOW]:
+            for c in model.columns[j]:
                 nodes.d_flow[i, j, c] = flow_tangent(model.d_joint[c, j], nodes.flow_partial[i, j])
         for mode in range(linear.rate.shape[1]):
             rate, gain, drive = linear.rate[j, mode], linear.gain[j, mode], drive_of(mode)
             d0, d1, d2 = linear.drive[j, drive]
-            x, decay, slower, unit, _, _, _ = mode_response(
+            x, response[mode, 0], response[mode, 1], response[mode, 2], _, _, _ = mode_response(
                 rate, step * _SHARES[i], _SHARES[i], state.mode[j, mode], gain, d0, d1, d2
             )
-            push = d0 + _SHARES[i] * (d1 + _SHARES[i] * d2)
-            for c in model.columns[j]:
-                d_rate, d_gain = linear.d_rate[j, mode, c], linear.d_gain[j, mode, c]
-                change = decay * state.d_mode[j, mode, c] + slower * d_rate + unit * d_gain
-                nodes.d_angle[i, j, c] += change
-                if mode == VOIGT:
-                    nodes.d_elastic[i, j, c] = change
-                if inertial:
-                    nodes.d_velocity[i, j, c] += push * d_gain - d_rate * x - rate * change
-    for c in model.columns[j]:
-        for i in range(3):
-            for m in range(3):
-                flow = nodes.d_flow[m, j, c]
-                nodes.d_angle[i, j, c] += linear.weight[1, j, i, m] * flow
-                nodes.d_velocity[i, j, c] += linear.rate_weight[1, j, i, m] * flow
+            motion[mode, 0], motion[mode, 2] = rate, x
+            motion[mode, 1] = d0 + _SHARES[i] * (d1 + _SHARES[i] * d2)
+        nodes.d_elastic[i, j] = 0.0
+        voigt = slice(VOIGT, VOIGT + 1)
+        add_responses(
+            response[voigt], d_mode[voigt], d_rate[voigt], d_gain[voigt], nodes.d_elastic[i, j]
+        )
+        add_responses(response, d_mode, d_rate, d_gain, nodes.d_angle[i, j])
+        if inertial:
+            add_rates(response, motion, d_mode, d_rate, d_gain, nodes.d_velocity[i, j])
+    combine_nodes(linear.weight[1, j], nodes.d_flow, nodes.d_angle, j)
+    if inertial:
+        combine_nodes(linear.rate_weight[1, j], nodes.d_flow, nodes.d_velocity, j)
     if model.groups[HAS_STIFFENING]:
         _add_spring_tangents(model, work, j)
 
@@ -237,16 +244,15 @@ def fill_drives(model: Model, work: Work, tangents: bool) -> None:
                 linear.drive[j, 1, power] += weight * nodes.flow[m, j]
                 linear.drive[j, 2, power] += weight * torque
             if tangents:
-                for c in model.columns[j]:
-                    own = flow = whole = 0.0
-                    for m in range(3):
-                        weight, torque = TO_MONOMIAL[power, m], nodes.d_torque[m, j, c]
-                        own += weight * (torque - nodes.d_spring[m, j, c])
-                        flow += weight * nodes.d_flow[m, j, c]
-                        whole += weight * torque
-                    linear.d_drive[j, 0, power, c] = own
-                    linear.d_drive[j, 1, power, c] = flow
-                    linear.d_drive[j, 2, power, c] = whole
+                own, flow, whole = linear.d_drive[j, 0], linear.d_drive[j, 1], linear.d_drive[j, 2]
+                flow[power], whole[power] = 0.0, 0.0
+                for m in range(3):
+                    weight = TO_MONOMIAL[power, m]
+                    add_scaled(weight, nodes.d_flow[m, j], flow[power])
+                    add_scaled(weight, nodes.d_torque[m, j], whole[power])
+                own[power] = whole[power]
+                for m in range(3):
+                    add_scaled(-TO_MONOMIAL[power, m], nodes.d_spring[m, j], own[power])
 
 
 @compiled
@@ -257,9 +263,6 @@ def fill_start(model: Model, work: Work, tangents: bool) -> None:
         nodes.elastic[START, j] = state.mode[j, VOIGT]
         nodes.angle[START, j] = state.offset[j] + state.mode[j].sum()
         if tangents:
-            for c in model.columns[j]:
-                nodes.d_elastic[START, j, c] = state.d_mode[j, VOIGT, c]
-                total = state.d_offset[j, c]
-                for mode in range(state.mode.shape[1]):
-                    total += state.d_mode[j, mode, c]
-                nodes.d_angle[START, j, c] = total
+            nodes.d_elastic[START, j] = state.d_mode[j, VOIGT]
+            nodes.d_angle[START, j] = state.d_offset[j]
+            sum_modes(state.d_mode[j], nodes.d_angle[START, j])

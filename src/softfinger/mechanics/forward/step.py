@@ -26,6 +26,7 @@ from softfinger.mechanics.forward.laws import (
 )
 from softfinger.mechanics.forward.phi import DIFFERENTIATE
 from softfinger.mechanics.forward.slots import CHAIN_SLOTS
+from softfinger.mechanics.forward.tangents import add_scaled, follow_torque
 from softfinger.mechanics.forward.torque import fill_balance, turn_direction
 from softfinger.mechanics.forward.work import (
     HAS_ARM,
@@ -40,7 +41,7 @@ from softfinger.mechanics.forward.work import (
     Model,
     Work,
 )
-from softfinger.mechanics.linear import factorise_pivoted, solve_pivoted
+from softfinger.mechanics.linear import factorise_pivoted, solve_columns, solve_pivoted
 
 _WIDTH = CHAIN_SLOTS.index("friction_width")
 _DRIVER = CHAIN_SLOTS.index("friction_driver")
@@ -248,44 +249,44 @@ def _fill_tangents(model: Model, work: Work, step: float, feedback: bool) -> Non
     if feedback:
         for i in range(3):
             fill_balance(model, nodes, work.balance, i, _YES)
-    for c in range(model.d_chain.shape[0]):
-        if not feedback:  # the torque is the load
-            for i in range(3):
-                newton.right[i * joints : (i + 1) * joints] = nodes.d_load[i, c]
-        else:
-            _fill_right_side(model, work, step, c)
-            solve_pivoted(newton.matrix, newton.pivot, newton.right)
-        for j in range(joints):
-            for i in range(3):
-                nodes.d_torque[i, j, c] = newton.right[i * joints + j]
-                nodes.d_flow[i, j, c] += nodes.flow_slope[i, j] * nodes.d_torque[i, j, c]
-            for i in range(3):
-                for m in range(3):
-                    change = newton.right[m * joints + j]
-                    nodes.d_spring[i, j, c] += newton.spring_by_torque[j, i, m] * change
-                    nodes.d_angle[i, j, c] += newton.angle_by_torque[j, i, m] * change
-                    nodes.d_velocity[i, j, c] += newton.velocity_by_torque[j, i, m] * change
+    rights = newton.rights
+    if feedback:
+        _fill_right_sides(model, work, step)
+        solve_columns(newton.matrix, newton.pivot, rights)
+    else:  # the torque is the load
+        for i in range(3):
+            rights[i * joints : (i + 1) * joints] = nodes.d_load[i]
+    for j in range(joints):
+        for i in range(3):
+            nodes.d_torque[i, j] = rights[i * joints + j]
+            add_scaled(nodes.flow_slope[i, j], rights[i * joints + j], nodes.d_flow[i, j])
+        follow_torque(newton.spring_by_torque[j], rights, nodes.d_spring, j)
+        follow_torque(newton.angle_by_torque[j], rights, nodes.d_angle, j)
+        follow_torque(newton.velocity_by_torque[j], rights, nodes.d_velocity, j)
 
 
 @compiled
-def _fill_right_side(model: Model, work: Work, step: float, c: int) -> None:
-    """Write the change of the balance along column c at fixed torques."""
+def _fill_right_sides(model: Model, work: Work, step: float) -> None:
+    """Write the change of the balance along every column at fixed torques."""
     nodes, balance, newton, state = work.nodes, work.balance, work.newton, work.state
     joints = state.offset.size
     for i in range(3):
-        way = nodes.d_direction[i, c]
+        way = newton.way
+        way[:] = nodes.d_direction[i]
         if model.groups[HAS_FRICTION]:
             for n in range(4):
-                way += nodes.by_motion[i, n] * nodes.d_angle[n, :, c].sum()
+                for k in range(joints):
+                    add_scaled(nodes.by_motion[i, n], nodes.d_angle[n, k], way)
         for j in range(joints):
-            change = balance.tangent[i, j, c] + balance.by_load[i, j] * nodes.d_load[i, c]
-            change += balance.by_direction[i, j] * way
+            change = newton.rights[i * joints + j]
+            change[:] = balance.tangent[i, j]
+            add_scaled(balance.by_load[i, j], nodes.d_load[i], change)
+            add_scaled(balance.by_direction[i, j], way, change)
             for k in range(joints):
-                change += balance.by_angle[i, j, k] * nodes.d_angle[i, k, c]
+                add_scaled(balance.by_angle[i, j, k], nodes.d_angle[i, k], change)
                 if model.groups[HAS_INERTIA]:
-                    change += balance.by_velocity[i, j, k] * nodes.d_velocity[i, k, c]
+                    add_scaled(balance.by_velocity[i, j, k], nodes.d_velocity[i, k], change)
                     for n in range(3):
-                        gained = nodes.d_velocity[n, k, c] - state.d_velocity[k, c]
-                        faster = DIFFERENTIATE[i, n] / step * gained
-                        change += balance.by_acceleration[i, j, k] * faster
-            newton.right[i * joints + j] = change
+                        faster = balance.by_acceleration[i, j, k] * DIFFERENTIATE[i, n] / step
+                        add_scaled(faster, nodes.d_velocity[n, k], change)
+                        add_scaled(-faster, state.d_velocity[k], change)

@@ -144,6 +144,8 @@ class Newton(structref.StructRefProxy):
     matrix: NDArray  # (3 joint, 3 joint)
     pivot: NDArray
     right: NDArray
+    rights: NDArray  # (3 joint, column): a right side for each column
+    way: NDArray  # (column,): scratch of these
 
 
 class Work(structref.StructRefProxy):
@@ -154,7 +156,10 @@ class Work(structref.StructRefProxy):
     nodes: Nodes
     balance: Balance
     newton: Newton
-    weight: NDArray  # (drive, power): scratch of an evaluation inside the step
+    weight: NDArray  # (drive, power): scratch of an evaluation inside the step, as are
+    response: NDArray  # (mode, 6): decay, slower, unit of `mode_response`; weights of its drive
+    motion: NDArray  # (mode, 3): rate, drive, place
+    drive: NDArray  # (mode,) which drive it follows
     largest: NDArray  # (column,): the largest tangent so far
     curved: NDArray  # (1,) bool: whether drives bend between the knots of the load
 
@@ -275,8 +280,9 @@ def allocate_work(n: int, modes: int, columns: int) -> Work:
         np.zeros((n, 3, 3)), np.zeros((n, 3, 3)), np.zeros((n, 3, 3)),
         np.zeros((3, 3)), np.zeros(3),
         np.zeros((3 * n, 3 * n)), np.zeros(3 * n, np.int64), np.zeros(3 * n),
+        np.zeros((3 * n, columns)), np.zeros(columns),
     )  # fmt: skip
     return Work(
-        state, linear, nodes, balance, newton, np.zeros((3, 3)), np.zeros(columns),
-        np.zeros(1, np.bool_),
+        state, linear, nodes, balance, newton, np.zeros((3, 3)), np.zeros((modes, 6)),
+        np.zeros((modes, 3)), np.zeros(modes, np.int64), np.zeros(columns), np.zeros(1, np.bool_),
     )  # fmt: skip
