@@ -53,8 +53,7 @@ def draw_right_by_evidence(score: xr.Dataset) -> Figure:
         middle[counted], score["could_by_gain"].values[counted],
         "s--", color=GREEN, markersize=4, label="the oracle's own limit",
     )  # fmt: skip
-    ax.axvline(VISIBLE_NATS, color=RED, linewidth=0.8)
-    ax.text(VISIBLE_NATS * 1.06, 0.5, "visible from here on", color=RED, rotation=90, va="center")
+    ax.axvline(VISIBLE_NATS, color=RED, linewidth=0.8, label="visible from here on")
     ax.set(
         xscale="log",
         xlabel="oracle's evidence for what was concealed [nats]",
