@@ -78,7 +78,7 @@ concealed: setup ## the proof: a sample of campaigns with concealed physics, dia
 	$(PROOF) --config seed=$(SEED)
 	$(BIN)/python -m benchmarks._concealed results/concealed/seed_$(SEED)/benchmarks.json
 
-concealed-catalogue: setup ## every effect of the catalogue under every protocol, and pairs, diagnosed blind (an hour; SEED=1)
+concealed-catalogue: setup ## every effect of the catalogue under every protocol, and pairs, diagnosed blind (one to two hours; SEED=1)
 	$(PROOF) config/concealed_catalogue.yaml --config seed=$(SEED)
 
 concealed-long: setup ## the proof in full: 200 campaigns (hours; SEED=1)
