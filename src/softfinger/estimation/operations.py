@@ -134,7 +134,7 @@ class _Compiled(Op):
 
 
 class Multiply(_Compiled):
-    """Product of two matrices. PyTensor's own takes half a minute to compile, at every place."""
+    """Product of two matrices. PyTensor's own is slow to compile, at every place anew."""
 
     function = staticmethod(njit(_run_product))
     run = staticmethod(_run_product)
