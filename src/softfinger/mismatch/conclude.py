@@ -31,7 +31,7 @@ def conclude(
     final = search.best
     decision = choose_decision(search, posterior, findings.is_unlisted(needed))
     if decision == "unlisted" and search.best is not search.base:
-        posterior = posterior.doubt(weigh_against_shape(problem, search, findings))
+        posterior = posterior.doubt(weigh_against_shape(search, findings))
     effects = [] if decision == "adequate" else list_effects(problem, search, posterior, decision)
     if decision == "unlisted":
         effects = [effect for effect in effects if effect.probability > LIKELY]

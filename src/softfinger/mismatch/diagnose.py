@@ -12,12 +12,12 @@ from softfinger.mismatch.columns import collect_columns
 from softfinger.mismatch.conclude import conclude
 from softfinger.mismatch.config import MismatchSettings
 from softfinger.mismatch.decide import Posterior, drop_negligible, settle_search, weigh_models
-from softfinger.mismatch.findings import MISSING, Findings, examine
+from softfinger.mismatch.findings import LEAST_LEFT, MISSING, Findings, examine
 from softfinger.mismatch.masking import list_invisible, tabulate_masking
 from softfinger.mismatch.problem import Candidate, Problem, pose_problem
 from softfinger.mismatch.rank import list_pieces
 from softfinger.mismatch.rival_noise import admit_noise
-from softfinger.mismatch.search import Search, search_effects, shape_rest
+from softfinger.mismatch.search import Search, hold_against_shape, search_effects, shape_rest
 from softfinger.mismatch.verdict import Verdict
 from softfinger.progress import track_progress
 from softfinger.settings import read_settings
@@ -80,7 +80,10 @@ def diagnose(
         problem, search = admit_noise(problem, search, angles, needed)
         search = shape_rest(problem, settle_search(search))
         findings = examine(problem, search, angles, needed=needed)
-    search = drop_negligible(search)
+    found = drop_negligible(search)
+    search = hold_against_shape(problem, found, max(needed, LEAST_LEFT))
+    if search.best is not found.best:
+        findings = examine(problem, search, angles, needed=needed)
     posterior = weigh_models(search.base, search.candidates)
     masking = tabulate_masking(columns, problem, base)
     hidden = sorted({*refused, *list_invisible(masking, needed)} - search.best.model.ids)

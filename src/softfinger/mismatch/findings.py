@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from scipy.special import expit
 
-from softfinger.mismatch.free_form import FreeForm, fit_free_form
+from softfinger.mismatch.free_form import FreeForm
 from softfinger.mismatch.jumps import Jumps, find_jumps
 from softfinger.mismatch.lines import Line, find_line
 from softfinger.mismatch.problem import Candidate, Problem
@@ -85,14 +85,13 @@ def examine(problem: Problem, search: Search, angles: xr.Dataset, *, needed: flo
     return Findings(*base, *best, line, jumps, free, gain, further)
 
 
-def weigh_against_shape(problem: Problem, search: Search, findings: Findings) -> float:
+def weigh_against_shape(search: Search, findings: Findings) -> float:
     """Probability that what is missing is the best effects and a rest, and not a shape alone.
 
     What no effect explains may make effects seem to be there that only take its part. A free-form
     term on top of the base model takes it without them; both have prior ½.
     """
-    alone = fit_free_form(problem, search.base)
-    shape = search.base.log_evidence + (0.0 if alone is None else alone.gain)
+    shape = search.base.log_evidence + search.alone.gain
     rest = 0.0 if findings.free is None else findings.free.gain
     return float(expit(search.best.log_evidence + rest - shape))
 

@@ -1,8 +1,9 @@
 """What a free-form term may depend on, and the model with such a term in it.
 
 Within trials a term adds to a joint's angle a cubic B-spline of time, of the time since the last
-change of load, of the load or of the angle itself, the same in every trial. Between trials it adds
-to a joint's parameters a spline of the trial number, of the load or of a covariate.
+change of load, of the load, of the angle itself or, followed late, of its rate, the same in every
+trial. Between trials it adds to a joint's parameters a spline of the trial number, of the load or
+of a covariate.
 """
 
 from collections.abc import Callable
@@ -15,11 +16,12 @@ from scipy.interpolate import BSpline
 from softfinger.faults import Fault
 from softfinger.mismatch.locate import PARAMETERS, list_trial_covariates, time_since_change
 from softfinger.mismatch.problem import OWN, Candidate, Problem
+from softfinger.mismatch.rate_law import compute_rate_array, follow_late_array
 from softfinger.mismatch.reduce import reduce_trials
 from softfinger.mismatch.setting import load_at
 
 KNOTS = 9
-ANGLE = "angle_rad"
+ANGLE, RATE = "angle_rad", "rate_rad_per_s"
 SIZES_RAD = (0.001, 0.004, 0.016, 0.064)
 SIZES_LOG = (0.1, 0.3, 1.0)
 FEWEST = 4  # different values of a covariate
@@ -60,7 +62,8 @@ def list_terms(problem: Problem, candidate: Candidate) -> list[Term]:
     """List the terms that the recordings allow on top of a fitted model."""
     angle, _ = problem.simulate(candidate.model, candidate.fit.own, candidate.fit.shared)
     terms = []
-    for name, values in list_arguments(problem, angle).items():
+    arguments = list_arguments(problem, angle) | {RATE: compute_rate_array(problem, candidate)}
+    for name, values in arguments.items():
         low, high = float(np.nanmin(values)), float(np.nanmax(values))
         if high > low:
             terms.append(_build_within(problem, candidate, name, values, (low, high)))
@@ -102,10 +105,16 @@ def evaluate_basis_array(values: Array, derivative: int = 0) -> Array:
 def _build_within(
     problem: Problem, candidate: Candidate, name: str, values: Array, span: tuple[float, float]
 ) -> Term:
-    """Build a term of the angle: F + s(x), x being known or, for `ANGLE`, F itself."""
+    """Build a term of the angle: F + s(x), x being known or, for `ANGLE`, F itself.
+
+    For `RATE` the angle follows s(x) late, and a joint at rest is left where it is.
+    """
     joints, p = problem.trials.joints, len(candidate.fit.shared)
     width = span[1] - span[0]
     known = None if name == ANGLE else evaluate_basis_array(_scale(values, span))
+    if name == RATE:
+        at_rest = evaluate_basis_array(_scale(np.zeros(1), span))
+        known = follow_late_array(problem, candidate, known - at_rest)
 
     def linearise(own: Array, shared: Array) -> Array:
         size = own.shape[1] + len(shared) + 1

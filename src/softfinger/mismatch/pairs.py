@@ -28,6 +28,7 @@ def rank_pairs(
     origin: Candidate,
     columns: ScoreColumns,
     known: Iterable[Candidate],
+    asked: float,
     progress: Progress,
 ) -> list[Candidate]:
     """Fit the pairs of effects that score best over a fitted model, but for those known.
@@ -38,13 +39,15 @@ def rank_pairs(
         Of the catalogue, on top of the fitted model.
     known
         Pairs that were fitted before.
+    asked
+        Log evidence [nats] that a pair must reach to be believed.
     """
     before = {c.model.ids for c in known if c.fit is not None}
     best: dict[frozenset[str], Score] = {}
     for score in score_pairs(problem, origin, columns):
         best.setdefault(score.model.ids, score)
     fresh = [score for ids, score in list(best.items())[:SETS] if ids not in before]
-    return fit_scored(problem, origin, fresh, progress, find_best(known))
+    return fit_scored(problem, origin, fresh, progress, max(asked, find_best(known)))
 
 
 def score_pairs(problem: Problem, origin: Candidate, columns: ScoreColumns) -> list[Score]:

@@ -181,14 +181,14 @@ def rank_pieces(
     origin: Candidate,
     columns: ScoreColumns,
     progress: Progress,
-    known: float = -np.inf,
+    floor: float = -np.inf,
 ) -> tuple[list[Candidate], list[Score]]:
     """Score every form on top of a fitted model, and fit the promising ones; best first.
 
-    `known` as in `fit_scored`.
+    `floor` as in `fit_scored`.
     """
     scores = score_pieces(problem, origin, columns)
-    return fit_scored(problem, origin, scores, progress, known), scores
+    return fit_scored(problem, origin, scores, progress, floor), scores
 
 
 def fit_scored(
@@ -196,11 +196,12 @@ def fit_scored(
     origin: Candidate,
     scores: list[Score],
     progress: Progress,
-    known: float = -np.inf,
+    floor: float = -np.inf,
 ) -> list[Candidate]:
     """Fit every promising form among those that were scored, best first.
 
-    `known` is the best log evidence that others of their kind have reached.
+    `floor` is the log evidence [nats] below which none of them could be chosen: what others of
+    their kind have reached, or what is asked of them.
 
     Promising are the best forms of the leading effects, and every form whose score is near the best
     fit so far. Each gets a few linearisations; one that then leads goes on at once, for only a fit
@@ -209,7 +210,7 @@ def fit_scored(
     that are not fitted count by their score.
     """
     leading = set(list(dict.fromkeys(s.effect for s in scores))[:LEADING])
-    begun, candidates, best = [], [], max(origin.log_evidence, known)
+    begun, candidates, best = [], [], max(origin.log_evidence, floor)
     for score in progress(scores, "fitting effects"):
         gain = best - origin.log_evidence
         near = score.gain >= max(0.0, gain - max(NEAR, NEAR_SHARE * gain))

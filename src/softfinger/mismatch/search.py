@@ -57,7 +57,9 @@ class Search(NamedTuple):
     scores
         One-step scores of every form over the base model.
     shape
-        The last free-form term that was fitted.
+        The last free-form term that was fitted on top of effects.
+    alone
+        The best free-form term on top of the base model.
     """
 
     base: Candidate
@@ -68,6 +70,7 @@ class Search(NamedTuple):
     refused: dict[str, str]
     scores: list[Score]
     shape: Shape | None = None
+    alone: Shape | None = None
 
 
 def search_effects(
@@ -99,17 +102,18 @@ def search_effects(
         return Search(base, found, [], base, max(first_gain, 0.0), refused, scores)
     for size in range(2, MOST_EFFECTS + 1):
         larger = []
+        more = require_gain(needed, best.log_evidence - base.log_evidence, pieces)
+        asked = best.log_evidence + more
         for rival in _list_rivals(base, found, len(best.model.ids)):
-            larger += _extend(problem, rival, pieces, progress, larger)
+            larger += _extend(problem, rival, pieces, progress, max(asked, find_best(larger)))
         other = find_other_form(found, best)
         if other is not None:
             leading = keep_leading(pieces, larger, best)
-            larger += _extend(problem, other, leading, progress, larger)
+            larger += _extend(problem, other, leading, progress, max(asked, find_best(larger)))
         if size == 2:
-            larger += rank_pairs(problem, base, columns, larger, progress)
+            larger += rank_pairs(problem, base, columns, larger, asked, progress)
         fitted = [c for c in larger if c.fit is not None]
         top = max(fitted, key=lambda c: c.log_evidence, default=best)
-        more = require_gain(needed, best.log_evidence - base.log_evidence, pieces)
         gain = top.log_evidence - best.log_evidence
         if gain <= more:
             break
@@ -147,6 +151,21 @@ def shape_rest(problem: Problem, search: Search) -> Search:
     return search._replace(shape=measure_shape(problem, search.best))
 
 
+def hold_against_shape(problem: Problem, search: Search, least: float) -> Search:
+    """Hold the effects that were found against a free-form term alone.
+
+    One that gains more than they do, by `least` nats, shows something of which listed effects only
+    take the part; then it stands in their place.
+    """
+    if search.best is search.base:
+        return search
+    alone = measure_shape(problem, search.base)
+    explained = search.best.log_evidence - search.base.log_evidence
+    if alone.gain > explained + least:
+        return search._replace(best=search.base, shape=alone, alone=alone)
+    return search._replace(alone=alone)
+
+
 def _list_rivals(base: Candidate, found: list[Candidate], size: int) -> list[Candidate]:
     """Best models of the closest sets of effects of one size."""
     best: dict[frozenset[str], Candidate] = {}
@@ -164,12 +183,12 @@ def _extend(
     rival: Candidate,
     pieces: Iterable[Piece],
     progress: Progress,
-    known: list[Candidate],
+    floor: float,
 ) -> list[Candidate]:
-    """Rank every further effect on top of a fitted model, beside the sets that are known."""
+    """Rank every further effect on top of a fitted model; `floor` as in `fit_scored`."""
     more = _compatible(rival, [p for p in pieces if p.effect.id not in rival.model.ids])
     columns = collect_columns(problem, rival, progress(more, "trying effects"))
-    return rank_pieces(problem, rival, columns, progress, find_best(known))[0]
+    return rank_pieces(problem, rival, columns, progress, floor)[0]
 
 
 def _compatible(candidate: Candidate, pieces: Iterable[Piece]) -> list[Piece]:

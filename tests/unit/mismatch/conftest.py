@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.integrate import solve_ivp
 
 from softfinger.mechanics.three_element import compute_joint_angle_array
 from softfinger.mismatch import diagnose
@@ -18,11 +19,28 @@ def quiet(items, _):
     return items
 
 
+def stretch(time, load, k, c, thinning):
+    """Strain of a Voigt element whose rate r grows to r (1 + thinning |r|): pull, then release."""
+
+    def rate(_, strain, torque):
+        linear = (torque - k * strain) / c
+        return linear * (1.0 + thinning * np.abs(linear))
+
+    pulled, let_go = time <= 8.0, time > 8.0
+    accurate = {"rtol": 1e-8, "atol": 1e-10}
+    up = solve_ivp(rate, (0, 8), [0], t_eval=time[pulled], args=(load[0],), **accurate)
+    down = solve_ivp(rate, (8, time[-1]), up.y[:, -1], t_eval=time[let_go], args=(0.0,), **accurate)
+    return np.concatenate([up.y[0], down.y[0]])
+
+
 @pytest.fixture(scope="session")
 def draw_campaign():
-    """Draw a campaign of one joint whose second Voigt element carries a share of its compliance."""
+    """Draw a campaign of one joint.
 
-    def draw(seed, share, retardation_time=1.5, rho=0.3):
+    A second Voigt element carries a share of its compliance; or its damper thins: [s/rad].
+    """
+
+    def draw(seed, share, retardation_time=1.5, rho=0.3, thinning=0.0):
         rng = np.random.default_rng(seed)
         time = np.arange(FRAMES) * 0.08
         load_time = np.tile([0.0, 8.0, 8.0, 13.0], (TRIALS, 1))
@@ -42,6 +60,13 @@ def draw_campaign():
         if share > 0:
             k = np.exp(log_k) / share
             motion += compute_joint_angle_array(k, k * retardation_time, np.inf, 0.0, *series)
+        if thinning > 0:
+            k, c = np.exp(log_k), np.exp(log_c)
+            motion -= compute_joint_angle_array(k, c, np.inf, 0.0, *series)
+            motion[:, 0] += [
+                stretch(time, rows, ki, ci, thinning)
+                for rows, ki, ci in zip(load, k[:, 0], c[:, 0], strict=True)
+            ]
         noise = xr.Dataset(
             {
                 "noise_sd": ("joint", [0.002]),

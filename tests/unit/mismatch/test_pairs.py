@@ -36,8 +36,7 @@ def test_the_best_pair_holds_the_true_effect_and_known_pairs_are_not_fitted_agai
     best = model.ids
     assert "second_retardation" in best
     assert len(best) == 2
-    fitted = rank_pairs(
-        problem, base, columns, [base._replace(model=model)], lambda items, _: items
-    )
+    known = [base._replace(model=model)]
+    fitted = rank_pairs(problem, base, columns, known, base.log_evidence, lambda items, _: items)
     assert fitted
     assert best not in {candidate.model.ids for candidate in fitted}

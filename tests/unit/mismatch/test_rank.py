@@ -6,7 +6,14 @@ import pytest
 from softfinger.mechanics.effects.model import EffectModel
 from softfinger.mismatch.columns import collect_columns
 from softfinger.mismatch.problem import Candidate, pose_problem
-from softfinger.mismatch.rank import Score, fit_scored, list_pieces, rank_pieces, score_pieces
+from softfinger.mismatch.rank import (
+    LEADING,
+    Score,
+    fit_scored,
+    list_pieces,
+    rank_pieces,
+    score_pieces,
+)
 from softfinger.mismatch.search import FORM_ERROR, measure_shape, require_gain
 
 
@@ -103,3 +110,29 @@ def test_a_fit_that_does_not_rest_sets_no_measure_for_others(posed, monkeypatch)
     origin = base._replace(log_evidence=0.0)
     found = fit_scored(Misled(base.fit), origin, scores, lambda items, _: items)
     assert [(c.model, c.log_evidence) for c in found if c.fit is not None] == [("true", 80.0)]
+
+
+class Slight:
+    """A problem in which every form gains 6 nats, and says so at once."""
+
+    def __init__(self, fit):
+        self.rest, self.calls = fit._replace(log_evidence=6.0, converged=True), 0
+
+    def fit(self, model, start, **how):
+        self.calls += 1
+        return self.rest
+
+
+@pytest.mark.parametrize(("floor", "fitted"), [(-np.inf, 6), (30.0, LEADING)])
+def test_only_leading_effects_are_fitted_where_none_comes_near_what_is_asked(
+    posed, monkeypatch, floor, fitted
+):
+    _, base = posed
+    monkeypatch.setattr("softfinger.mismatch.rank.prune", lambda problem, candidate: candidate)
+    monkeypatch.setattr(Score, "effect", property(lambda score: score.model))
+    scores = [Score(name, 5.0, np.zeros(1)) for name in "abcdef"]
+    origin = base._replace(log_evidence=0.0)
+    problem = Slight(base.fit)
+    found = fit_scored(problem, origin, scores, lambda items, _: items, floor)
+    assert problem.calls == fitted
+    assert len(found) == 6
