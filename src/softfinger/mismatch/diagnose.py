@@ -12,7 +12,7 @@ from softfinger.mismatch.columns import collect_columns
 from softfinger.mismatch.conclude import conclude
 from softfinger.mismatch.config import MismatchSettings
 from softfinger.mismatch.decide import Posterior, drop_negligible, settle_search, weigh_models
-from softfinger.mismatch.findings import LEAST_LEFT, MISSING, Findings, examine
+from softfinger.mismatch.findings import MISSING, Findings, examine
 from softfinger.mismatch.masking import list_invisible, tabulate_masking
 from softfinger.mismatch.problem import Candidate, Problem, pose_problem
 from softfinger.mismatch.rank import list_pieces
@@ -81,7 +81,7 @@ def diagnose(
         search = shape_rest(problem, settle_search(search))
         findings = examine(problem, search, angles, needed=needed)
     found = drop_negligible(search)
-    search = hold_against_shape(problem, found, max(needed, LEAST_LEFT))
+    search = hold_against_shape(problem, found)
     if search.best is not found.best:
         findings = examine(problem, search, angles, needed=needed)
     posterior = weigh_models(search.base, search.candidates)

@@ -221,7 +221,7 @@ def fit_scored(
         start = origin.fit.own, score.shared, origin.fit.omega
         fit = problem.fit(score.model, start, steps=FIRST_STEPS, first=origin.fit.first)
         if fit is not None and fit.log_evidence > best:
-            fit = go_on(problem, score.model, fit, best - compete(gain))
+            fit = go_on(problem, score.model, fit, best - competing_nats(gain))
         if fit is None:
             continue
         if fit.converged:
@@ -232,7 +232,7 @@ def fit_scored(
         if fit.log_evidence < best - reach:
             candidates.append(Candidate(model, None, fit.log_evidence))
             continue
-        fit = go_on(problem, model, fit, best - compete(best - origin.log_evidence))
+        fit = go_on(problem, model, fit, best - competing_nats(best - origin.log_evidence))
         if fit is not None and fit.converged:
             candidates.append(prune(problem, Candidate(model, fit, fit.log_evidence)))
         elif fit is not None:
@@ -245,7 +245,7 @@ def find_best(candidates: Iterable[Candidate]) -> float:
     return max((c.log_evidence for c in candidates if c.fit is not None), default=-np.inf)
 
 
-def compete(gain: float) -> float:
+def competing_nats(gain: float) -> float:
     """Distance [nats] from the best model, of such a gain, within which others compete with it."""
     return max(RIVAL_NATS, RIVAL_SHARE * gain)
 

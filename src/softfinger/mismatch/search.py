@@ -17,7 +17,7 @@ from softfinger.mismatch.free_form import FreeForm, fit_free_form
 from softfinger.mismatch.other_forms import find_other_form, keep_leading, swap_forms
 from softfinger.mismatch.pairs import rank_pairs
 from softfinger.mismatch.problem import Candidate, Problem
-from softfinger.mismatch.rank import Progress, Score, compete, find_best, prune, rank_pieces
+from softfinger.mismatch.rank import Progress, Score, competing_nats, find_best, prune, rank_pieces
 from softfinger.population.mixed_effects_laplace import Fit
 
 MOST_EFFECTS = 3
@@ -151,17 +151,18 @@ def shape_rest(problem: Problem, search: Search) -> Search:
     return search._replace(shape=measure_shape(problem, search.best))
 
 
-def hold_against_shape(problem: Problem, search: Search, least: float) -> Search:
+def hold_against_shape(problem: Problem, search: Search) -> Search:
     """Hold the effects that were found against a free-form term alone.
 
-    One that gains more than they do, by `least` nats, shows something of which listed effects only
-    take the part; then it stands in their place.
+    One with which they do not compete shows something of which they only take the part; then it
+    stands in their place. A little more than they do any spline says where the evidence is large,
+    for no recording has the textbook form.
     """
     if search.best is search.base:
         return search
     alone = measure_shape(problem, search.base)
     explained = search.best.log_evidence - search.base.log_evidence
-    if alone.gain > explained + least:
+    if alone.gain > explained + competing_nats(explained):
         return search._replace(best=search.base, shape=alone, alone=alone)
     return search._replace(alone=alone)
 
@@ -174,7 +175,7 @@ def _list_rivals(base: Candidate, found: list[Candidate], size: int) -> list[Can
             best.setdefault(candidate.model.ids, candidate)
     rivals = list(best.values())[:RIVALS]
     leading = rivals[0].log_evidence
-    behind = compete(leading - base.log_evidence)
+    behind = competing_nats(leading - base.log_evidence)
     return [c for c in rivals if c.log_evidence > leading - behind]
 
 
