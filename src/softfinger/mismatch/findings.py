@@ -72,7 +72,7 @@ def examine(problem: Problem, search: Search, angles: xr.Dataset, *, needed: flo
     What `shape_rest` makes of a search is asked for.
     """
     rows = problem.trials.size[problem.trials.protocol]
-    base, best = (compute_excess(c, rows) for c in (search.base, search.best))
+    base, best = (compute_excess(c.fit, rows) for c in (search.base, search.best))
     time = angles.sel(trial=problem.trials.name)["time"].transpose("trial", "frame").values
     line = find_line(problem, compute_residual(problem, search.best, angles), time)
     free = search.shape.free

@@ -15,7 +15,12 @@ from numpy.typing import NDArray
 from softfinger.mismatch.free_form_terms import KNOTS, Term, evaluate_basis_array, list_terms
 from softfinger.mismatch.problem import LONGEST_OWN_STEP, Candidate, Problem
 from softfinger.population.mixed_effects import Prior, fit_linear
-from softfinger.population.mixed_effects_laplace import SharedBounds, centre_gram, fit_nonlinear
+from softfinger.population.mixed_effects_laplace import (
+    Fit,
+    SharedBounds,
+    centre_gram,
+    fit_nonlinear,
+)
 
 GRID = 41
 STEPS = 25  # linearisations at most
@@ -23,12 +28,26 @@ SURE_SD = 3.0  # from which a joint's spline differs from zero
 
 
 class FreeForm(NamedTuple):
-    """The best free-form term: its gain [nats], argument, and shape with its uncertainty."""
+    """The best free-form term.
+
+    Attributes
+    ----------
+    gain
+        [nats] over the model without it.
+    argument, joints
+        What it depends on, and the joints in which it differs from zero.
+    shape
+        Dataset: value, sd (quantity, place).
+    fit, prior
+        Of the model with the term; its coefficients are the last numbers of φ.
+    """
 
     gain: float
     argument: str
     joints: list[int]
     shape: xr.Dataset
+    fit: Fit
+    prior: Prior
 
 
 class Score(NamedTuple):
@@ -86,10 +105,11 @@ def settle_term(
         np.concatenate([given.high, free]),
         np.concatenate([given.step, free]),
     )
+    prior = _widen(problem, candidate, term, score.size)
     try:
         fit = fit_nonlinear(
             term.linearise,
-            _widen(problem, candidate, term, score.size),
+            prior,
             bounds,
             np.tile(LONGEST_OWN_STEP, problem.trials.joints),
             (before.own, np.concatenate([before.shared, np.zeros(term.count)]), before.omega),
@@ -100,8 +120,10 @@ def settle_term(
         return None
     gain = fit.log_evidence - before.log_evidence - sizes
     start = len(before.shared)
-    mean, covariance = fit.shared[start:], fit.shared_covariance[start:, start:]
-    return _describe(float(gain), term, mean, covariance)
+    shape = _describe(term, fit.shared[start:], fit.shared_covariance[start:, start:])
+    if term.argument == "time_since_change_s":
+        shape["place"] = problem.trials.interval * np.expm1(shape["place"])
+    return FreeForm(float(gain), term.argument, _list_joints(shape), shape, fit, prior)
 
 
 def _widen(problem: Problem, candidate: Candidate, term: Term, size: float) -> Prior:
@@ -113,24 +135,16 @@ def _widen(problem: Problem, candidate: Candidate, term: Term, size: float) -> P
     )
 
 
-def _describe(
-    gain: float, term: Term, mean: NDArray[np.float64], covariance: NDArray[np.float64]
-) -> FreeForm:
+def _describe(term: Term, mean: NDArray[np.float64], covariance: NDArray[np.float64]) -> xr.Dataset:
     grid = np.linspace(0.0, 1.0, GRID)
-    basis = evaluate_basis_array(grid)
+    basis = evaluate_basis_array(grid) - term.level
     blocks = [slice(k * KNOTS, (k + 1) * KNOTS) for k in range(len(term.labels))]
     value = np.stack([basis @ mean[b] for b in blocks])
     sd = np.stack(
         [np.sqrt(np.einsum("gk,kl,gl->g", basis, covariance[b, b], basis)) for b in blocks]
     )
     place = term.span[0] + grid * (term.span[1] - term.span[0])
-    if term.argument == "time_since_change_s":
-        place = np.expm1(place)
-    strong = np.max(np.abs(value) / np.maximum(sd, 1e-300), axis=1) > SURE_SD
-    joints = sorted(
-        {int(label.rsplit("_", 1)[1]) for label, s in zip(term.labels, strong, strict=True) if s}
-    )
-    shape = xr.Dataset(
+    return xr.Dataset(
         {
             "value": (("quantity", "place"), value, {"units": term.unit}),
             "sd": (("quantity", "place"), sd, {"units": term.unit}),
@@ -138,4 +152,10 @@ def _describe(
         coords={"quantity": term.labels, "place": place},
         attrs={"argument": term.argument},
     )
-    return FreeForm(gain, term.argument, joints, shape)
+
+
+def _list_joints(shape: xr.Dataset) -> list[int]:
+    """Joints in which a spline clearly differs from zero."""
+    size = np.abs(shape["value"]) / np.maximum(shape["sd"], 1e-300)
+    strong = shape["quantity"][(size.max("place") > SURE_SD).values].values
+    return sorted({int(str(label).rsplit("_", 1)[1]) for label in strong})

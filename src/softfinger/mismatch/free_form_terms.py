@@ -43,6 +43,8 @@ class Term(NamedTuple):
     linearise
         η (trial, d), φ and coefficients (p + `count`,) → Gram matrices of [∂F/∂η | ∂F/∂φ, … |
         residual], whitened; NaN where there is no motion.
+    level
+        (KNOTS,), or 0: the basis where the term adds nothing, which is taken off everywhere.
     """
 
     argument: str
@@ -51,6 +53,7 @@ class Term(NamedTuple):
     unit: str
     sizes: tuple[float, ...]
     linearise: Callable[[Array, Array], Array]
+    level: Array | float = 0.0
 
     @property
     def count(self) -> int:
@@ -112,9 +115,10 @@ def _build_within(
     joints, p = problem.trials.joints, len(candidate.fit.shared)
     width = span[1] - span[0]
     known = None if name == ANGLE else evaluate_basis_array(_scale(values, span))
+    level = 0.0
     if name == RATE:
-        at_rest = evaluate_basis_array(_scale(np.zeros(1), span))
-        known = follow_late_array(problem, candidate, known - at_rest)
+        level = evaluate_basis_array(_scale(np.zeros(()), span))
+        known = follow_late_array(problem, candidate, known - level)
 
     def linearise(own: Array, shared: Array) -> Array:
         size = own.shape[1] + len(shared) + 1
@@ -134,7 +138,7 @@ def _build_within(
         return reduce_trials(problem.trials, moved, np.concatenate([slope, columns], axis=3))
 
     labels = [f"joint_angle_{j + 1}" for j in range(joints)]
-    return Term(name, span, labels, "rad", SIZES_RAD, linearise)
+    return Term(name, span, labels, "rad", SIZES_RAD, linearise, level)
 
 
 def _scale(values: Array, span: tuple[float, float]) -> Array:

@@ -9,7 +9,9 @@ import xarray as xr
 from softfinger.mechanics.effects.model_file import FittedTo, ModelFile, describe_model
 from softfinger.mismatch.diagnose import Diagnosis
 from softfinger.mismatch.evidence import tabulate_location, tabulate_ranking
+from softfinger.mismatch.free_form import FreeForm
 from softfinger.mismatch.repair import measure_repair
+from softfinger.mismatch.summary import compare_elpd, compute_excess
 
 
 def tabulate_diagnosis(
@@ -48,15 +50,38 @@ def tabulate_diagnosis(
 
 def tabulate_free_form(diagnosis: Diagnosis) -> xr.Dataset:
     """Tabulate the shape of what no effect explains; without any quantity where none is needed."""
-    free = diagnosis.findings.free
+    free, nan = diagnosis.findings.free, float("nan")
     if free is not None and diagnosis.verdict.free_form is not None:
-        return free.shape.assign_attrs(argument=free.argument, gain_nats=free.gain)
+        shape = free.shape.assign_attrs(argument=free.argument, gain_nats=free.gain)
+        return shape.assign(measure_free_form(diagnosis, free))
     empty = np.zeros((0, 0))
     return xr.Dataset(
-        {"value": (("quantity", "place"), empty), "sd": (("quantity", "place"), empty)},
+        {"value": (("quantity", "place"), empty), "sd": (("quantity", "place"), empty)}
+        | dict.fromkeys(("elpd_difference", "elpd_se", "excess", "excess_without"), ((), nan)),
         coords={"quantity": np.array([], dtype=str), "place": np.zeros(0)},
         attrs={"argument": "", "gain_nats": 0.0},
     )
+
+
+def measure_free_form(diagnosis: Diagnosis, free: FreeForm) -> dict[str, float]:
+    """Measure what a free-form term does to the fit and to the prediction of left-out trials.
+
+    Returns
+    -------
+    dict
+        elpd_difference, elpd_se [nats], NaN for a single trial; excess, excess_without: of the
+        variance within trials, over the noise's.
+    """
+    problem, best = diagnosis.problem, diagnosis.search.best
+    without = best.fit, problem.build_prior(best.model)
+    elpd = compare_elpd(problem, without, (free.fit, free.prior))
+    rows = problem.trials.size[problem.trials.protocol]
+    return {
+        "elpd_difference": float("nan") if elpd is None else elpd.difference,
+        "elpd_se": float("nan") if elpd is None else elpd.se,
+        "excess": compute_excess(free.fit, rows)[0],
+        "excess_without": compute_excess(best.fit, rows)[0],
+    }
 
 
 def describe_repair(diagnosis: Diagnosis, fitted_to: FittedTo) -> ModelFile:

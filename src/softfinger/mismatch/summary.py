@@ -8,6 +8,8 @@ from scipy.stats import norm
 from softfinger.mismatch.locate import PARAMETERS
 from softfinger.mismatch.problem import OWN, Candidate, Problem, predict_frames
 from softfinger.mismatch.verdict import Elpd
+from softfinger.population.mixed_effects import Prior
+from softfinger.population.mixed_effects_laplace import Fit
 from softfinger.population.mixed_effects_loo import compute_left_out
 
 NOISE_VARIANCE_SD = 0.02  # how well a bin's noise variance is known, relatively
@@ -28,13 +30,19 @@ def compute_residual(
 
 def compute_elpd(problem: Problem, base: Candidate, final: Candidate) -> Elpd | None:
     """Leave-one-trial-out elpd of two fits; None for a single trial."""
+    before, after = ((c.fit, problem.build_prior(c.model)) for c in (base, final))
+    return compare_elpd(problem, before, after)
+
+
+def compare_elpd(
+    problem: Problem, before: tuple[Fit, Prior], after: tuple[Fit, Prior]
+) -> Elpd | None:
+    """Leave-one-trial-out elpd of two fits with their priors; None for a single trial."""
     trials = problem.trials
     if len(trials.name) < 2:
         return None
     rows, logdet = trials.size[trials.protocol], trials.logdet[trials.protocol]
-    before, after = (
-        compute_left_out(c.fit, problem.build_prior(c.model), rows, logdet) for c in (base, final)
-    )
+    before, after = (compute_left_out(*fitted, rows, logdet) for fitted in (before, after))
     difference = after - before
     return Elpd(
         baseline=float(before.sum()),
@@ -81,20 +89,20 @@ def compare_parameters(problem: Problem, base: Candidate, final: Candidate) -> x
     )
 
 
-def compute_excess(candidate: Candidate, rows: NDArray[np.int64]) -> tuple[float, float]:
+def compute_excess(fit: Fit, rows: NDArray[np.int64]) -> tuple[float, float]:
     """Excess of χ² within trials over its expectation, per number, and its p-value.
 
     Each trial's residual is taken perpendicular to what its own parameters could still take up, so
     the population has no part in it.
     """
-    d = len(candidate.fit.omega)
+    d = len(fit.omega)
     square, freedom = 0.0, 0
-    for gram, n in zip(candidate.fit.gram, rows, strict=True):
+    for gram, n in zip(fit.gram, rows, strict=True):
         own, cross = gram[:d, :d], gram[:d, -1]
         rank = int(np.linalg.matrix_rank(own, tol=1e-9 * np.trace(own), hermitian=True))
         square += gram[-1, -1] - cross @ np.linalg.pinv(own, rcond=1e-9, hermitian=True) @ cross
         freedom += n - rank
-    freedom = max(freedom - len(candidate.fit.shared), 1)
+    freedom = max(freedom - len(fit.shared), 1)
     excess = square / freedom - 1.0
     sd = np.hypot(np.sqrt(2.0 / freedom), NOISE_VARIANCE_SD)
     return float(excess), float(norm.sf(excess / sd))

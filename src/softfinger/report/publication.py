@@ -16,6 +16,7 @@ from softfinger.report.formatting import format_measure, format_number, format_p
 from softfinger.report.material import Artifact, Material
 from softfinger.report.pictures import fit, mismatch, population, recordings, spread
 from softfinger.report.pictures.assumptions import picture_assumptions
+from softfinger.report.pictures.free_form import picture_free_form
 from softfinger.report.sections.parameters import each_parameter, explain_rivals, list_rivals
 
 PICTURES: dict[str, Callable[[Material], Picture | None]] = {
@@ -36,6 +37,7 @@ PICTURES: dict[str, Callable[[Material], Picture | None]] = {
     "ranking": mismatch.picture_ranking,
     "location": mismatch.picture_location,
     "masking": mismatch.picture_masking,
+    "free_form": picture_free_form,
     "prior_predictive": fit.picture_prior,
     "sampling": fit.picture_sampling,
     "assumptions": picture_assumptions,
@@ -82,7 +84,10 @@ def build_picture(
         raise Fault(f"there is no figure '{name}'; there are: {', '.join(PICTURES)}")
     picture = PICTURES[name](Material(artifacts, read_config(config), config))
     if picture is None:
-        raise Fault(f"figure '{name}' shows an artifact that was not made; run its rule first")
+        raise Fault(
+            f"figure '{name}' has nothing to show: its artifact is empty, or was not made; then "
+            "run its rule first"
+        )
     return picture
 
 

@@ -103,3 +103,9 @@ def named(recorded):
 @pytest.fixture(scope="session")
 def clean(draw_campaign):
     return diagnose(draw_campaign(2, 0.0), CONFIG, 5, quiet)
+
+
+@pytest.fixture(scope="session")
+def thinned(draw_campaign):
+    """Diagnose a campaign whose damper thins: no effect of the list, but several take its part."""
+    return diagnose(draw_campaign(2, 0.0, thinning=0.3), CONFIG, 5, quiet)

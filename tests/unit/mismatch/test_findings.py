@@ -24,12 +24,6 @@ def wavy(draw_campaign):
     return diagnose(moved, CONFIG, 5, lambda items, _: items)
 
 
-@pytest.fixture(scope="module")
-def thinned(draw_campaign):
-    """Diagnose a campaign whose damper thins: no effect of the list, but several take its part."""
-    return diagnose(draw_campaign(2, 0.0, thinning=0.3), CONFIG, 5, lambda items, _: items)
-
-
 def test_effects_that_only_take_the_part_of_a_shape_are_not_stated(wavy):
     assert wavy.verdict.decision == "unlisted"
     assert wavy.search.first_gain > 10.0
@@ -44,7 +38,9 @@ def test_a_damper_that_thins_is_unlisted_and_shown_to_depend_on_the_rate(thinned
     assert thinned.verdict.effects == []
     assert thinned.verdict.free_form.argument == "rate_rad_per_s"
     shape = thinned.findings.free.shape["value"][0]
-    # s ∝ r |r|: an odd curve that rises at both ends
+    # s ∝ r |r|: an odd curve that rises at both ends, and nothing at rest
+    assert thinned.findings.free.joints == [1]
+    assert abs(float(shape.interp(place=0.0))) < 1e-3
     assert shape[-1] > 0.001
     assert shape[0] < -0.001
 

@@ -3,7 +3,7 @@ import pytest
 import xarray as xr
 from scipy.signal import detrend
 
-from softfinger.mismatch.free_form import fit_free_form, score_term
+from softfinger.mismatch.free_form import fit_free_form, score_term, settle_term
 from softfinger.mismatch.free_form_terms import list_terms
 from softfinger.mismatch.problem import Candidate, pose_problem
 from softfinger.population.simulate import build_recording, draw_angles, draw_parameters
@@ -65,6 +65,16 @@ def test_a_shape_in_time_is_found_in_size(step):
     wanted = 0.006 * np.sin(2 * np.pi * within["place"] / 8.0)
     # stiffness and flow swallow a constant and a line
     assert np.corrcoef(detrend(within.values), detrend(wanted.values))[0, 1] > 0.9
+
+
+def test_a_shape_in_the_time_since_the_load_changed_stands_at_its_seconds(step):
+    """One load from the start: both times are the same."""
+    problem, base = pose(step)
+    term = next(t for t in list_terms(problem, base) if t.argument == "time_since_change_s")
+    score = max(score_term(problem, base, term), key=lambda s: s.gain)
+    place = settle_term(problem, base, score).shape["place"]
+    last = float(problem.trials.node.max())
+    np.testing.assert_allclose(place[[0, -1]], [0.0, last], atol=0.1)
 
 
 def test_products_of_a_term_are_its_derivatives(step):

@@ -6,7 +6,11 @@ import pytest
 from softfinger.artifacts.spec import list_faults
 from softfinger.artifacts.specs import free_form, location, masking, ranking, repair
 from softfinger.mechanics.effects.model_file import FittedTo, build_model
-from softfinger.mismatch.outcome import describe_repair, tabulate_diagnosis
+from softfinger.mismatch.outcome import (
+    describe_repair,
+    tabulate_diagnosis,
+    tabulate_free_form,
+)
 
 SPECS = {spec.SPEC.name: spec.SPEC for spec in (ranking, location, masking, repair, free_form)}
 CONFIG = {
@@ -92,3 +96,11 @@ def test_without_left_out_physics_nothing_is_repaired(clean, draw_campaign):
     assert found["free_form"].sizes["quantity"] == 0
     np.testing.assert_array_equal(found["repair"]["bias"], 0.0)
     assert describe_repair(clean, FittedTo(campaign="a", sha256="0" * 64)).effects == []
+
+
+def test_a_free_form_term_improves_the_prediction_of_left_out_trials(thinned):
+    found = tabulate_free_form(thinned)
+    assert list_faults(free_form.SPEC, found.assign_attrs(campaign="drawn", source="")) == []
+    assert float(found["elpd_difference"]) == pytest.approx(found.attrs["gain_nats"], rel=0.5)
+    assert float(found["elpd_difference"]) > float(found["elpd_se"]) > 0
+    assert float(found["excess"]) < 0.1 < float(found["excess_without"])

@@ -3,7 +3,8 @@
 import numpy as np
 import xarray as xr
 
-from softfinger.artifacts.specs import location, masking, ranking, repair
+from softfinger.artifacts.spec import list_faults
+from softfinger.artifacts.specs import free_form, location, masking, ranking, repair
 
 NAMES = ["second_retardation", "wire_friction", "gravity"]
 LABELS = {
@@ -85,6 +86,28 @@ def make_repair(joints, trials, attrs):
     )
 
 
+def make_free_form(joints, attrs):
+    place = np.linspace(-1.0, 2.0, 41)
+    value = 0.002 * np.outer(np.arange(1, len(joints) + 1), place * np.abs(place))
+    measured = {
+        "elpd_difference": 101.0,
+        "elpd_se": 12.0,
+        "excess": 0.01,
+        "excess_without": 0.4,
+    }
+    shape = xr.Dataset(
+        {
+            "value": (("quantity", "place"), value),
+            "sd": (("quantity", "place"), 0.0003 * (1 + np.abs(value) / 0.004)),
+            **measured,
+        },
+        coords={"quantity": [f"joint_angle_{j}" for j in joints], "place": place},
+        attrs={**attrs, "argument": "rate_rad_per_s", "gain_nats": 119.0},
+    )
+    assert list_faults(free_form.SPEC, shape) == []
+    return shape
+
+
 def make_diagnosis(angles):
     joints, trials = angles["joint"].values, angles["trial"].values
     attrs = {"campaign": "example", "source": "synthetic", "decision": "named"}
@@ -97,5 +120,6 @@ def make_diagnosis(angles):
         "location": fill(location.SPEC, joints, trials, attrs),
         "masking": fill(masking.SPEC, joints, trials, attrs),
         "repair": make_repair(joints, trials, attrs | more),
+        "free_form": make_free_form(joints, attrs),
         "verdict": VERDICT,
     }

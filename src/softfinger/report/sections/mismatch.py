@@ -34,6 +34,7 @@ from softfinger.report.pictures.mismatch import (
     picture_ranking,
     picture_repair,
 )
+from softfinger.report.sections.unlisted import describe_unlisted
 
 DECISIONS = {
     "adequate": "Nothing is missing that these recordings could show.",
@@ -61,6 +62,7 @@ def build_mismatch(material: Material) -> Section:
         return Section("mismatch", title, (Paragraph(NOT_RUN, "note"),))
     verdict = material.artifacts["verdict"]
     blocks: list[Block] = [Paragraph(sentence) for sentence in state_verdict(verdict)]
+    blocks += describe_unlisted(material)
     seen = [picture_repair(material), picture_ranking(material)]
     blocks += [picture for picture in seen if picture is not None]
     blocks += build_effect_tables(verdict)

@@ -1,0 +1,114 @@
+"""What no listed effect explains: where it shows, on what it depends, and its shape."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from softfinger.report.blocks import Block, Paragraph
+from softfinger.report.formatting import (
+    count_things,
+    format_measure,
+    format_number,
+    format_percent,
+    join_words,
+)
+from softfinger.report.material import Material
+from softfinger.report.pictures.free_form import picture_free_form
+
+SEEN = 0.05  # p-value from which the misfit is said to show in a joint, or as a spectral line
+ARGUMENTS = {
+    "time_s": "time",
+    "time_since_change_s": "the time since the load changed",
+    "load": "the load",
+    "angle_rad": "the joint's angle",
+    "rate_rad_per_s": "the rate at which the joint moves, which the angle follows late",
+    "trial_number": "the number of trials before",
+    "rest_s": "the rest before the trial",
+    "largest_load": "the trial's largest load",
+    "largest_load_before": "the largest load of the trial before",
+}
+
+
+def describe_unlisted(material: Material) -> list[Block]:
+    """Say of an `unlisted` misfit where it shows and on what it depends, and draw its shape."""
+    verdict = material.artifacts["verdict"]
+    if verdict["decision"] != "unlisted":
+        return []
+    sentences = [state_location(verdict["location"])] if verdict["location"] else []
+    if "location" in material and float(material.get("location")["line_p_value"]) < SEEN:
+        sentences.append(state_line(material.get("location")))
+    picture = picture_free_form(material)
+    if picture is not None:
+        joints = verdict["free_form"]["joints"] if verdict["free_form"] else []
+        sentences.append(state_free_form(material.get("free_form"), joints))
+    blocks: list[Block] = [Paragraph(sentence) for sentence in sentences]
+    return blocks if picture is None else [*blocks, picture]
+
+
+def state_location(location: Mapping[str, Any]) -> str:
+    """State where a misfit shows."""
+    where = name_joints(sorted(int(j) for j, p in location["joints"].items() if p < SEEN))
+    if location["level"] == "between_trials":
+        return f"It shows between trials{where}, with {name_argument(location['covariate'])}."
+    if location["trials"]:
+        names = join_words(location["trials"])
+        count = count_things(len(location["trials"]), "trial")
+        return f"It shows as jumps of the recording{where}, in {count}: {names}."
+    if location["times_s"]:
+        first, last = (format_number(time) for time in location["times_s"])
+        return f"It shows within trials{where}, {first} s to {last} s after the load changed."
+    return f"It shows within trials{where}."
+
+
+def state_line(location: xr.Dataset) -> str:
+    """State the spectral line that stands out of what is left."""
+    joint = int(location["line_joint"])
+    where = f"joint {joint}" if joint else "all joints, as the load moves them"
+    frequency = format_number(float(location["line_frequency"]))
+    return f"A spectral line at {frequency} Hz stands out of what is left, in {where}."
+
+
+def state_free_form(free_form: xr.Dataset, joints: list[int]) -> str:
+    """State on what the misfit depends, and what the free-form term does for the fit.
+
+    `joints` are those in which its curve clearly differs from zero.
+    """
+    before, after = (float(free_form[name]) for name in ("excess_without", "excess"))
+    difference, se = (float(free_form[name]) for name in ("elpd_difference", "elpd_se"))
+    gain = format_number(float(free_form.attrs["gain_nats"]))
+    score = (
+        ""
+        if np.isnan(difference)
+        else " Leave-one-trial-out log score, with it minus without: "
+        f"{format_measure(difference, se)} nats."
+    )
+    return (
+        f"It depends on {name_argument(str(free_form.attrs['argument']))}: a free-form curve of "
+        f"that{name_joints(joints)} gains {gain} nats.{score} What is left within trials exceeds "
+        f"the noise's variance by {format_percent(after)} with it and by {format_percent(before)} "
+        "without. The curve is in the next figure, and as numbers in the artifact free_form: a "
+        "start for an effect of your own."
+    )
+
+
+def name_joints(joints: list[int]) -> str:
+    """Name joints in words that follow others.
+
+    >>> name_joints([2]), name_joints([1, 3]), name_joints([])
+    (' in joint 2', ' in joints 1 and 3', '')
+    """
+    words = join_words([str(joint) for joint in joints])
+    return f" in {'joint' if len(joints) == 1 else 'joints'} {words}" if joints else ""
+
+
+def name_argument(argument: str) -> str:
+    """Name what a free-form term depends on, in words.
+
+    >>> name_argument("humidity_pct")
+    'humidity pct'
+    """
+    return ARGUMENTS.get(argument, argument.replace("_", " "))
