@@ -2,7 +2,6 @@
 
 from typing import NamedTuple
 
-import numpy as np
 import xarray as xr
 from scipy.special import expit
 
@@ -10,13 +9,11 @@ from softfinger.mismatch.free_form import FreeForm
 from softfinger.mismatch.jumps import Jumps, find_jumps
 from softfinger.mismatch.lines import Line, find_line
 from softfinger.mismatch.problem import Candidate, Problem
-from softfinger.mismatch.search import Search
+from softfinger.mismatch.search import Search, allow_rest
 from softfinger.mismatch.summary import compute_excess, compute_residual
 
 MISSING = 1e-3  # p-value of a misfit from which something is missing
 SCATTER_LEFT = 0.5  # of the excess: with more scatter than that left, effects are not it
-SHAPE_LEFT = 0.25  # of what effects gain: with more than that left to a shape, they are not it
-LEAST_LEFT = float(np.log(10 / 0.01))  # nats that ten such terms exceed by chance in 1 %
 
 
 class Findings(NamedTuple):
@@ -62,8 +59,7 @@ class Findings(NamedTuple):
         """
         scatter = self.best_p < MISSING
         scatter &= self.best_excess > SCATTER_LEFT * max(self.base_excess, 0.0)
-        least = max(needed, LEAST_LEFT, SHAPE_LEFT * self.gain)
-        return bool(scatter or self.left > least)
+        return bool(scatter or self.left > allow_rest(self.gain, needed))
 
 
 def examine(problem: Problem, search: Search, angles: xr.Dataset, *, needed: float) -> Findings:

@@ -69,9 +69,10 @@ def admit_noise(
     size = len(best.model.ids)
     kept = [c for c in rest if len(c.model.ids) <= max(size, len(base.model.ids) + 1)]
     first_gain = max(best.log_evidence - base.log_evidence, 0.0)
-    shape = search.shape if best_problem is problem else None
+    if best_problem is not problem:
+        search = search._replace(shape=None, alone=None)
     return best_problem, search._replace(
-        base=base, candidates=kept, rejected=[], best=best, first_gain=first_gain, shape=shape
+        base=base, candidates=kept, rejected=[], best=best, first_gain=first_gain
     )
 
 

@@ -17,11 +17,21 @@ from softfinger.mismatch.free_form import FreeForm, fit_free_form
 from softfinger.mismatch.other_forms import find_other_form, keep_leading, swap_forms
 from softfinger.mismatch.pairs import rank_pairs
 from softfinger.mismatch.problem import Candidate, Problem
-from softfinger.mismatch.rank import Progress, Score, competing_nats, find_best, prune, rank_pieces
+from softfinger.mismatch.rank import (
+    RIVAL_NATS,
+    Progress,
+    Score,
+    competing_nats,
+    find_best,
+    prune,
+    rank_pieces,
+)
 from softfinger.population.mixed_effects_laplace import Fit
 
 MOST_EFFECTS = 3
 FORM_ERROR = 0.005  # of what effects explain: what their textbook forms may leave to others
+SHAPE_LEFT = 0.25  # of what effects gain: with more than that left to a shape, they are not it
+LEAST_LEFT = float(np.log(10 / 0.01))  # nats that ten such terms exceed by chance in 1 %
 RIVALS = 2  # sets of effects from which a further effect is tried
 
 
@@ -94,7 +104,7 @@ def search_effects(
     """
     pieces, refused = catalogue
     singles, scores = rank_pieces(problem, base, columns, progress)
-    found, larger, shape = list(singles), [], None
+    found, larger, shape, alone = list(singles), [], None, None
     fitted = [c for c in singles if c.fit is not None]
     best = max(fitted, key=lambda c: c.log_evidence, default=base)
     first_gain = best.log_evidence - base.log_evidence
@@ -102,12 +112,20 @@ def search_effects(
         return Search(base, found, [], base, max(first_gain, 0.0), refused, scores)
     for size in range(2, MOST_EFFECTS + 1):
         larger = []
-        more = require_gain(needed, best.log_evidence - base.log_evidence, pieces)
+        explained = best.log_evidence - base.log_evidence
+        if len(best.model.ids - base.model.ids) == MOST_EFFECTS - 1:
+            # a last effect that gains more than this is too much for two to leave: unlisted
+            most = allow_rest(explained, needed)
+            shape, alone = measure_shape(problem, best), measure_shape(problem, base)
+            if shape.gain > most or _excels(alone, explained + most):
+                break
+        more = require_gain(needed, explained, pieces)
         asked = best.log_evidence + more
         for rival in _list_rivals(base, found, len(best.model.ids)):
-            larger += _extend(problem, rival, pieces, progress, max(asked, find_best(larger)))
+            if size == 2 or _can_lead(rival, best, larger):
+                larger += _extend(problem, rival, pieces, progress, max(asked, find_best(larger)))
         other = find_other_form(found, best)
-        if other is not None:
+        if other is not None and (size == 2 or _can_lead(other, best, larger)):
             leading = keep_leading(pieces, larger, best)
             larger += _extend(problem, other, leading, progress, max(asked, find_best(larger)))
         if size == 2:
@@ -117,7 +135,8 @@ def search_effects(
         gain = top.log_evidence - best.log_evidence
         if gain <= more:
             break
-        shape = measure_shape(problem, best)
+        if shape is None or shape.fit is not best.fit:
+            shape = measure_shape(problem, best)
         if gain <= shape.gain:
             break
         found += larger
@@ -126,7 +145,7 @@ def search_effects(
         top = max((top, *found), key=lambda c: c.log_evidence if c.fit is not None else -np.inf)
         best = _eliminate(problem, top, more, found)
     found.sort(key=lambda c: -c.log_evidence)
-    return Search(base, found, larger, best, first_gain, refused, scores, shape)
+    return Search(base, found, larger, best, first_gain, refused, scores, shape, alone)
 
 
 def require_gain(needed: float, explained: float, pieces: list[Piece]) -> float:
@@ -137,6 +156,11 @@ def require_gain(needed: float, explained: float, pieces: list[Piece]) -> float:
     """
     effects = len({piece.effect.id for piece in pieces})
     return needed + float(np.log(max(effects, 1))) + FORM_ERROR * max(explained, 0.0)
+
+
+def allow_rest(explained: float, needed: float) -> float:
+    """Evidence [nats] that effects which explain so much may leave to a shape, a line or jumps."""
+    return max(needed, LEAST_LEFT, SHAPE_LEFT * explained)
 
 
 def measure_shape(problem: Problem, candidate: Candidate) -> Shape:
@@ -160,11 +184,15 @@ def hold_against_shape(problem: Problem, search: Search) -> Search:
     """
     if search.best is search.base:
         return search
-    alone = measure_shape(problem, search.base)
-    explained = search.best.log_evidence - search.base.log_evidence
-    if alone.gain > explained + competing_nats(explained):
+    alone = search.alone or measure_shape(problem, search.base)
+    if _excels(alone, search.best.log_evidence - search.base.log_evidence):
         return search._replace(best=search.base, shape=alone, alone=alone)
     return search._replace(alone=alone)
+
+
+def _excels(shape: Shape, explained: float) -> bool:
+    """Whether effects that explain so much do not compete with a free-form term."""
+    return shape.gain > explained + competing_nats(explained)
 
 
 def _list_rivals(base: Candidate, found: list[Candidate], size: int) -> list[Candidate]:
@@ -177,6 +205,12 @@ def _list_rivals(base: Candidate, found: list[Candidate], size: int) -> list[Can
     leading = rivals[0].log_evidence
     behind = competing_nats(leading - base.log_evidence)
     return [c for c in rivals if c.log_evidence > leading - behind]
+
+
+def _can_lead(rival: Candidate, best: Candidate, larger: list[Candidate]) -> bool:
+    """Whether a set is no farther behind the best than a further effect brings the best ahead."""
+    behind = best.log_evidence - rival.log_evidence
+    return behind <= max(find_best(larger) - best.log_evidence, RIVAL_NATS)
 
 
 def _extend(

@@ -1,0 +1,37 @@
+"""How a free-form term stands against the listed effects that were found."""
+
+import pytest
+
+from softfinger.mismatch.search import Shape, allow_rest, hold_against_shape
+
+
+def hold(named, gain):
+    """Hold what was found, which explains 100 nats, against a shape alone of some gain."""
+    found = named.search
+    base, best = (
+        c._replace(log_evidence=evidence)
+        for c, evidence in ((found.base, 0.0), (found.best, 100.0))
+    )
+    free = named.search.shape.free or named.search.alone.free
+    alone = Shape(base.fit, free._replace(gain=gain))
+    search = found._replace(base=base, best=best, alone=alone)
+    return search, hold_against_shape(named.problem, search)
+
+
+@pytest.mark.parametrize("gain", [60.0, 105.0, 114.0])
+def test_effects_stay_where_a_shape_alone_says_little_more(named, gain):
+    search, held = hold(named, gain)
+    assert held.best is search.best
+    assert held.shape is search.shape
+
+
+def test_a_shape_alone_that_says_clearly_more_takes_the_place_of_effects(named):
+    search, held = hold(named, 116.0)
+    assert held.best is search.base
+    assert held.shape is held.alone is search.alone
+
+
+def test_what_effects_may_leave_grows_with_what_they_explain():
+    assert allow_rest(1000.0, 5.0) == 250.0
+    assert allow_rest(4.0, 9.0) == 9.0
+    assert 6.9 < allow_rest(4.0, 5.0) < 7.0
