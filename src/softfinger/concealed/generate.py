@@ -20,7 +20,7 @@ from softfinger.concealed.setting import (
     record_cleanly,
     set_strengths,
 )
-from softfinger.concealed.strength import place_strength
+from softfinger.concealed.strength import place_strengths
 from softfinger.concealed.suite import CaseSpec
 from softfinger.concealed.writer import Film, write_campaign
 
@@ -80,11 +80,8 @@ def _place_strengths(spec: CaseSpec, setting: Setting) -> tuple[dict[str, float]
     """Strength of every effect, and the gain [nats] that it was aimed at where it was drawn."""
     if spec.strengths:
         return dict(zip(spec.effects, spec.strengths, strict=True)), {}
-    placed = {
-        name: place_strength(name, setting, quantile)
-        for name, quantile in zip(spec.effects, spec.quantiles, strict=True)
-    }
-    return tuple({name: pair[k] for name, pair in placed.items()} for k in (0, 1))
+    places = dict(zip(spec.effects, spec.quantiles, strict=True))
+    return place_strengths(places, setting, even=spec.even)
 
 
 def compute_truth(

@@ -79,14 +79,26 @@ def calibrate_strength(effect: str, setting: Setting, target: float, reach: floa
     return float(np.exp(at))
 
 
-def place_strength(effect: str, setting: Setting, quantile: float) -> tuple[float, float]:
-    """Strength at a place between one nat and the reach, and the gain [nats] aimed at.
+def place_strengths(
+    places: dict[str, float], setting: Setting, *, even: bool = False
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Strength of every effect, and the gain [nats] aimed at, alone.
 
-    Where even the largest strength does not reach a nat, it is the largest.
+    Parameters
+    ----------
+    places : dict of float
+        For every effect its place, from 0 to 1 on a logarithmic scale, between one nat and its
+        reach; below 0: its strength is zero. Where even the largest strength does not reach a nat,
+        it is the largest.
+    even : bool
+        The smallest reach of them counts for all, so that none drowns another.
     """
-    if quantile < 0.0:
-        return 0.0, 0.0
-    reach = find_reach(effect, setting)
-    top = np.clip(reach, LEAST_NATS, MOST_NATS)
-    target = float(LEAST_NATS * (top / LEAST_NATS) ** quantile)
-    return calibrate_strength(effect, setting, target, reach), target
+    drawn = [name for name, place in places.items() if place >= 0.0]
+    reach = {name: find_reach(name, setting) for name in drawn}
+    tops = {name: min(reach.values()) if even else reach[name] for name in drawn}
+    strengths, aims = dict.fromkeys(places, 0.0), dict.fromkeys(places, 0.0)
+    for name in drawn:
+        top = np.clip(tops[name], LEAST_NATS, MOST_NATS)
+        aims[name] = float(LEAST_NATS * (top / LEAST_NATS) ** places[name])
+        strengths[name] = calibrate_strength(name, setting, aims[name], reach[name])
+    return strengths, aims

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import combinations, product
 from typing import Literal
 
@@ -37,6 +37,8 @@ class CaseSpec:
         For every effect its strength's place, from 0 to 1 on a logarithmic scale, between a gain of
         one nat and the largest gain that the oracle can reach with it in this campaign; −1: the
         strength is zero, so that the control is clean although an effect was asked for.
+    even
+        The smallest of its effects' largest gains counts for all of them.
     filmed
         Recorded as raw video, not as angles.
     strengths
@@ -51,6 +53,7 @@ class CaseSpec:
     trials: int
     noise: NoiseKind
     filmed: bool = False
+    even: bool = False
     strengths: tuple[float, ...] = ()
 
     def to_json(self) -> dict:
@@ -95,7 +98,8 @@ def draw_catalogue(seed: int, n: int, *, longest: int = max(TRIALS)) -> list[Cas
     """Draw every effect of the catalogue under every protocol, and then pairs of effects.
 
     Each as strong as the upper quarter of what the oracle can reach with it, on a logarithmic
-    scale; what the protocol hides stays hidden.
+    scale; what the protocol hides stays hidden. In a pair the weaker one's reach counts for both,
+    for beside an effect of thousands of nats one of twenty is not plainly visible.
 
     Parameters
     ----------
@@ -115,7 +119,8 @@ def draw_catalogue(seed: int, n: int, *, longest: int = max(TRIALS)) -> list[Cas
     protocols = [protocol for _, protocol in singles] + _take_turns(PROTOCOLS, len(pairs), rng)
     places = [tuple(float(rng.uniform(PLAIN, 1.0)) for _ in effects) for effects in sets]
     noises, lengths = _take_turns(NOISE_KINDS, n, rng), _take_turns(TRIALS, n, rng)
-    return _build_cases(sets, places, protocols, noises, lengths, set(), longest, rng)
+    suite = _build_cases(sets, places, protocols, noises, lengths, set(), longest, rng)
+    return [replace(spec, even=True) for spec in suite]
 
 
 def draw_suite(
