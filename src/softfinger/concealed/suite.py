@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
 from itertools import combinations, product
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -119,8 +120,8 @@ def draw_catalogue(seed: int, n: int, *, longest: int = max(TRIALS)) -> list[Cas
     protocols = [protocol for _, protocol in singles] + _take_turns(PROTOCOLS, len(pairs), rng)
     places = [tuple(float(rng.uniform(PLAIN, 1.0)) for _ in effects) for effects in sets]
     noises, lengths = _take_turns(NOISE_KINDS, n, rng), _take_turns(TRIALS, n, rng)
-    suite = _build_cases(sets, places, protocols, noises, lengths, set(), longest, rng)
-    return [replace(spec, even=True) for spec in suite]
+    drafts = map(_Draft, sets, places, protocols, noises, lengths, [False] * n)
+    return [replace(spec, even=True) for spec in _build_cases(drafts, longest, rng)]
 
 
 def draw_suite(
@@ -170,37 +171,42 @@ def draw_suite(
         sets[zero], places[zero] = (LISTED[rng.integers(len(LISTED))],), (-1.0,)
 
     on_film = _choose_filmed(sets, max(1, n // 20) if filmed is None else filmed, rng)
-    return _build_cases(sets, places, protocols, noises, lengths, on_film, longest, rng)
+    filmed_ones = [k in on_film for k in range(n)]
+    drafts = map(_Draft, sets, places, protocols, noises, lengths, filmed_ones)
+    return _build_cases(drafts, longest, rng)
+
+
+class _Draft(NamedTuple):
+    """What the draw of a suite settles of a case."""
+
+    effects: tuple[str, ...]
+    places: tuple[float, ...]
+    protocol: Protocol
+    noise: NoiseKind
+    trials: int
+    filmed: bool
 
 
 def _build_cases(
-    sets: list[tuple[str, ...]],
-    places: list[tuple[float, ...]],
-    protocols: list[Protocol],
-    noises: list[NoiseKind],
-    lengths: list[int],
-    on_film: set[int],
-    longest: int,
-    rng: np.random.Generator,
+    drafts: Iterable[_Draft], longest: int, rng: np.random.Generator
 ) -> list[CaseSpec]:
     """Build the cases, in random order."""
     suite = []
-    for k, effects in enumerate(sets):
-        fewest = max([EFFECTS[name].trials for name in effects], default=1)
-        trials = lengths[k] if lengths[k] >= fewest else int(rng.choice([10, 40]))
-        if k in on_film:
+    for draft in drafts:
+        fewest = max([EFFECTS[name].trials for name in draft.effects], default=1)
+        trials = draft.trials if draft.trials >= fewest else int(rng.choice([10, 40]))
+        if draft.filmed:
             trials = int(rng.choice(FILMED_TRIALS)) if fewest <= 4 else 10
-        trials = min(trials, longest)
         suite.append(
             CaseSpec(
                 seed=int(rng.integers(2**63)),
-                effects=effects,
-                joints=tuple(_draw_joints(name, rng) for name in effects),
-                quantiles=places[k],
-                protocol=protocols[k],
-                trials=trials,
-                noise="white" if k in on_film else noises[k],
-                filmed=k in on_film,
+                effects=draft.effects,
+                joints=tuple(_draw_joints(name, rng) for name in draft.effects),
+                quantiles=draft.places,
+                protocol=draft.protocol,
+                trials=min(trials, longest),
+                noise="white" if draft.filmed else draft.noise,
+                filmed=draft.filmed,
             )
         )
     return [suite[k] for k in rng.permutation(len(suite))]

@@ -5,7 +5,12 @@ from softfinger.concealed.effects import EFFECTS
 from softfinger.concealed.knobs import Knobs
 from softfinger.concealed.oracle import compute_gain
 from softfinger.concealed.setting import disturb, draw_setting, record_cleanly, set_strengths
-from softfinger.concealed.strength import calibrate_strength, find_reach, place_strength
+from softfinger.concealed.strength import (
+    MOST_NATS,
+    calibrate_strength,
+    find_reach,
+    place_strengths,
+)
 from softfinger.concealed.suite import CaseSpec
 
 
@@ -60,11 +65,25 @@ def test_a_calibrated_strength_gives_about_the_gain_aimed_at():
 
 def test_places_run_from_one_nat_to_the_reach():
     setting = draw_setting(_spec("camera_delay", (), "single_step", trials=2))
-    low, middle = (place_strength("camera_delay", setting, q) for q in (0.0, 0.5))
-    assert low[1] == 1.0
-    assert middle[1] == pytest.approx(100.0)  # half-way to the cap of 10000 nats
-    assert 0.0 < low[0] < middle[0] < EFFECTS["camera_delay"].largest
-    assert place_strength("camera_delay", setting, -1.0) == (0.0, 0.0)
+    low, middle = (place_strengths({"camera_delay": q}, setting) for q in (0.0, 0.5))
+    assert low[1]["camera_delay"] == 1.0
+    assert middle[1]["camera_delay"] == pytest.approx(100.0)  # half-way to the cap of 10000 nats
+    largest = EFFECTS["camera_delay"].largest
+    assert 0.0 < low[0]["camera_delay"] < middle[0]["camera_delay"] < largest
+    none = {"camera_delay": 0.0}
+    assert place_strengths({"camera_delay": -1.0}, setting) == (none, none)
+
+
+def test_in_an_even_pair_the_weaker_ones_reach_counts_for_both():
+    names, joints = ("camera_delay", "stress_nonlinear_flow"), ((), (0,))
+    spec = CaseSpec(3, names, joints, (1.0, 0.9), "single_step", 2, "white")
+    setting, places = draw_setting(spec), dict(zip(names, spec.quantiles, strict=True))
+    weak = find_reach("stress_nonlinear_flow", setting)
+    assert 1.0 < weak < 15.0  # a single step hides it in c_p
+    _, aims = place_strengths(places, setting, even=True)
+    assert aims == pytest.approx({names[0]: weak, names[1]: weak**0.9})
+    _, aims = place_strengths(places, setting)
+    assert aims == pytest.approx({names[0]: MOST_NATS, names[1]: weak**0.9})
 
 
 def test_what_cannot_be_reached_gets_the_largest_strength():

@@ -97,4 +97,5 @@ def test_the_catalogues_suite_has_every_effect_under_every_protocol_plainly_visi
     assert len({s.effects for s in pairs}) == len(pairs) == 24
     assert {s.protocol for s in pairs} == set(PROTOCOLS)
     assert all(PLAIN <= place <= 1.0 for s in suite for place in s.quantiles)
+    assert all(s.even for s in pairs)
     assert draw_proof(5, campaigns=92, filmed=0, longest=40, kind="catalogue")[:92] == suite
