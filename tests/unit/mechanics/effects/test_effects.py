@@ -173,3 +173,19 @@ def test_a_tilt_about_one_axis_is_reported_as_an_angle_and_with_its_way(way):
     np.testing.assert_array_equal(reported.pop("tilt_rad"), [0.1, 0.2])
     np.testing.assert_array_equal(reported.pop(f"tilt_{way}_rad"), [-0.1, 0.2])
     assert not reported
+
+
+def test_a_wire_that_wraps_bends_and_guides_loses_a_share_for_each_radian():
+    geometry = FingerGeometry.uniform([0.025] * JOINTS, [0.005] * JOINTS, 0.008, 0.005)
+    friction = list_effects()["wire_friction"]
+    form = next(
+        form for form in friction.build_forms(build_setting()) if form.name == "wrap_by_load"
+    )
+    values = {"friction_coefficient": 0.25, "guide_rad": 0.4, "turning_width": 1e-4}
+    own = np.tile([np.log(0.1), -5.0, 15.0, 0.02], (1, JOINTS, 1))  # a stiff dashpot: no flow
+    series = np.array([[8.0]]), np.array([[0.0, 8.0]]), np.array([[0.04, 0.04]])
+    filled = build_slots(1, JOINTS, form.slots(values))
+    finger = describe_finger(geometry)
+    angle = simulate_joint_angle_array(own, filled, [], finger, *series, by_own=False)[0].ravel()
+    wrapped = np.cumsum(angle + 0.4)
+    np.testing.assert_allclose(0.1 * (angle - 0.02), 0.04 * np.exp(-0.25 * wrapped), rtol=1e-4)
