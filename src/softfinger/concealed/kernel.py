@@ -28,6 +28,10 @@ LAG_STAGES = (0.7, 0.2, 0.1)  # shares of the lag, in a row
 COLUMNS = 4  # of the extrapolation table, hence its order
 
 
+class RunawayError(ValueError):
+    """An effect is stronger than the finger, which then has no rest."""
+
+
 @njit(cache=True)
 def _place(p: Physics) -> Place:
     """Where the optional states start: friction, lag, largest strain, speed; and the end."""
@@ -296,5 +300,5 @@ def simulate_angles(p: Physics, frame_time: Array, tolerance: float) -> Array:
                 time, state, taken = time + step, moved, taken + 1
             step *= scale
             if not step > 1e-12:
-                raise ValueError("the motion runs away: an effect is stronger than the finger")
+                raise RunawayError("the motion runs away: an effect is stronger than the finger")
     return angle

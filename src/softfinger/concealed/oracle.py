@@ -11,6 +11,7 @@ from scipy.stats import norm
 
 from softfinger.concealed.effects import Circumstances, Dose
 from softfinger.concealed.forward import compute_plain_angles, simulate_trial
+from softfinger.concealed.kernel import RunawayError
 from softfinger.concealed.knobs import Knobs
 from softfinger.concealed.mixed_effects import Linearised, Solution, solve_mixed_model
 from softfinger.concealed.noise import Noise, whiten
@@ -80,7 +81,7 @@ def fit_model(
         return seen[k] - whiten(noise, r.time, angle).ravel()
 
     first = knobs.read()
-    lines = [_Line(look, k, np.append(eta, first)) for k, eta in enumerate(start)]
+    lines = [Line(look, k, np.append(eta, first)) for k, eta in enumerate(start)]
     solution, settled = _settle(lines, knobs, times, iterations)
     # half-normal priors: twice the share of the posterior in which a strength is positive
     positive = norm.logcdf((solution.effect / solution.effect_sd)[knobs.is_strength])
@@ -94,7 +95,7 @@ def fit_model(
 
 
 def _settle(
-    lines: list[_Line], knobs: Knobs, times: float, iterations: int
+    lines: list[Line], knobs: Knobs, times: float, iterations: int
 ) -> tuple[Solution, bool]:
     """Move the lines until the mixed model's modes are where they were drawn."""
     longest = np.concatenate([LONGEST_MOVE, knobs.sd])
@@ -114,7 +115,7 @@ def _settle(
     return solution, settled
 
 
-class _Line:
+class Line:
     """One trial, linearised where it stands."""
 
     def __init__(self, look: Callable[[int, Array], Array], k: int, point: Array) -> None:
@@ -129,13 +130,22 @@ class _Line:
         self.design = np.column_stack(columns)
         self.gram = self.design.T @ self.design
 
+    def _look_ahead(self, there: Array) -> Array | None:
+        try:
+            return self._look(there)
+        except RunawayError:
+            return None
+
     def worth(self, there: Array) -> float:
         """How far a point is, in nats of this trial's own misfit."""
         step = there - self.point
         return 0.5 * step @ self.gram @ step
 
     def advance(self, step: Array, solution: Solution) -> None:
-        """Move by as much of a step as the line can be trusted; draw a new one if it bent."""
+        """Move by as much of a step as the line can be trusted; draw a new one if it bent.
+
+        Where even a small part of it runs away, the point stays.
+        """
 
         def misfit(point: Array, residual: Array) -> float:
             off = (point[: solution.mean.size] - solution.mean) * np.exp(-solution.log_spread)
@@ -144,19 +154,22 @@ class _Line:
         straight = True
         for _ in range(7):
             there = self.point + step
-            residual = self._look(there)
-            bend = residual - (self.residual - self.design @ step)
-            excess = misfit(there, residual) - misfit(there, residual - bend)
-            if excess <= 0.2 * self.worth(there) + 1e-3:
-                break
+            residual = self._look_ahead(there)
+            if residual is not None:
+                bend = residual - (self.residual - self.design @ step)
+                excess = misfit(there, residual) - misfit(there, residual - bend)
+                if excess <= 0.2 * self.worth(there) + 1e-3:
+                    break
             step, straight = 0.5 * step, False
+        if residual is None:
+            return
         straight = straight and bend @ bend < 1e-3 * (1.0 + 2.0 * self.worth(there))
         self.point, self.residual = there, residual
         if not straight:
             self._renew()
 
 
-def _collect(lines: list[_Line], times: float) -> Linearised:
+def _collect(lines: list[Line], times: float) -> Linearised:
     return Linearised(
         np.stack([line.gram for line in lines]),
         np.stack([line.design.T @ line.residual for line in lines]),

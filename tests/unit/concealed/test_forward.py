@@ -5,7 +5,7 @@ from scipy.integrate import solve_ivp
 from softfinger.concealed.chain import accelerate_in_place, weigh_in_place
 from softfinger.concealed.effects import Circumstances, Dose
 from softfinger.concealed.forward import compute_plain_angles, simulate_trial
-from softfinger.concealed.kernel import simulate_angles
+from softfinger.concealed.kernel import RunawayError, simulate_angles
 from softfinger.concealed.physics import build_plain_physics
 from softfinger.concealed.population import PAPER_MEAN, PAPER_SD, to_parameters
 from softfinger.concealed.protocols import Load
@@ -154,5 +154,5 @@ def test_acceleration_feeds_the_power_into_kinetic_energy(rig, speed):
 def test_an_impossible_motion_is_refused(individual, rig, circumstances, time):
     dose = {"joint_coupling": Dose(1e4, {"helping": 1.0}, (0, 1))}
     individual[2, :] = -30.0
-    with pytest.raises(ValueError, match="runs away"):
+    with pytest.raises(RunawayError, match="runs away"):
         simulate_trial(individual, dose, circumstances, rig, time)

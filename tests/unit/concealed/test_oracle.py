@@ -1,9 +1,12 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from softfinger.concealed.effects import EFFECTS
+from softfinger.concealed.kernel import RunawayError
 from softfinger.concealed.knobs import Knobs
-from softfinger.concealed.oracle import compute_gain
+from softfinger.concealed.oracle import Line, compute_gain
 from softfinger.concealed.setting import disturb, draw_setting, record_cleanly, set_strengths
 from softfinger.concealed.strength import (
     MOST_NATS,
@@ -107,3 +110,16 @@ def test_knobs_turn_a_vector_into_doses_and_back():
     )
     assert 0.0 < knobs.floor[0] < 1e-3
     assert knobs.floor[1] == -np.inf
+
+
+@pytest.mark.parametrize(("limit", "reached"), [(9.0, 2.0), (0.6, 0.5), (0.01, 0.0)])
+def test_a_fit_does_not_go_where_the_motion_runs_away(limit, reached):
+    def look(_, point):
+        if point[0] > limit:
+            raise RunawayError("the motion runs away")
+        return 3.0 - point
+
+    line = Line(look, 0, np.zeros(1))
+    line.advance(np.array([2.0]), SimpleNamespace(mean=np.zeros(1), log_spread=np.zeros(1)))
+    assert line.point == pytest.approx([reached])
+    assert line.residual == pytest.approx([3.0 - reached])
