@@ -38,10 +38,10 @@ class CaseSpec:
         For every effect its strength's place, from 0 to 1 on a logarithmic scale, between a gain of
         one nat and the largest gain that the oracle can reach with it in this campaign; −1: the
         strength is zero, so that the control is clean although an effect was asked for.
-    even
-        The smallest of its effects' largest gains counts for all of them.
     filmed
         Recorded as raw video, not as angles.
+    even
+        The smallest of its effects' largest gains counts for all of them.
     strengths
         Strengths given outright, in place of the quantiles': for a case that is set, not drawn.
     """
