@@ -24,6 +24,7 @@ Place = tuple[int, int, int, int, int]
 Ramp = tuple[float, float, float]  # from when, tension then, its slope
 
 LONGEST_STEP_S = 0.25
+FRICTION_TENSION_N = 6.0  # at which the coefficient of friction is what it is said to be
 LAG_STAGES = (0.7, 0.2, 0.1)  # shares of the lag, in a row
 COLUMNS = 4  # of the extrapolation table, hence its order
 
@@ -66,6 +67,16 @@ def _bend(p: Physics, state: Array, rest: Array, angle: Array) -> None:
 
 
 @njit(cache=True)
+def _rub(tension: float, drag: float, power: float) -> float:
+    """Tension that friction leaves of it: the pressure's power in dT/dβ = -μ T₀ (T/T₀)^power."""
+    flat = 1.0 - power
+    if flat < 1e-9:
+        return tension * np.exp(-drag)  # capstan
+    left = (max(tension, 0.0) / FRICTION_TENSION_N) ** flat - flat * drag
+    return FRICTION_TENSION_N * max(left, 0.0) ** (1.0 / flat)
+
+
+@njit(cache=True)
 def _pull(
     p: Physics, place: Place, time: float, tension: float, state: Array, angle: Array, torque: Array
 ) -> None:
@@ -77,8 +88,9 @@ def _pull(
         tension *= 1.0 + p.ripple * np.sin(p.ripple_rate * time + p.ripple_phase)
     for j in range(angle.size):
         arm = p.wire_offset
-        if lag > friction:  # capstan: the wire wraps the bend and a fixed angle of its guide
-            tension *= np.exp(-p.friction[j] * (0.2 + abs(angle[j])) * state[friction + j])
+        if lag > friction:  # the wire wraps the bend and a fixed angle of its guide
+            drag = p.friction[j] * (0.2 + abs(angle[j])) * state[friction + j]
+            tension = _rub(tension, drag, p.friction_power)
         if p.arm_scale != 0.0:  # the wire leaves the offset line and runs along the chord
             slant = np.arctan2(2.0 * p.wire_offset, p.joint_length)
             chord = np.hypot(0.5 * p.joint_length, p.wire_offset) * np.sin(0.5 * angle[j] + slant)

@@ -36,7 +36,8 @@ class Physics(NamedTuple):
     thinning: Array  # [s/rad] of the Voigt damper
     yield_torque: Array
     flow_scale: Array  # [1/(N m)]
-    friction: Array  # coefficient where the wire passes a joint
+    friction: Array  # coefficient where the wire passes a joint, at `kernel.FRICTION_TENSION_N`
+    friction_power: float  # of the pressure, to which friction grows; 1: Coulomb's
     friction_width: float  # [rad] of motion that turns the friction round
     stop_stiffness: Array  # [N m/rad^1.5]
     stop_angle: Array
@@ -96,6 +97,7 @@ def build_plain_physics(
         yield_torque=none,
         flow_scale=none,
         friction=none,
+        friction_power=1.0,
         friction_width=0.02,
         stop_stiffness=none,
         stop_angle=none,

@@ -102,6 +102,22 @@ def test_friction_holds_back_the_distal_joints_and_turns_with_the_load(move, tim
     assert np.all(change[unloading] > change[loading] + 0.01)
 
 
+@pytest.mark.parametrize("power", [0.67, 0.95, 1.0])
+@pytest.mark.parametrize("peak", [3.0, 9.0])
+def test_friction_grows_to_a_power_of_the_pressure(power, peak, individual, rig, circumstances):
+    individual[2] = 30.0  # no flow: at rest a spring tells the tension
+    dose = {"wire_friction": Dose(0.2, {"pressure_power": power, "width_rad": 0.001}, ())}
+    step = replace(circumstances, load=Load(np.zeros(2), np.array([0.0, peak])))
+    angle = simulate_trial(individual, dose, step, rig, np.array([200.0]))[0]
+    tension = (angle - individual[3]) * np.exp(individual[0]) / 0.005
+    left = [peak]
+    for bend in angle[:2]:  # Euler along the wire; at the last joint it slides back a little
+        left.append(left[-1])
+        for part in np.full(10000, (0.2 + bend) / 10000):
+            left[-1] -= 0.2 * 6.0 * (left[-1] / 6.0) ** power * part
+    np.testing.assert_allclose(tension[:2], left[1:], rtol=2e-4)
+
+
 def test_the_wires_chord_is_the_papers_moment_arm(individual, rig, circumstances):
     individual[0] = 6.0  # so stiff that the angle stays where it is
     individual[2] = 30.0

@@ -1,4 +1,10 @@
-"""Capstan friction over bend and guide, its direction a hysteresis of Bouc and Wen."""
+"""Friction of a soft wire over bend and guide, its direction a hysteresis of Bouc and Wen.
+
+A polymer's friction grows with a power of its pressure between two thirds and one, so that its
+coefficient is the larger, the less the wire is pulled.
+
+Howell (1953), J. Text. Inst. 44, T359.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +17,7 @@ from softfinger.concealed.physics import Physics
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
     return physics._replace(
         friction=np.full_like(physics.k_v, dose.strength),
+        friction_power=dose.shape["pressure_power"],
         friction_width=dose.shape["width_rad"],
     )
 
@@ -22,7 +29,7 @@ EFFECT = Effect(
     joints="chain",
     typical=0.1,
     largest=0.4,
-    shape={"width_rad": Shape(0.005, 0.03)},
+    shape={"pressure_power": Shape(0.67, 0.95), "width_rad": Shape(0.005, 0.03)},
     move=_move,
     tell=lambda dose, trials: {"friction_coefficient": dose.strength},
 )
