@@ -24,10 +24,10 @@ def conclude(
     posterior: Posterior,
     findings: Findings,
     angles: xr.Dataset,
-    not_testable: list[str],
+    hidden: set[str],
     needed: float,
 ) -> Verdict:
-    """Write the verdict."""
+    """Write the verdict; `hidden` could not show alone, but may beside what was found."""
     final = search.best
     decision = choose_decision(search, posterior, findings.is_unlisted(needed))
     if decision == "unlisted" and search.best is not search.base:
@@ -55,7 +55,7 @@ def conclude(
         explained_spread={}
         if final is search.base
         else explain_spread(problem, search.base, final),
-        not_testable=sorted(not_testable),
+        not_testable=sorted(hidden - final.model.ids - {effect.id for effect in effects}),
         free_form=describe_free_form(findings.free) if decision == "unlisted" else None,
         n_trials=len(problem.trials.name),
         set_aside=list_set_aside(angles),

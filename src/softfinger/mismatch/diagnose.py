@@ -86,6 +86,6 @@ def diagnose(
         findings = examine(problem, search, angles, needed=needed)
     posterior = weigh_models(search.base, search.candidates)
     masking = tabulate_masking(columns, problem, base)
-    hidden = sorted({*refused, *list_invisible(masking, needed)} - search.best.model.ids)
+    hidden = {*refused, *list_invisible(masking, needed)}
     verdict = conclude(problem, search, posterior, findings, angles, hidden, needed)
     return Diagnosis(verdict, problem, search, posterior, alarms, masking, findings)

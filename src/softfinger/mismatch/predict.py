@@ -14,7 +14,6 @@ from softfinger.mechanics.forward.simulate import simulate_joint_angle_array
 from softfinger.mechanics.forward.slots import SlotArrays
 from softfinger.mismatch.problem import LONGEST_OWN_STEP, OWN, TOLERANCE, Problem
 from softfinger.mismatch.rank import Candidate
-from softfinger.mismatch.setting import SAME_LEVEL
 from softfinger.population.mixed_effects import hold_omega
 from softfinger.population.mixed_effects_laplace import centre_gram, fit_nonlinear
 
@@ -22,6 +21,7 @@ FOLDS = 5
 DRAWS = 99
 REFIT_STEPS = 8
 MOST_LEVELS = 6
+SAME_LEVEL = 0.05  # two largest loads that differ by less, relatively, are one level
 
 
 class Population(NamedTuple):

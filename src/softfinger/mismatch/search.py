@@ -121,7 +121,8 @@ def search_effects(
                 break
         more = require_gain(needed, explained, pieces)
         asked = best.log_evidence + more
-        for rival in _list_rivals(base, found, len(best.model.ids)):
+        rivals = _list_rivals(base, found, len(best.model.ids))
+        for rival in rivals:
             if size == 2 or _can_lead(rival, best, larger):
                 larger += _extend(problem, rival, pieces, progress, max(asked, find_best(larger)))
         other = find_other_form(found, best)
@@ -142,6 +143,9 @@ def search_effects(
         found += larger
         larger = []
         found += swap_forms(problem, top, pieces)
+        if size == 2:
+            tried = {rival.model.ids for rival in rivals}
+            found += _try_partners(problem, top, tried, pieces, progress)
         top = max((top, *found), key=lambda c: c.log_evidence if c.fit is not None else -np.inf)
         best = _eliminate(problem, top, more, found)
     found.sort(key=lambda c: -c.log_evidence)
@@ -226,6 +230,44 @@ def _extend(
     return rank_pieces(problem, rival, columns, progress, floor)[0]
 
 
+def _try_partners(
+    problem: Problem,
+    pair: Candidate,
+    tried: set[frozenset[str]],
+    pieces: list[Piece],
+    progress: Progress,
+) -> list[Candidate]:
+    """Rank every partner of either effect of a pair, but for those `tried` with all others.
+
+    One that says little alone is met through the other only, which need not be its true partner
+    (floating search: Pudil, Novovičová and Kittler 1994, Pattern Recognit. Lett. 15, 1119).
+    """
+    found = []
+    for piece in _list_added(problem, pair):
+        if pair.model.ids - {piece.effect.id} in tried:
+            continue
+        alone = _fit_without(problem, pair, piece)
+        if alone is not None:
+            found += _extend(problem, alone, pieces, progress, pair.log_evidence)
+    return found
+
+
+def _list_added(problem: Problem, candidate: Candidate) -> list[Piece]:
+    return [p for p in candidate.model.pieces if p.effect.id not in problem.base.ids]
+
+
+def _fit_without(problem: Problem, candidate: Candidate, piece: Piece) -> Candidate | None:
+    """Fit what is left of a fitted model without a piece; None where it does not come to rest."""
+    kept = tuple(p for p in candidate.model.pieces if p is not piece)
+    model = replace(candidate.model, pieces=kept)
+    shared = candidate.fit.shared[candidate.model.match(model)]
+    start = candidate.fit.own, shared, candidate.fit.omega
+    fit = problem.fit(model, start, first=candidate.fit.first)
+    if fit is None or not fit.converged:
+        return None
+    return prune(problem, Candidate(model, fit, fit.log_evidence))
+
+
 def _compatible(candidate: Candidate, pieces: Iterable[Piece]) -> list[Piece]:
     """Pieces that claim no slot that the model already uses in another sense."""
     fitting = []
@@ -243,17 +285,9 @@ def _eliminate(
     problem: Problem, candidate: Candidate, needed: float, found: list[Candidate]
 ) -> Candidate:
     """Drop effects whose absence costs less than `needed` nats; each smaller model is kept."""
-    fixed = problem.base.ids
-    while len(candidate.model.ids - fixed) > 1:
-        smaller = []
-        for piece in (p for p in candidate.model.pieces if p.effect.id not in fixed):
-            kept = tuple(p for p in candidate.model.pieces if p is not piece)
-            model = replace(candidate.model, pieces=kept)
-            shared = candidate.fit.shared[candidate.model.match(model)]
-            start = candidate.fit.own, shared, candidate.fit.omega
-            fit = problem.fit(model, start, first=candidate.fit.first)
-            if fit is not None and fit.converged:
-                smaller.append(prune(problem, Candidate(model, fit, fit.log_evidence)))
+    while len(added := _list_added(problem, candidate)) > 1:
+        fits = (_fit_without(problem, candidate, piece) for piece in added)
+        smaller = [c for c in fits if c is not None]
         found += smaller
         top = max(smaller, key=lambda c: c.log_evidence, default=None)
         if top is None or candidate.log_evidence - top.log_evidence > needed:

@@ -11,7 +11,6 @@ from softfinger.mechanics.load import evaluate_load_array
 from softfinger.mechanics.three_element import compute_elastic_basis_array
 from softfinger.mismatch.trials import Trials
 
-SAME_LEVEL = 0.05  # two largest loads that differ by less, relatively, are one level
 FALLEN = 0.05  # of the largest load: a fall that counts
 RESTING = 0.1  # of the largest load: what counts as no load
 
@@ -38,7 +37,6 @@ def build_setting(angles: xr.Dataset, trials: Trials, own: NDArray[np.float64]) 
         interval=trials.interval,
         duration=float((stop - begin).max()),
         torque=torque,
-        levels=_count_levels(trials.load_torque, torque),
         reversals=bool(_falls(trials.load_torque, torque, 1 - FALLEN)),
         rests=bool(_falls(trials.load_torque, torque, RESTING)),
         load_known="assumed" not in kinds,
@@ -64,14 +62,6 @@ def read_geometry(angles: xr.Dataset) -> FingerGeometry | None:
     if not all(np.isfinite(value).all() for value in [*values, *scalars]):
         return None
     return FingerGeometry(*values, *scalars)
-
-
-def _count_levels(load: NDArray, torque: float) -> int:
-    """Plateaus of the load over all trials, in classes 5 % apart."""
-    held = load[:, 1:][np.isclose(np.diff(load, axis=1), 0.0, atol=1e-9 * torque)]
-    values = np.abs(np.concatenate([held, np.abs(load).max(axis=1)]))
-    values = np.sort(values[values > RESTING * torque])
-    return 1 + int(np.sum(np.diff(values) > SAME_LEVEL * torque)) if values.size else 0
 
 
 def _falls(load: NDArray, torque: float, share: float) -> bool:

@@ -84,7 +84,6 @@ def describe_setting(
         interval=1.0 / rig.fps,
         duration=rig.duration_s,
         torque=torque,
-        levels=1,
         reversals=bool(np.any(size < 0.95 * reached)),
         rests=bool(np.any((size < 0.1 * reached) & (reached > 0.1 * torque))),
         load_known=True,

@@ -1,7 +1,11 @@
 """How a free-form term stands against the listed effects that were found."""
 
+import numpy as np
 import pytest
 
+from softfinger.mechanics.effects import list_effects
+from softfinger.mechanics.effects.model import Piece
+from softfinger.mismatch import search as module
 from softfinger.mismatch.search import Shape, allow_rest, hold_against_shape
 
 
@@ -35,3 +39,22 @@ def test_what_effects_may_leave_grows_with_what_they_explain():
     assert allow_rest(1000.0, 5.0) == 250.0
     assert allow_rest(4.0, 9.0) == 9.0
     assert 6.9 < allow_rest(4.0, 5.0) < 7.0
+
+
+@pytest.mark.parametrize("tried", ["strain_stiffening", "second_retardation"])
+def test_the_partner_of_a_pair_that_was_not_tried_with_others_is(named, tried, monkeypatch):
+    """The campaign has a second retardation; whatever stands beside it stands for nothing."""
+    problem, best = named.problem, named.search.best
+    stiffer = list_effects()["strain_stiffening"]
+    form = next(f for f in stiffer.build_forms(problem.setting) if len(f.parameters) == 1)
+    model = best.model.extend(Piece(stiffer, form, ((0,),)))
+    start = best.fit.own, np.append(best.fit.shared, 0.01), best.fit.omega
+    fit = problem.fit(model, start, first=best.fit.first)
+    pair = best._replace(model=model, fit=fit, log_evidence=fit.log_evidence)
+    assert pair.model.ids == {"second_retardation", "strain_stiffening"}
+    led = []
+    monkeypatch.setattr(module, "_extend", lambda _, alone, *__: led.append(alone) or [alone])
+    found = module._try_partners(problem, pair, {frozenset({tried})}, [], None)
+    assert [c.model.ids for c in led] == [pair.model.ids - {tried}]
+    assert found == led
+    assert led[0].fit.converged

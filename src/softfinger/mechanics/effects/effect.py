@@ -89,8 +89,6 @@ class Setting:
         [s], median frame interval, longest trial.
     torque
         [N m], median over trials of the largest load.
-    levels
-        How many different largest loads (5 % apart).
     reversals
         Whether the load falls after it has risen.
     rests
@@ -124,7 +122,6 @@ class Setting:
     interval: float
     duration: float
     torque: float
-    levels: int
     reversals: bool
     rests: bool
     load_known: bool

@@ -1,6 +1,7 @@
 """Creep rate more than proportional to torque: Eyring's sinh or a power.
 
-The sinh is fitted by the square of 1/scale torque, in which a small one is linear.
+The sinh is fitted by the square of 1/scale torque, in which a small one is linear. Under one
+constant load alone any law of flow vanishes in c_p, yet not beside a torque that changes.
 
 Eyring (1936), J. Chem. Phys. 4, 283.
 """
@@ -12,9 +13,7 @@ import numpy as np
 from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, positive
 
 
-def _build_forms(setting: Setting) -> list[Form] | str:
-    if setting.levels < 2 and not setting.reversals:
-        return "a single constant load: any law of flow vanishes in c_p"
+def _build_forms(setting: Setting) -> list[Form]:
     square = positive("inverse_scale_torque_squared_per_nm2", (2 / setting.torque) ** 2)
     bend = replace(
         square,

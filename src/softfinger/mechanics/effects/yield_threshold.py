@@ -1,4 +1,8 @@
-"""A dashpot that flows only above a torque: by the excess (Bingham) or by the whole torque."""
+"""A dashpot that flows only above a torque: by the excess (Bingham) or by the whole torque.
+
+Under one constant load alone a threshold vanishes in c_p. It is tried all the same: beside a wire
+whose moment arm changes, say, the joint's torque does not stay what it is.
+"""
 
 from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, positive
 
@@ -21,9 +25,7 @@ def _build_form(kind: str, setting: Setting) -> Form:
     return Form(kind, (threshold,), slots, local=True)
 
 
-def _build_forms(setting: Setting) -> list[Form] | str:
-    if setting.levels < 2 and not setting.reversals:
-        return "a single constant load: a threshold vanishes in c_p"
+def _build_forms(setting: Setting) -> list[Form]:
     return [_build_form(kind, setting) for kind in ("excess", "whole_torque")]
 
 
