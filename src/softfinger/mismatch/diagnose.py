@@ -16,7 +16,7 @@ from softfinger.mismatch.findings import MISSING, Findings, examine
 from softfinger.mismatch.masking import list_invisible, tabulate_masking
 from softfinger.mismatch.problem import Candidate, Problem, pose_problem
 from softfinger.mismatch.rank import list_pieces
-from softfinger.mismatch.rival_noise import admit_noise
+from softfinger.mismatch.rival_noise import admit_noise, may_be_noise
 from softfinger.mismatch.search import Search, hold_against_shape, search_effects, shape_rest
 from softfinger.mismatch.verdict import Verdict
 from softfinger.progress import track_progress
@@ -76,7 +76,7 @@ def diagnose(
     search = search_effects(problem, base, (pieces, refused), columns, needed, progress)
     search = shape_rest(problem, settle_search(search))
     findings = examine(problem, search, angles, needed=needed)
-    if findings.best_p < MISSING:
+    if findings.best_p < MISSING or may_be_noise(problem, search, angles, needed):
         problem, search = admit_noise(problem, search, angles, needed)
         search = shape_rest(problem, settle_search(search))
         findings = examine(problem, search, angles, needed=needed)

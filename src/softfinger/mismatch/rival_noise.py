@@ -1,11 +1,13 @@
 """Noise as a rival explanation: what a model leaves may be noise that lasts longer than it seemed.
 
 Noise seen in quiet windows says little of its slow part. Where even the best model leaves more than
-that noise, each leading model is judged with the noise that its own residual asks for (an AR(1)
-process per joint), as long as the quiet windows allow it. What then still stands out is no noise.
+that noise, or where an effect gains little once noise may last longer, each leading model is judged
+with the noise that its own residual asks for (an AR(1) process per joint), as long as the quiet
+windows allow it. What then still stands out is no noise.
 """
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -20,6 +22,31 @@ from softfinger.population.noise import compare_noise, estimate_residual_noise
 UNBELIEVABLE = 1e-3  # p-value from which quiet windows refuse a noise
 TOLERANCE = 0.02  # nats within which a refit is at rest
 FINALISTS = 6  # sets of effects that are judged anew
+
+
+class Judged(NamedTuple):
+    """A model with noise of its own: the problem with that noise, and its log evidence [nats].
+
+    The noise's own level counts, so that models with different noise compare.
+    """
+
+    problem: Problem
+    candidate: Candidate
+    evidence: float
+
+
+def may_be_noise(problem: Problem, search: Search, angles: xr.Dataset, needed: float) -> bool:
+    """Whether effects gain at most `needed` nats once every model has noise of its own."""
+    simpler: dict[frozenset[str], Candidate] = {}
+    for candidate in (search.base, *search.candidates):
+        if candidate.fit is not None and candidate.model.ids < search.best.model.ids:
+            simpler.setdefault(candidate.model.ids, candidate)
+    judged = [_judge(problem, c, search.base, angles) for c in simpler.values()]
+    rivals = [j for j in judged if j is not None and j.problem is not problem]
+    if not rivals:
+        return False
+    best = _judge(problem, search.best, search.base, angles)
+    return best is not None and best.evidence - max(j.evidence for j in rivals) <= needed
 
 
 def admit_noise(
@@ -39,23 +66,18 @@ def admit_noise(
         if candidate.fit is not None and len(finalists) <= FINALISTS:
             finalists.setdefault(candidate.model.ids, candidate)
     finalists.setdefault(search.best.model.ids, search.best)
-    judged = []
-    for candidate in finalists.values():
-        noisy = _explain_by_noise(problem, candidate, angles)
-        again = candidate if noisy is problem else _refit(noisy, candidate, search.base)
-        if again is not None:
-            level = -0.5 * float(noisy.trials.logdet[noisy.trials.protocol].sum())
-            judged.append((noisy, candidate, again.log_evidence + level))
+    judging = (_judge(problem, c, search.base, angles) for c in finalists.values())
+    judged = [j for j in judging if j is not None]
     if not judged:
         return problem, search
-    best_problem, _, _ = max(judged, key=lambda item: item[2])
-    level = 0.5 * float(best_problem.trials.logdet[best_problem.trials.protocol].sum())
+    best_problem = max(judged, key=lambda j: j.evidence).problem
+    level = _measure_level(best_problem)
     settled = []
     for _, candidate, evidence in judged:
         same = best_problem is problem
         fitted = candidate if same else _refit(best_problem, candidate, search.base)
         if fitted is not None:
-            settled.append(fitted._replace(log_evidence=evidence + level))
+            settled.append(fitted._replace(log_evidence=evidence - level))
     settled.sort(key=lambda c: -c.log_evidence)
     base = next((c for c in settled if c.model.ids == search.base.model.ids), None)
     if base is None:
@@ -74,6 +96,21 @@ def admit_noise(
     return best_problem, search._replace(
         base=base, candidates=kept, rejected=[], best=best, first_gain=first_gain
     )
+
+
+def _judge(
+    problem: Problem, candidate: Candidate, base: Candidate, angles: xr.Dataset
+) -> Judged | None:
+    noisy = _explain_by_noise(problem, candidate, angles)
+    again = candidate if noisy is problem else _refit(noisy, candidate, base)
+    if again is None:
+        return None
+    return Judged(noisy, candidate, again.log_evidence + _measure_level(noisy))
+
+
+def _measure_level(problem: Problem) -> float:
+    """What the noise itself adds to a log evidence [nats]."""
+    return -0.5 * float(problem.trials.logdet[problem.trials.protocol].sum())
 
 
 def _explain_by_noise(problem: Problem, candidate: Candidate, angles: xr.Dataset) -> Problem:
