@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dpstrf
 from scipy.stats import norm
 
 from softfinger.mismatch.columns import ScoreColumns
@@ -128,11 +127,14 @@ def score_columns_array(
 
 
 def _root(gram: NDArray) -> NDArray:
-    """Root R of a Gram matrix of any rank, R Rᵀ = G: a pivoted Cholesky factor."""
+    """Root R of a Gram matrix of any rank, R Rᵀ = G: symmetric in scaled columns.
+
+    Rounding hardly moves it, whereas a Cholesky factor of columns that hide in each other hangs on
+    the order of its pivots.
+    """
     size = np.sqrt(np.maximum(np.diag(gram), 1e-300))
-    factor, pivot, rank, _ = dpstrf(gram / np.outer(size, size), lower=1)
-    root = np.zeros_like(gram)
-    root[pivot - 1, :rank] = np.tril(factor)[:, :rank]
+    values, vectors = np.linalg.eigh(gram / np.outer(size, size))
+    root = (vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T
     return root * size[:, None]
 
 
