@@ -4,6 +4,7 @@ import pytest
 from softfinger.faults import ListedFault
 from softfinger.mechanics.effects.model import EffectModel
 from softfinger.mismatch import diagnose
+from softfinger.mismatch.conclude import conclude
 from softfinger.mismatch.rank import list_pieces
 
 CONFIG = {
@@ -71,3 +72,19 @@ def test_tangents_are_the_slopes_of_the_slots(clean):
 def test_settings_are_checked(draw_campaign):
     with pytest.raises(ListedFault, match="false_alarm_probability"):
         diagnose(draw_campaign(1, 0.0), {**CONFIG, "false_alarm_probability": 2.0}, 5, quiet)
+
+
+def test_what_an_ambiguous_set_holds_is_not_called_untestable(named, recorded):
+    search, posterior = named.search, named.posterior
+    first = frozenset({"second_retardation"})
+    other = next(c for c in search.candidates if c.fit is not None and not first & c.model.ids)
+    second = other.model.ids
+    unsure = posterior._replace(
+        sets={first: 0.6, second: 0.4},
+        inclusion={name: 0.6 if name in first else 0.4 for name in first | second},
+        best={first: search.best, second: other},
+    )
+    hidden = {*first, *second, "gravity"}
+    verdict = conclude(named.problem, search, unsure, named.findings, recorded, hidden, 5.0)
+    assert verdict.decision == "ambiguous"
+    assert verdict.not_testable == ["gravity"]

@@ -1,4 +1,4 @@
-"""How a free-form term stands against the listed effects that were found."""
+"""How an effect is searched for, and how a free-form term stands against what was found."""
 
 import numpy as np
 import pytest
