@@ -7,7 +7,7 @@ CORES ?= 2
 SEED ?= 1
 SNAKEMAKE := $(BIN)/snakemake --cores $(CORES)
 
-.PHONY: help setup run quick figures recovery docs browser reproduce manifest kills cluster coverage test calibration lint format benchmark benchmark-long concealed concealed-catalogue concealed-long lock
+.PHONY: help setup run quick figures recovery docs browser reproduce manifest fuzz kill-test kills cluster coverage test calibration lint format benchmark benchmark-long concealed concealed-catalogue concealed-clean concealed-foreign concealed-long lock
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)$$/\1\t\2/' | expand -t 18
@@ -26,6 +26,12 @@ figures: setup ## every figure of the main job as PDF, PNG and SVG, into results
 recovery: setup ## what both ways of fitting do to the main job's known truth: a table (after `make run`)
 	$(SNAKEMAKE) recovery --configfile config/default.yaml
 	@cat results/default/recovery.csv
+
+fuzz: setup ## ten thousand spoiled inputs more: each ends in sentences or in angles (an hour; goes on where it ended)
+	$(BIN)/python -m benchmarks.fuzz 10000
+
+kill-test: setup ## kill `run` forty times at random moments, in four ways: nothing is lost, nothing is left (an hour)
+	$(BIN)/python -m pytest -m slow tests/workflow/test_run_killed.py
 
 kills: setup ## kill the workflow and its jobs twenty times: it ends as if nothing had been (10 to 20 minutes)
 	$(BIN)/python -m pytest -m slow tests/workflow/test_kills.py
@@ -80,6 +86,14 @@ concealed: setup ## the proof: a sample of campaigns with concealed physics, dia
 
 concealed-catalogue: setup ## every effect of the catalogue under every protocol, and pairs, diagnosed blind (one to two hours; SEED=1)
 	$(PROOF) config/concealed_catalogue.yaml --config seed=$(SEED)
+
+concealed-clean: setup ## clean campaigns over every condition of the measurement, diagnosed blind (an hour or two; SEED=1)
+	$(PROOF) config/concealed_clean.yaml --config seed=$(SEED)
+	$(BIN)/python -m benchmarks._concealed results/concealed_clean/seed_$(SEED)/benchmarks.json clean_
+
+concealed-foreign: setup ## foreign laws only, diagnosed blind (hours; SEED=1)
+	$(PROOF) config/concealed_foreign.yaml --config seed=$(SEED)
+	$(BIN)/python -m benchmarks._concealed results/concealed_foreign/seed_$(SEED)/benchmarks.json law_
 
 concealed-long: setup ## the proof in full: 200 campaigns (hours; SEED=1)
 	$(PROOF) config/concealed_long.yaml --config seed=$(SEED)

@@ -15,11 +15,13 @@ include: "workflow/rules/common.smk"
 include: "workflow/rules/virtual_rig.smk"
 include: "workflow/rules/track.smk"
 include: "workflow/rules/angles.smk"
+include: "workflow/rules/doubt.smk"
 include: "workflow/rules/fit.smk"
 include: "workflow/rules/propagate.smk"
 include: "workflow/rules/sobol.smk"
 include: "workflow/rules/assumptions.smk"
 include: "workflow/rules/diagnose.smk"
+include: "workflow/rules/summarise.smk"
 include: "workflow/rules/report.smk"
 
 

@@ -18,10 +18,10 @@ import benchmarks
 RESULTS = Path(__file__).resolve().parents[1] / "results/benchmarks.json"
 
 
-def merge_figures(measured: Mapping[str, float], without: str | None = None) -> None:
-    """Put figures into results/benchmarks.json; old keys that begin with `without` go."""
+def merge_figures(measured: Mapping[str, float], without: tuple[str, ...] = ()) -> None:
+    """Put figures into results/benchmarks.json; old keys that begin with any `without` go."""
     figures = json.loads(RESULTS.read_text()) if RESULTS.is_file() else {}
-    kept = {k: v for k, v in figures.items() if without is None or not k.startswith(without)}
+    kept = {k: v for k, v in figures.items() if not k.startswith(without)}
     RESULTS.parent.mkdir(exist_ok=True)
     RESULTS.write_text(json.dumps(kept | dict(measured), indent=2, sort_keys=True) + "\n")
 

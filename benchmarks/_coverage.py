@@ -25,6 +25,7 @@ from softfinger.provenance import PROJECT
 from softfinger.stages.angles import angles
 from softfinger.stages.film import film
 from softfinger.stages.fit import fit
+from softfinger.stages.keys import choose_settings
 from softfinger.stages.track import track
 from softfinger.stages.virtual_rig import virtual_rig
 
@@ -56,14 +57,14 @@ def run_once(config: dict, seed: int) -> np.ndarray:
         videos = [folder / f"video/{trial}.avi" for trial in trials]
         film(truth=truth, videos=videos, config=rig, seed=seed)
         tables = list_tables(read_campaign(folder))
-        shared = {"folder": folder, "tables": tables, "seed": seed}
+        shared = {"folder": folder, "tables": tables}
         track(trials=trials, videos=videos, markers=out / "markers.nc", **shared)
         angles(markers=[out / "markers.nc"], angles=out / "angles.nc", config=tracking, **shared)
         fit(
             angles=out / "angles.nc",
             posterior=out / "posterior.nc",
-            sampling=out / "sampling.nc",
-            config=config["estimation"],
+            config=choose_settings(config, "fit"),
+            cores=config["estimation"]["cores"],
             seed=seed,
         )
         draws = open_tree(out / "posterior.nc", posterior_spec.SPEC)["posterior"].dataset

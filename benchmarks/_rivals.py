@@ -23,11 +23,11 @@ from softfinger.artifacts import open_artifact
 from softfinger.artifacts.specs.angles import SPEC
 from softfinger.concealed.blind import CRASHED
 from softfinger.faults import Fault
+from softfinger.inference.problem import Problem, pose_problem
 from softfinger.mechanics.effects.model import EffectModel
 from softfinger.mechanics.forward.simulate import simulate_joint_angle_array
 from softfinger.mechanics.forward.slots import SlotArrays
-from softfinger.mismatch.problem import Problem, pose_problem
-from softfinger.mismatch.rank import list_pieces
+from softfinger.mismatch.candidates.rank import list_pieces
 
 Array = NDArray[np.float64]
 MOST_TRIALS = 5  # a campaign's first and last and some between: a fit must not take hours

@@ -10,10 +10,10 @@ import time
 from collections.abc import Callable
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
+from softfinger.compiled import compiled
 from softfinger.mechanics.chain import (
     compute_inertia_coefficients,
     fill_inertia_and_nonlinear_term,
@@ -106,7 +106,7 @@ def _run_lsoda(finger: tuple[NDArray, ...], tolerance: float) -> NDArray[np.floa
     return solution.y[:3]
 
 
-@njit(cache=True)
+@compiled
 def _rate(
     moment: float, state: NDArray, k_v: NDArray, c_v: NDArray, c_p: NDArray
 ) -> NDArray[np.float64]:

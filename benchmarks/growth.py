@@ -8,8 +8,8 @@ these numbers of trials anew; without any, all.
 Up to 100 trials are filmed and tracked as well, again in a process of its own: CPU time and memory
 of following the markers alone.
 
-What is timed is what every fit in blocks does: reduce the recordings, find the pilot fit, compile,
-sample. Draws are as many as it takes, or R-hat and effective draws tell.
+What is timed is what every fit by Gibbs sampling does: measure the recordings, fit the mode,
+sample. Draws are as many as it takes, or R-hat and effective draws show.
 """
 
 from __future__ import annotations
@@ -20,7 +20,9 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -30,11 +32,13 @@ from softfinger.artifacts import open_artifact
 from softfinger.artifacts.specs.truth import SPEC
 from softfinger.campaign import read_campaign
 from softfinger.config import read_config
-from softfinger.estimation.posterior import prepare_fit, sample_posterior
+from softfinger.inference.posterior import prepare_fit, sample_posterior
 from softfinger.report import write_report
 from softfinger.stages.film import film
 from softfinger.stages.linear_algebra import on_one_thread
 from softfinger.stages.virtual_rig import virtual_rig
+from softfinger.summary import judge_run, summarise
+from softfinger.summary.config import read_config as read_limits
 from softfinger.tracking import track_trials
 
 RESULTS = Path(__file__).with_name("growth.json")
@@ -129,6 +133,18 @@ def measure_fit(trials: int) -> dict[str, float]:
     }
 
 
+def sum_up(angles: xr.Dataset, config: Mapping[str, Any]) -> dict[str, Any]:
+    """The artifacts of a report on recordings alone."""
+    limits = read_limits(config["report"])
+    made = {
+        "checks": judge_run({"angles": angles}, limits, np.random.default_rng(0)),
+        "summary": summarise({"angles": angles}, limits, {}),
+    }
+    for tree in made.values():
+        tree.attrs |= {"ci_prob": limits.ci_prob, "stage": "summarise"}
+    return {"angles": angles, **made}
+
+
 def measure_report(angles: xr.Dataset) -> float:
     """Size [MiB] of a report on the recordings alone, the part that could grow with them."""
     none, unknown = np.array([], object), np.full(angles.sizes["trial"], np.nan)
@@ -140,7 +156,8 @@ def measure_report(angles: xr.Dataset) -> float:
     angles.attrs |= {"campaign": "growth", "source": "synthetic", "stage": "angles"}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "report.html"
-        write_report({"angles": angles}, read_config(None), path)
+        config = read_config(None)
+        write_report(sum_up(angles, config), config, path)
         return path.stat().st_size / 2**20
 
 

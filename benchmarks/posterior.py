@@ -3,8 +3,8 @@
 The paper's population, joint 3's c_p from log-normal(3.3, 0.9), under its step of 30 s, 30 frames a
 second, white noise of 3 mrad unless said. The rival is PyMC's own NUTS as it comes on the plain
 model: every frame in it, centred, white noise, started at the truth; one chain until `RIVAL_CPU_S`
-of CPU are spent. Ours, in blocks, has AR(1) noise and correlated joints in the model. All CPU is
-counted on both sides: tuning, and what goes before it.
+of CPU are spent. Ours, by Gibbs sampling, has AR(1) noise and correlated joints in the model. All
+CPU is counted on both sides: tuning, and what goes before it.
 """
 
 import time
@@ -18,9 +18,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from softfinger.estimation.diagnostics import diagnose_sampling
-from softfinger.estimation.posterior import compile_fit, prepare_fit, sample_posterior
-from softfinger.estimation.sampling import Density
-from softfinger.population.simulate import (
+from softfinger.inference.posterior import compile_fit, prepare_fit, sample_posterior
+from softfinger.inference.sampling import Density
+from softfinger.inference.simulate import (
     build_recording,
     describe_noise,
     draw_angles,
@@ -41,7 +41,7 @@ SIGMA = np.array(
 TORQUE, FPS, DURATION_S, NOISE_RAD = 0.04, 30.0, 30.0, 0.003
 LIMITS = {"r_hat_max": 1.01, "ess_min": 400.0, "divergences_max": 0}
 SHORT = {
-    "sampler": "blocks", "chains": 4, "tune": 50, "draws": 800, "cores": 2,
+    "sampler": "gibbs", "chains": 4, "tune": 100, "draws": 800, "cores": 2,
     "covariance": "independent",
     **LIMITS,
 }  # fmt: skip
@@ -64,7 +64,7 @@ CASES = {
 
 @on_one_thread
 def measure() -> dict[str, float]:
-    """Seconds of wall time from angles to a diagnosed posterior, in blocks and by NUTS."""
+    """Seconds of wall time from angles to a diagnosed posterior, by Gibbs sampling and NUTS."""
     angles, _ = build_campaign(100, 1)
     seconds = {}
     for config, key in ((SHORT, ""), (NUTS, "_by_nuts")):

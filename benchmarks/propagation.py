@@ -8,15 +8,16 @@ import time
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from SALib.analyze import sobol as salib_analyze
 from SALib.sample import sobol as salib_sample
 from scipy.interpolate import make_interp_spline
 from scipy.stats import gaussian_kde
 
 from softfinger.propagation.density import compute_density_array
-from softfinger.propagation.indices import compute_sobol_array
+from softfinger.propagation.independent import share_variance_array
 from softfinger.propagation.quantiles import compute_quantiles_array
+from softfinger.propagation.subsets import SobolIndices, compute_sobol_indices
 
 MU = np.array(
     [
@@ -51,14 +52,14 @@ def measure() -> dict[str, float]:
 
 def measure_indices() -> dict[str, float]:
     """Indices at 301 times of three joints, beside SALib at N = 16384."""
-    compute_sobol_array(MU, SIGMA, TIME, *STEP)  # compiles
-    ours, indices = _time(lambda: compute_sobol_array(MU, SIGMA, TIME, *STEP), repeat=20)
+    _compute_indices(MU, SIGMA, TIME, *STEP)  # compiles
+    ours, indices = _time(lambda: _compute_indices(MU, SIGMA, TIME, *STEP), repeat=20)
     salib, estimated = _time(lambda: [_run_salib(MU[j], SIGMA[j]) for j in range(3)])
     tamed = MU.copy(), SIGMA.copy()
     tamed[0][2, 2], tamed[1][2, 2] = TAMED
     error, salib_error = [], []
     for mu, sigma in ((MU, SIGMA), tamed):
-        found = compute_sobol_array(mu, sigma, TIME, *STEP)
+        found = _compute_indices(mu, sigma, TIME, *STEP)
         for joint in range(3):
             first, total = _integrate_indices(mu[joint], sigma[joint])
             error.append(np.abs(found.first_order[joint] - first).max())
@@ -124,13 +125,17 @@ def measure_draws() -> dict[str, float]:
     sigmas = sigma * np.exp(0.1 * rng.standard_normal(shape))
     angles = [_space_angles(mu[j], sigma[j], DRAWN_TIMES) for j in range(3)]
     start = time.perf_counter()
-    compute_sobol_array(mus, sigmas, TIME, *STEP)
+    _compute_indices(mus, sigmas, TIME, *STEP)
     for draw in range(N_DRAWS):
         for joint in range(3):
             compute_density_array(
                 mus[draw, joint], sigmas[draw, joint], DRAWN_TIMES, *STEP, angles[joint]
             )
     return {"sobol_and_density_seconds_1000_draws": time.perf_counter() - start}
+
+
+def _compute_indices(*arguments: ArrayLike) -> SobolIndices:
+    return compute_sobol_indices(share_variance_array(*arguments))
 
 
 def _time[Result](task: Callable[[], Result], repeat: int = 1) -> tuple[float, Result]:

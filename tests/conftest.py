@@ -1,5 +1,8 @@
 """What tests of several folders share: the finger of the paper."""
 
+import os
+from pathlib import Path
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -10,6 +13,9 @@ from softfinger.mechanics.geometry import FingerGeometry
 # The paper's table, joint 3's c_p as its notes advise for a simulated finger.
 MU = np.array([[-2.4441, -2.2986, -1.88], [-3.6635, -3.6476, -3.8777], [2.8538, 3.1129, 3.3]])
 SIGMA = np.array([[0.1973, 0.2238, 0.3957], [0.5232, 0.4838, 0.8223], [0.7011, 0.8496, 0.9]])
+
+
+BESIDE = Path(__file__).parents[2] / "shared/realdata"
 
 
 class FolderScheduling(LoadScopeScheduling):
@@ -26,6 +32,15 @@ def pytest_xdist_make_scheduler(config, log):
 def pytest_collection_modifyitems(items):
     """The longest first, so that no process waits for them in the end."""
     items.sort(key=lambda item: item.path.parent.name not in ("workflow", "estimation"))
+
+
+@pytest.fixture
+def realdata():
+    """Folder of real recordings made by others, which are not part of this project."""
+    folder = Path(os.environ.get("SOFTFINGER_REALDATA", BESIDE))
+    if not folder.is_dir():
+        pytest.skip(f"there are no real recordings in {folder}; SOFTFINGER_REALDATA names a folder")
+    return folder
 
 
 @pytest.fixture

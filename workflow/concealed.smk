@@ -6,7 +6,9 @@ from pathlib import Path
 
 from snakemake.utils import min_version, validate
 
-from softfinger.provenance import code_hash
+from softfinger.config import read_config
+from softfinger.provenance import code_hash, environment_hash
+from softfinger.stages.keys import choose_settings
 
 min_version("9.0")
 
@@ -17,11 +19,28 @@ configfile: Path(workflow.basedir).parent / "config/concealed.yaml"
 validate(config, "schemas/concealed.schema.yaml")
 
 OUT = Path(config["out"]) / f"seed_{config['seed']}"
-SUITE = {key: config[key] for key in ("kind", "campaigns", "filmed", "longest")}
+ENVIRONMENT = environment_hash()
+DEFAULTS = read_config()  # which the command line reads by itself
+DIAGNOSED = {k: DEFAULTS[k] for k in ("tracking", "mismatch", "seed", "trials_per_job")}
+COMMAND_LINE = ("softfinger.cli", "softfinger.cli.diagnose")
+DRAWN = (
+    "kind",
+    "campaigns",
+    "filmed",
+    "longest",
+    "clean",
+    "twins",
+    "foreign",
+    "catalogue",
+)
+SUITE = {key: config[key] for key in DRAWN}
+COUNT = (  # the paper's own case, twice; a twin has a sibling
+    config["campaigns"] + 2 + config["clean"] + 2 * config["twins"] + config["foreign"]
+)
 # Names that tell nothing, of neither the seed nor the place in the suite.
 CASES = {
     hashlib.sha256(f"{config['seed']}/{k}".encode()).hexdigest()[:10]: k
-    for k in range(config["campaigns"] + 2)  # the paper's own case, twice, comes last
+    for k in range(COUNT)
 }
 SAMPLED = random.Random(config["seed"]).sample(list(CASES), config["sampled"])
 REAL = Path(config["measured"]["folder"])

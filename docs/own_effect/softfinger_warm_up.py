@@ -3,6 +3,7 @@
 import numpy as np
 
 from softfinger.mechanics.effects.effect import (
+    FREE,
     Effect,
     Form,
     Parameter,
@@ -11,6 +12,7 @@ from softfinger.mechanics.effects.effect import (
     positive,
     time_constant,
 )
+from softfinger.mechanics.effects.law import Law
 
 LEAST_TRIALS = 6
 
@@ -31,7 +33,21 @@ def _build_forms(setting: Setting) -> list[Form] | str:
             "friction_driver": 0.0,
         }
 
-    return [Form("exponential", (friction, trials, width), slots)]
+    last = float(setting.number.max())
+    law = Law("cold_friction_law", "trials_to_go", last, 0.1, terms=4, kind="sum")
+
+    def free(values: Values) -> dict:
+        left = law.evaluate(values, last - setting.number)
+        return {
+            "friction_constant": left,
+            "friction_width": values["turning_width"],
+            "friction_driver": 0.0,
+        }
+
+    return [
+        Form("exponential", (friction, trials, width), slots),
+        Form(FREE, (*law.parameters, width), free, law=law),  # any other way to fall
+    ]
 
 
 EFFECT = Effect(

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from jsonschema import Draft202012Validator
-from ruamel.yaml import YAML, YAMLError
 
-from softfinger.faults import Fault, ListedFault
+from softfinger.faults import ListedFault
+from softfinger.gate import read_document
 from softfinger.provenance import PROJECT
 
 DEFAULT_FILE = PROJECT / "config/default.yaml"
@@ -27,27 +26,15 @@ def read_config(file: Path | None = None) -> dict[str, Any]:
     Fault
         A file is missing or no YAML.
     """
-    config = _load_yaml(DEFAULT_FILE)
+    config = dict(read_document(DEFAULT_FILE).content)
     if file is not None:
-        config = _merge(config, _load_yaml(file))
-    schema = _load_yaml(SCHEMA_FILE)
+        config = _merge(config, read_document(file).content)
+    schema = read_document(SCHEMA_FILE).content
     errors = sorted(Draft202012Validator(schema).iter_errors(config), key=lambda e: list(e.path))
     if errors:
         faults = [f"{'.'.join(map(str, e.path)) or 'top level'}: {e.message}" for e in errors]
         raise ListedFault(str(file or DEFAULT_FILE), faults)
     return config
-
-
-def _load_yaml(path: Path) -> dict[str, Any]:
-    if not path.is_file():
-        raise Fault(f"{path}: the file does not exist; run softfinger from its own checkout")
-    try:
-        content = YAML(typ="safe").load(path.read_text(encoding="utf-8"))
-    except (YAMLError, UnicodeDecodeError) as error:
-        raise Fault(f"{path}: it is not YAML: {' '.join(str(error).split())}") from None
-    if not isinstance(content, Mapping):
-        raise Fault(f"{path}: it must hold keys and values")
-    return json.loads(json.dumps(content))
 
 
 def _merge(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:

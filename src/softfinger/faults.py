@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+MOST_LISTED = 100
+
 
 class Fault(Exception):
     """Base of every error that is the input's and not the program's.
 
     ``str(fault)`` is one clear sentence that names file, place, value and expectation; the
-    command line prints it without a traceback.
+    command line prints it without a traceback. Characters of the input that cannot be printed, or
+    stored in an artifact, are written as escapes.
     """
+
+    def __init__(self, said: object = "") -> None:
+        super().__init__("\n".join(make_printable(line) for line in str(said).split("\n")))
 
 
 class TrialFault(Fault):
@@ -36,7 +42,10 @@ class ListedFault(Fault):
         self.place = place
         self.faults = list(faults)
         count = f"{len(self.faults)} fault{'s' if len(self.faults) != 1 else ''}"
-        lines = "".join(f"\n  - {fault}" for fault in self.faults)
+        listed = self.faults[:MOST_LISTED]
+        if len(self.faults) > MOST_LISTED:
+            listed.append(f"and {len(self.faults) - MOST_LISTED} others")
+        lines = "".join(f"\n  - {fault}" for fault in listed)
         super().__init__(f"{place} cannot be used ({count}):{lines}")
 
 
@@ -46,3 +55,38 @@ class CampaignFault(ListedFault):
 
 class ArtifactFault(ListedFault):
     """A file that is not the artifact it is opened or saved as."""
+
+
+def make_printable(text: str) -> str:
+    r"""Text with what cannot be printed as escapes.
+
+    >>> make_printable("a\0b")
+    'a\\x00b'
+    """
+    if text.isprintable():
+        return text
+    return "".join(
+        sign if sign.isprintable() else sign.encode("unicode_escape").decode("ascii")
+        for sign in text
+    )
+
+
+def show(text: str, longest: int = 60) -> str:
+    """A piece of someone's text for a message: quoted, printable and short.
+
+    >>> show("a" * 9, longest=5)
+    "'aaaaa…'"
+    """
+    short = text if len(text) <= longest else text[:longest] + "…"
+    return f"'{make_printable(short)}'"
+
+
+def list_briefly(names: Sequence[str], most: int = 8) -> str:
+    """Names in one line, the first few and the number of the others.
+
+    >>> list_briefly(["a", "b", "c", "d"], most=2)
+    'a, b and 2 others'
+    """
+    shown, others = names[:most], len(names) - most
+    ending = f" and {others} other{'s' * (others != 1)}" if others > 0 else ""
+    return ", ".join(shown) + ending

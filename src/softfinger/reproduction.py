@@ -30,10 +30,11 @@ TOLERANCE = {"rounding": 1e-4, "search": 0.01, "sampling": 0.3, "video": 0.02}
 HASH = re.compile(r"\b[0-9a-f]{64}\b")
 NUMBER = re.compile(r"(?<![\w.])-?\d+\.?\d*(?:[eE][-+]?\d+)?")
 KINDS = {
-    **dict.fromkeys(("ranking", "location", "masking", "free_form", "model"), "search"),
+    **dict.fromkeys(("ranking", "location", "masking", "free_form", "laws", "model"), "search"),
     **dict.fromkeys(
         ("posterior", "sampling", "bands", "densities", "sobol", "shapley", "repair"), "sampling"
     ),
+    **dict.fromkeys(("checks", "summary"), "sampling"),
 }
 """What artifacts hang on, where it is more than rounding."""
 REASONS = {

@@ -17,8 +17,8 @@ from ruamel.yaml import YAML
 from softfinger.estimation.config import EstimationConfig
 from softfinger.mismatch.config import MismatchSettings
 from softfinger.propagation.config import PropagationConfig
-from softfinger.report.config import ReportConfig
 from softfinger.settings import Settings
+from softfinger.summary.config import ReportConfig
 from softfinger.tracking.config import TrackingConfig
 from softfinger.virtual_rig.config import VirtualRigConfig
 

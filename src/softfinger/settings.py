@@ -20,9 +20,9 @@ class Settings(BaseModel):
 
 
 def read_settings[Block: Settings](
-    block: type[Block], values: Mapping[str, Any], name: str
+    block: type[Block], values: Mapping[str, Any], name: str, whole: type[Settings] | None = None
 ) -> Block:
-    """Validate one block of the configuration.
+    """Validate one block of the configuration, or the part of it that a stage reads.
 
     Parameters
     ----------
@@ -32,6 +32,8 @@ def read_settings[Block: Settings](
         Key → value, as read from YAML.
     name
         What it is called in the message.
+    whole
+        Of a part, the declaration of the whole block: its other keys may be there or not.
 
     Raises
     ------
@@ -49,8 +51,9 @@ def read_settings[Block: Settings](
       - fps: field required
       - fsp: extra inputs are not permitted, got 30.0
     """
+    others = set() if whole is None else set(whole.model_fields) - set(block.model_fields)
     try:
-        return block.model_validate(dict(values))
+        return block.model_validate({k: value for k, value in values.items() if k not in others})
     except ValidationError as error:
         faults = [_describe(fault) for fault in error.errors()]
         raise ListedFault(f"the configuration's {name}", faults) from None

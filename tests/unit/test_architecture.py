@@ -1,6 +1,7 @@
 """Data flows forward: which part may import which."""
 
 import ast
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -8,29 +9,56 @@ from pathlib import Path
 import pytest
 
 import softfinger
+from softfinger.config import read_config
+from softfinger.provenance import find_modules
+from softfinger.stages.keys import KEYS
 
 PACKAGE = Path(softfinger.__file__).parent
-EVERYWHERE = {"faults", "progress", "settings"}
-GROUND = EVERYWHERE | {"campaign", "artifacts", "provenance", "mechanics", "population"}
-STAGES = ("tracking", "estimation", "propagation", "mismatch", "virtual_rig", "figures", "report")
+EVERYWHERE = {"compiled", "faults", "gate", "progress", "settings"}
+GROUND = EVERYWHERE | {
+    "campaign",
+    "artifacts",
+    "provenance",
+    "mechanics",
+    "measurement",
+    "inference",
+    "doubts",
+}
+STAGES = ("tracking", "estimation", "propagation", "mismatch", "virtual_rig", "summary")
 ALLOWED = {
+    "compiled": set(),
     "faults": set(),
+    "gate": {"faults"},
     "progress": set(),
+    "failure": {"faults"},
+    "guard": set(),
     "doctor": EVERYWHERE | {"provenance"},
     "reproduction": EVERYWHERE | {"provenance"},
     "settings": {"faults"},
     "provenance": EVERYWHERE,
+    "doubts": {"faults"},
     "campaign": EVERYWHERE,
     "artifacts": EVERYWHERE | {"provenance"},
     "config": EVERYWHERE | {"provenance"},
     "mechanics": EVERYWHERE,
-    "population": EVERYWHERE | {"mechanics"},
+    "measurement": EVERYWHERE | {"mechanics"},
+    "inference": EVERYWHERE | {"mechanics", "measurement", "campaign"},
     "concealed": EVERYWHERE | {"campaign"},
+    "importing": EVERYWHERE | {"campaign"},
     **dict.fromkeys(STAGES, GROUND),
 }
 ALLOWED["rig"] = EVERYWHERE | {"campaign", "mechanics", "virtual_rig"}
 ALLOWED["schema"] = EVERYWHERE | set(STAGES)
-ALLOWED["report"] = GROUND | {"figures"}
+ALLOWED["figures"] = set()
+ALLOWED["report"] = {"faults", "figures"}
+COMPUTING = {"arviz", "numba", "pymc", "scipy", "sklearn", "statistics", "statsmodels"}
+"""Libraries that compute."""
+STATISTICS = {
+    *("bincount", "corr", "cov", "cumsum", "digitize", "fft", "groupby", "histogram", "interp"),
+    *("linalg", "mean", "median", "nanmean", "nanmedian", "nanquantile", "nanstd", "percentile"),
+    *("polyfit", "quantile", "random", "std", "trapezoid", "var"),
+}
+"""Names of numpy and xarray that do."""
 
 
 def imported_parts(part: str) -> set[str]:
@@ -84,6 +112,19 @@ def test_no_two_parts_import_each_other():
     assert [part for part in graph if part in reach(part)] == []
 
 
+@pytest.mark.parametrize("part", ["figures", "report"])
+def test_what_renders_computes_nothing(part):
+    for file in (PACKAGE / part).rglob("*.py"):
+        tree = ast.parse(file.read_text())
+        imported = {
+            alias.name for n in ast.walk(tree) if isinstance(n, ast.Import) for alias in n.names
+        }
+        imported |= {n.module or "" for n in ast.walk(tree) if isinstance(n, ast.ImportFrom)}
+        assert not {name.split(".")[0] for name in imported} & COMPUTING, file
+        used = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
+        assert not used & STATISTICS, f"{file}: let a stage compute this"
+
+
 def test_scripts_import_stages_and_nothing_else():
     for script in (PACKAGE.parents[1] / "workflow/scripts").glob("*.py"):
         modules = {n.module for n in ast.parse(script.read_text()).body if hasattr(n, "module")}
@@ -104,3 +145,47 @@ def test_no_compiled_code_has_leave_to_reorder_sums():
         for node in ast.walk(ast.parse(file.read_text())):
             if isinstance(node, ast.keyword) and node.arg and "fastmath" in node.arg:
                 assert ast.unparse(node.value) == "False", f"{file}:{node.value.lineno}"
+
+
+def test_every_compiled_function_is_compiled_by_the_projects_own_decorator():
+    """Numba's own cache may return what an edited callee returned before."""
+    known = {"decorator.py", "doctor.py", "sampling.py"}  # itself, a trial, what PyTensor generates
+    for file in PACKAGE.rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.ImportFrom) and node.module == "numba":
+                names = {alias.name for alias in node.names}
+                assert not names & {"njit", "jit"} or file.name in known, f"{file}: {names}"
+
+
+def list_words(stage: str) -> set[str]:
+    """Attributes and texts in the code that a stage uses, but where keys are only declared."""
+    words = set()
+    for path in find_modules(f"softfinger.stages.{stage}").values():
+        if path.suffix == ".py" and path.name not in {"config.py", "keys.py", "example.py"}:
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.Attribute):
+                    words.add(node.attr)
+                elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+                    words.add(node.value)
+    return words
+
+
+@pytest.mark.parametrize("stage", [stage for stage, (_, keys) in KEYS.items() if keys])
+def test_a_stage_is_given_the_keys_that_its_code_reads(stage):
+    block, keys = KEYS[stage]
+    words = list_words(stage)
+    unused = set(keys) - words
+    assert not unused, f"{stage} does not read {unused}: take them from stages/keys.py"
+    others = set(read_config()[block]) - set(keys) - {"cores", "fps", "level"}  # common words
+    others -= {"band_samples", "running_times_s"}  # in modules that other stages use in part
+    missing = others & words
+    assert not missing, f"{stage} reads {missing}: add them in stages/keys.py"
+
+
+def test_every_rule_runs_again_with_its_code_its_settings_and_its_libraries():
+    for file in (PACKAGE.parents[1] / "workflow/rules").glob("*.smk"):
+        for rule in re.split(r"^ *rule\b", file.read_text(encoding="utf-8"), flags=re.M)[1:]:
+            if "script:" in rule and "check_artifacts" not in rule:
+                assert "code=code_hash(" in rule, f"{file}: {rule}"
+                assert "environment=ENVIRONMENT" in rule, f"{file}: {rule}"
+            assert "config=config[" not in rule, f"{file}: choose_settings(config, stage)"

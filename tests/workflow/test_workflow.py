@@ -9,14 +9,19 @@ import pytest
 from softfinger.artifacts import open_artifact, open_tree
 from softfinger.artifacts.specs import list_specs
 
-PROPAGATED = {"propagate", "sobol", "shapley", "report", "check_artifacts", "all"}
+SUMMED = {"summarise", "report", "check_artifacts", "all"}
+PROPAGATED = {"propagate", "sobol", "shapley", *SUMMED}
+FITTED = {"sampling", *PROPAGATED}
+FILMED = {"virtual_rig", "film", "track", "angles", "doubt", "picture", "tracking_quality"}
+MEASURED = {"least_squares", "diagnose", "fit", *FITTED}
 SPECS = {spec.name: spec for spec in list_specs()}
 
 
 def planned_rules(said: str) -> set[str]:
     """Rules in the table of jobs that a dry run prints."""
     table = said.split("Job stats:")[1].split("total")[0]
-    return set(re.findall(r"^([a-z]\w+) +\d+$", table, re.MULTILINE)) - {"job"}
+    found = re.findall(r"^([a-z]\w+) +\d+$", table, re.MULTILINE)
+    return {re.sub(r"_\d{4}$", "", name) for name in found} - {"job"}
 
 
 def test_every_artifact_keeps_its_declaration(finished):
@@ -55,9 +60,12 @@ def test_nothing_reruns_when_nothing_has_changed(finished):
 @pytest.mark.parametrize(
     ("module", "rules"),
     [
-        ("propagation/design.py", {"sobol", "shapley", "report", "check_artifacts", "all"}),
+        ("propagation/design.py", {"sobol", "shapley", *SUMMED}),
         ("report/page.py", {"report", "all"}),
-        ("population/basis.py", {"least_squares", "fit", *PROPAGATED}),
+        ("inference/collapse/basis.py", {"least_squares", "propagate", "sobol", *SUMMED}),
+        ("inference/expansion.py", {"fit", "diagnose", *FITTED}),
+        ("mismatch/search/stepwise.py", {"diagnose", *SUMMED}),
+        ("mechanics/effects/wire_friction.py", FILMED | MEASURED),
     ],
 )
 def test_an_edit_of_library_code_reruns_what_depends_on_it_and_no_other(editable, module, rules):
@@ -67,6 +75,20 @@ def test_an_edit_of_library_code_reruns_what_depends_on_it_and_no_other(editable
     assert planned_rules(editable.snakemake("all", "--cores", "2", "--dry-run")) == rules
     path.write_text(before + "\n# a remark\n")
     assert "Nothing to be done" in editable.snakemake("all", "--cores", "2", "--dry-run")
+
+
+@pytest.mark.parametrize(
+    ("setting", "rules"),
+    [
+        ("estimation={cores: 1}", {"report", "all"}),  # it shows the whole configuration
+        ("estimation={r_hat_max: 1.02}", {"sampling", *SUMMED}),
+        ("estimation={outlier_cutoff: 2.5}", {"least_squares", *PROPAGATED} - {"shapley"}),
+        ("mismatch={bootstrap_replicates: 99}", {"diagnose", *SUMMED}),
+    ],
+)
+def test_a_setting_reruns_the_rules_that_read_it_and_no_other(finished, setting, rules):
+    said = finished.snakemake("all", "--cores", "2", "--dry-run", "--config", setting)
+    assert planned_rules(said) == rules
 
 
 def test_the_same_seed_gives_the_same_bytes_on_one_core_and_on_two(finished):

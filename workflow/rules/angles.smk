@@ -8,9 +8,9 @@ rule angles:
         OUT / "logs/angles.log",
     params:
         folder=CAMPAIGN,
-        config=config["tracking"],
-        seed=config["seed"],
+        config=choose_settings(config, "angles"),
         code=code_hash("angles"),
+        environment=ENVIRONMENT,
     message:
         "Turn marker positions and angle tables into joint angles and loads"
     script:

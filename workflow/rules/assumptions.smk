@@ -5,9 +5,10 @@ rule assumptions:
     log:
         OUT / "logs/assumptions.log",
     params:
-        config=config["virtual_rig"],
+        config=choose_settings(config, "assumptions"),
         seed=config["seed"],
         code=code_hash("assumptions"),
+        environment=ENVIRONMENT,
     message:
         "Check the paper's assumptions against the full equations of motion"
     script:

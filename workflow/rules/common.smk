@@ -5,9 +5,11 @@ from snakemake.exceptions import WorkflowError
 
 from softfinger.campaign import list_tables, read_campaign
 from softfinger.faults import Fault
-from softfinger.provenance import code_hash
+from softfinger.provenance import code_hash, environment_hash
+from softfinger.stages.keys import choose_settings
 
 OUT = Path(config["out"])
+ENVIRONMENT = environment_hash()  # of the libraries; no rule's numbers are without them
 SIMULATED = config["campaign"] is None
 MODEL = {} if config["model"] is None else {"model": config["model"]}
 CAMPAIGN = OUT / "campaign" if SIMULATED else Path(config["campaign"])

@@ -9,8 +9,10 @@ rule conceal:
     params:
         place=find_place,
         suite=SUITE,
+        config=choose_settings(DEFAULTS, "film"),
         seed=config["seed"],
         code=code_hash("conceal"),
+        environment=ENVIRONMENT,
     message:
         "Conceal physics in campaign {wildcards.case}, and seal what it was"
     script:
@@ -30,7 +32,9 @@ rule diagnose_blind:
     params:
         patience_s=config["patience_s"],
         mcmc=is_sampled,
-        code=code_hash("diagnose_blind") + code_hash("diagnose"),
+        code=code_hash("diagnose_blind", *COMMAND_LINE),
+        environment=ENVIRONMENT,
+        settings=DIAGNOSED,
     message:
         "Diagnose campaign {wildcards.case}, of which nothing is known"
     script:
@@ -49,7 +53,9 @@ rule diagnose_measured:
     params:
         patience_s=config["patience_s"],
         mcmc=False,
-        code=code_hash("diagnose_blind") + code_hash("diagnose"),
+        code=code_hash("diagnose_blind", *COMMAND_LINE),
+        environment=ENVIRONMENT,
+        settings=DIAGNOSED,
     message:
         "Diagnose the real recordings {wildcards.recording}"
     script:
@@ -65,6 +71,8 @@ rule rivals:
         OUT / "logs/rivals_{case}.log",
     params:
         python=sys.executable,
+        code=code_hash("benchmarks._rivals"),
+        environment=ENVIRONMENT,
     message:
         "Ask two rivals about campaign {wildcards.case}"
     shell:
@@ -81,6 +89,7 @@ rule limit:
         OUT / "logs/limit_{case}.log",
     params:
         code=code_hash("limit"),
+        environment=ENVIRONMENT,
     message:
         "Ask what the oracle itself could name of campaign {wildcards.case}"
     script:
@@ -110,6 +119,7 @@ rule score:
         seed=config["seed"],
         known=config["measured"],
         code=code_hash("score"),
+        environment=ENVIRONMENT,
     message:
         "Open the seals and score the answers"
     script:

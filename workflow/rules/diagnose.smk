@@ -1,4 +1,12 @@
-DIAGNOSIS = ["ranking", "location", "masking", "repair", "free_form"]
+DIAGNOSIS = [
+    "ranking",
+    "location",
+    "masking",
+    "repair",
+    "free_form",
+    "laws",
+    "measurement",
+]
 
 
 rule diagnose:
@@ -14,9 +22,10 @@ rule diagnose:
         OUT / "logs/diagnose.log",
     threads: 1  # of linear algebra: the same bytes whatever the cores
     params:
-        config=config["mismatch"],
+        config=choose_settings(config, "diagnose"),
         seed=config["seed"],
         code=code_hash("diagnose"),
+        environment=ENVIRONMENT,
     message:
         "Find out which physics was left out, and repair the model"
     script:

@@ -6,9 +6,9 @@ rule least_squares:
     log:
         OUT / "logs/least_squares.log",
     params:
-        config=config["estimation"],
-        seed=config["seed"],
+        config=choose_settings(config, "least_squares"),
         code=code_hash("least_squares"),
+        environment=ENVIRONMENT,
     message:
         "Fit each trial by least squares, the paper's way"
     script:
@@ -21,19 +21,36 @@ rule fit:
         angles=OUT / "angles.nc",
     output:
         posterior=OUT / "posterior.nc",
-        sampling=OUT / "sampling.nc",
     log:
         OUT / "logs/fit.log",
     priority: 1  # most rules wait for it, and it waits until all its cores are free
     threads: config["estimation"]["cores"]
     params:
-        config=config["estimation"],
+        config=choose_settings(config, "fit"),
         seed=config["seed"],
         code=code_hash("fit"),
+        environment=ENVIRONMENT,
     message:
         "Sample the hierarchical posterior"
     script:
         "../scripts/fit.py"
+
+
+rule sampling:
+    input:
+        posterior=OUT / "posterior.nc",
+    output:
+        sampling=OUT / "sampling.nc",
+    log:
+        OUT / "logs/sampling.log",
+    params:
+        config=choose_settings(config, "sampling"),
+        code=code_hash("sampling"),
+        environment=ENVIRONMENT,
+    message:
+        "Judge whether the sampling can be trusted"
+    script:
+        "../scripts/sampling.py"
 
 
 # Calibration, asked for by name: only a simulated campaign has a truth to be held against.
@@ -50,8 +67,8 @@ if SIMULATED:
         log:
             OUT / "logs/recovery.log",
         params:
-            seed=config["seed"],
             code=code_hash("recovery"),
+            environment=ENVIRONMENT,
         message:
             "Hold both ways of fitting against the simulated truth"
         script:

@@ -10,9 +10,10 @@ rule propagate:
     log:
         OUT / "logs/propagate.log",
     params:
-        config=config["propagation"],
+        config=choose_settings(config, "propagate"),
         seed=config["seed"],
         code=code_hash("propagate"),
+        environment=ENVIRONMENT,
     message:
         "Propagate the spread of the parameters to bands and densities of the angles"
     script:

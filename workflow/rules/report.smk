@@ -1,17 +1,3 @@
-ARTIFACTS = [
-    "angles",
-    "least_squares",
-    "posterior",
-    "sampling",
-    "bands",
-    "densities",
-    "sobol",
-    "shapley",
-    "assumptions",
-]
-ARTIFACTS += DIAGNOSIS
-if VIDEOS:
-    ARTIFACTS += ["picture", "tracking_quality"]
 FIGURES = [
     "finger",
     "joint_model",
@@ -41,14 +27,9 @@ if VIDEOS:
     FIGURES += ["tracking"]
 
 
-if MODEL:  # Shapley effects and these residuals know the base model alone
-    ARTIFACTS.remove("shapley")
-    FIGURES = [name for name in FIGURES if name not in ("shapley", "residuals")]
-
-
 rule report:
     input:
-        **{name: OUT / f"{name}.nc" for name in ARTIFACTS},
+        **{name: OUT / f"{name}.nc" for name in [*ARTIFACTS, *SUMMED]},
         verdict=OUT / "verdict.json",
         markers=expand(OUT / "markers/{batch}.nc", batch=BATCHES),
     output:
@@ -63,6 +44,7 @@ rule report:
     params:
         config=config,
         code=code_hash("report"),
+        environment=ENVIRONMENT,
     message:
         "Write the report"
     script:
@@ -71,7 +53,7 @@ rule report:
 
 rule figure:
     input:
-        **{name: OUT / f"{name}.nc" for name in ARTIFACTS},
+        **{name: OUT / f"{name}.nc" for name in [*ARTIFACTS, *SUMMED]},
         verdict=OUT / "verdict.json",
         markers=expand(OUT / "markers/{batch}.nc", batch=BATCHES),
     output:
@@ -89,8 +71,8 @@ rule figure:
         OUT / "logs/figure_{name}.log",
     params:
         name="{name}",
-        config=config,
         code=code_hash("figure"),
+        environment=ENVIRONMENT,
     message:
         "Draw figure {wildcards.name}"
     script:
@@ -99,7 +81,7 @@ rule figure:
 
 rule document:
     input:
-        **{name: OUT / f"{name}.nc" for name in ARTIFACTS},
+        **{name: OUT / f"{name}.nc" for name in [*ARTIFACTS, *SUMMED]},
         verdict=OUT / "verdict.json",
         markers=expand(OUT / "markers/{batch}.nc", batch=BATCHES),
     output:
@@ -114,8 +96,8 @@ rule document:
         OUT / "logs/document.log",
     params:
         names=FIGURES,
-        config=config,
         code=code_hash("document"),
+        environment=ENVIRONMENT,
     message:
         "Write the LaTeX document of the figures"
     script:
@@ -130,7 +112,7 @@ rule figures:
 
 rule check_artifacts:
     input:
-        artifacts=[OUT / f"{name}.nc" for name in ARTIFACTS],
+        artifacts=[OUT / f"{name}.nc" for name in [*ARTIFACTS, *SUMMED]],
         markers=expand(OUT / "markers/{batch}.nc", batch=BATCHES),
     output:
         receipt=OUT / "receipt.csv",

@@ -9,9 +9,10 @@ rule sobol:
     log:
         OUT / "logs/sobol.log",
     params:
-        config=config["propagation"],
+        config=choose_settings(config, "sobol"),
         seed=config["seed"],
         code=code_hash("sobol"),
+        environment=ENVIRONMENT,
     message:
         "Split the spread of the angles among the parameters"
     script:
@@ -20,6 +21,7 @@ rule sobol:
 
 rule shapley:
     input:
+        **MODEL,
         angles=OUT / "angles.nc",
         posterior=OUT / "posterior.nc",
     output:
@@ -27,9 +29,10 @@ rule shapley:
     log:
         OUT / "logs/shapley.log",
     params:
-        config=config["propagation"],
+        config=choose_settings(config, "shapley"),
         seed=config["seed"],
         code=code_hash("shapley"),
+        environment=ENVIRONMENT,
     message:
         "Look for parameters that go together, and share the spread among them"
     script:

@@ -9,8 +9,8 @@ rule track:
     params:
         folder=CAMPAIGN,
         trials=batch_trials,
-        seed=config["seed"],
         code=code_hash("track"),
+        environment=ENVIRONMENT,
     message:
         "Track the markers in batch {wildcards.batch}"
     script:
@@ -28,8 +28,8 @@ rule picture:
         OUT / "logs/picture.log",
     params:
         folder=CAMPAIGN,
-        seed=config["seed"],
         code=code_hash("picture"),
+        environment=ENVIRONMENT,
     message:
         "Keep one frame to look at"
     script:
@@ -44,8 +44,8 @@ rule tracking_quality:
     log:
         OUT / "logs/tracking_quality.log",
     params:
-        seed=config["seed"],
         code=code_hash("tracking_quality"),
+        environment=ENVIRONMENT,
     message:
         "Judge how well each trial was tracked"
     script:
@@ -65,6 +65,7 @@ rule overlay:
         folder=CAMPAIGN,
         trial="{trial}",
         code=code_hash("overlay"),
+        environment=ENVIRONMENT,
     message:
         "Draw the markers of {wildcards.trial} into its video"
     script:

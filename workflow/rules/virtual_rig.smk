@@ -11,9 +11,10 @@ if SIMULATED:
             OUT / "logs/virtual_rig.log",
         params:
             folder=CAMPAIGN,
-            config=config["virtual_rig"],
+            config=choose_settings(config, "virtual_rig"),
             seed=config["seed"],
             code=code_hash("virtual_rig"),
+            environment=ENVIRONMENT,
         message:
             "Draw a finger's trials and move it by the full equations of motion"
         script:
@@ -31,9 +32,10 @@ if SIMULATED:
             log:
                 OUT / f"logs/film_{batch}.log",
             params:
-                config=config["virtual_rig"],
+                config=choose_settings(config, "film"),
                 seed=config["seed"],
                 code=code_hash("film"),
+                environment=ENVIRONMENT,
             message:
                 f"Film {len(names)} trials, from {names[0]}"
             script:

@@ -49,7 +49,7 @@ class Variable:
 class ArtifactSpec:
     """What an artifact holds. A tree of groups (a fit) declares the variables of each group.
 
-    A group of nothing but optional variables may be missing.
+    A group that `optional_groups` names, or of nothing but optional variables, may be missing.
     """
 
     name: str
@@ -58,7 +58,9 @@ class ArtifactSpec:
     variables: Mapping[str, Variable]
     coords: Mapping[str, Variable] = field(default_factory=dict)
     attrs: tuple[str, ...] = ()
+    optional_attrs: tuple[str, ...] = ()
     groups: Mapping[str, Mapping[str, Variable]] = field(default_factory=dict)
+    optional_groups: frozenset[str] = frozenset()
     version: int = 1
 
 
@@ -78,7 +80,8 @@ def list_tree_faults(spec: ArtifactSpec, tree: xr.DataTree) -> list[str]:
     faults = [f"attribute '{key}' is missing" for key in spec.attrs if key not in tree.attrs]
     for group, variables in spec.groups.items():
         if group not in tree.children:
-            if not all(variable.optional for variable in variables.values()):
+            excused = all(variable.optional for variable in variables.values())
+            if not (excused or group in spec.optional_groups):
                 faults.append(f"group '{group}' is missing")
             continue
         dataset = tree[group].dataset

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import glob
 import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -17,7 +18,7 @@ from softfinger.artifacts.spec import (
     list_tree_faults,
     list_unit_faults,
 )
-from softfinger.faults import ArtifactFault
+from softfinger.faults import ArtifactFault, Fault
 from softfinger.provenance import Provenance
 
 ENGINE = "h5netcdf"
@@ -29,12 +30,34 @@ def write_atomically(path: Path | str) -> Iterator[Path]:
     """Give a temporary name beside ``path`` that replaces it only when all went well."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
+    if path.is_dir():
+        raise Fault(f"{path}: is a folder, and a file of this name is to be written; move it away")
+    _remove_left_over(path)
     temporary = path.with_name(f".{path.stem}.{os.getpid()}.partial{path.suffix}")
     try:
         yield temporary
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def _remove_left_over(path: Path) -> None:
+    """Remove what writers of this file left that were killed."""
+    start, end = f".{path.stem}.", f".partial{path.suffix}"
+    for left in path.parent.glob(f"{glob.escape(start)}*{glob.escape(end)}"):
+        writer = left.name.removeprefix(start).removesuffix(end)
+        if writer.isdigit() and not _is_running(int(writer)):
+            left.unlink(missing_ok=True)
+
+
+def _is_running(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:  # another's process
+        return True
+    return True
 
 
 def save_artifact(
@@ -52,14 +75,16 @@ def save_artifact(
     _refuse(str(path), list_faults(spec, dataset))
     declared = {**spec.variables, **spec.coords}
     stamped = _stamp(dataset, declared)
-    stamped.attrs = {key: dataset.attrs[key] for key in spec.attrs} | _root_attrs(spec, provenance)
+    kept = [*spec.attrs, *(key for key in spec.optional_attrs if key in dataset.attrs)]
+    stamped.attrs = {key: dataset.attrs[key] for key in kept} | _root_attrs(spec, provenance)
     encoding = {
         name: COMPRESSION if declared[name].compress else {}
         for name in stamped.variables
         if declared[name].kind != "text"
     }
     with write_atomically(path) as temporary:
-        stamped.to_netcdf(temporary, engine=ENGINE, encoding=encoding)
+        # In memory first: HDF5 ends in a segmentation fault where a disk is full.
+        temporary.write_bytes(stamped.to_netcdf(engine=ENGINE, encoding=encoding))
         append_checksum(temporary)
 
 
@@ -79,7 +104,7 @@ def save_tree(
         stamped[group].dataset = _stamp(stamped[group].to_dataset(), spec.groups[group])
     stamped.attrs = {key: tree.attrs[key] for key in spec.attrs} | _root_attrs(spec, provenance)
     with write_atomically(path) as temporary:
-        stamped.to_netcdf(temporary, engine=ENGINE)
+        temporary.write_bytes(stamped.to_netcdf(engine=ENGINE))
         append_checksum(temporary)
 
 

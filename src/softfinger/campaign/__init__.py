@@ -1,15 +1,17 @@
-"""The campaign folder: one finger, one rig, many trials. Read, validate, list every fault."""
+"""The campaign folder: one finger or specimen, many trials. Read, validate, list every fault."""
 
 from softfinger.campaign.description import Camera, Finger, Intrinsics
 from softfinger.campaign.folder import Campaign, Trial, check_campaign, list_tables, read_campaign
 from softfinger.campaign.load_log import read_load
 from softfinger.campaign.recordings import marker_names, read_angle_table, read_marker_table
+from softfinger.campaign.specimen import Specimen
 
 __all__ = [
     "Camera",
     "Campaign",
     "Finger",
     "Intrinsics",
+    "Specimen",
     "Trial",
     "check_campaign",
     "list_tables",

@@ -7,16 +7,16 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
-from ruamel.yaml import YAML, YAMLError
-from ruamel.yaml.comments import CommentedMap
-from ruamel.yaml.events import AliasEvent, CollectionEndEvent, CollectionStartEvent
+from pydantic import BaseModel, Field, ValidationError, model_validator
 
-from softfinger.faults import CampaignFault
+from softfinger.campaign.section import Section
+from softfinger.campaign.specimen import Motion, Quantity, Specimen
+from softfinger.faults import CampaignFault, Fault, show
+from softfinger.gate import Document, read_document
 
 FILE_NAME = "campaign.yaml"
-LARGEST_FILE_BYTES = 1_000_000
-DEEPEST = 20
+DISTORTIONS = (0, 4, 5, 8, 12, 14)
+MARKER_PX = (1.0, 2000.0)
 
 # Bounds far outside any soft finger: what they refuse is a slip of the unit.
 Length = Annotated[float, Field(gt=1e-5, lt=2.0)]
@@ -25,11 +25,7 @@ Inertia = Annotated[float, Field(gt=1e-14, lt=10.0)]
 Place = Annotated[float, Field(gt=-2.0, lt=2.0)]
 
 
-class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=False, allow_inf_nan=False)
-
-
-class Finger(_Section):
+class Finger(Section):
     """The finger: number of joints, and the geometry that dynamics and tracking need."""
 
     joints: int = Field(ge=1, le=32)
@@ -58,7 +54,7 @@ class Finger(_Section):
         return self
 
 
-class Intrinsics(_Section):
+class Intrinsics(Section):
     """Pinhole matrix [px] and OpenCV distortion coefficients."""
 
     matrix: tuple[
@@ -66,37 +62,106 @@ class Intrinsics(_Section):
     ]
     distortion: tuple[float, ...] = Field(default=(), max_length=14)
 
+    @model_validator(mode="after")
+    def _pinhole(self) -> Self:
+        focal = (self.matrix[0][0], self.matrix[1][1])
+        below = (self.matrix[1][0], self.matrix[2][0], self.matrix[2][1], self.matrix[2][2] - 1.0)
+        if min(focal) < 1.0 or any(below):
+            raise ValueError(
+                "matrix must be [[fx, s, cx], [0, fy, cy], [0, 0, 1]] with focal lengths fx and fy "
+                "of at least 1 px"
+            )
+        if len(self.distortion) not in DISTORTIONS:
+            raise ValueError(
+                f"distortion has {len(self.distortion)} coefficients; OpenCV knows "
+                f"{', '.join(map(str, DISTORTIONS))}"
+            )
+        return self
 
-class Camera(_Section):
-    """The camera and the markers that it sees."""
+
+Colour = Annotated[str, Field(pattern=r"^(dark|light|#[0-9a-fA-F]{6})$")]
+HexColour = Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
+
+
+class Dot(Section):
+    """A dot that no rigid link binds: by its place in the first picture, or by its own colour."""
+
+    diameter_px: float = Field(gt=1.0, lt=1e4)
+    at_px: tuple[float, float] | None = None
+    colour: HexColour | None = None
+
+    @model_validator(mode="after")
+    def _one_way_to_know_it(self) -> Self:
+        if (self.at_px is None) == (self.colour is None):
+            raise ValueError("give either at_px or colour (#rrggbb), and not both")
+        return self
+
+
+class Camera(Section):
+    """The camera, and the markers on links or the free dots that it sees."""
 
     fps: float = Field(gt=0.01, lt=1e5)
     metres_per_pixel: float | None = Field(default=None, gt=1e-8, lt=0.1)
     intrinsics: Intrinsics | None = None
-    markers: dict[str, tuple[Place, ...]]
-    marker_diameter_m: Length
-    marker_colour: str | None = Field(default=None, pattern=r"^(dark|light|#[0-9a-fA-F]{6})$")
+    markers: dict[str, tuple[Place, ...]] = Field(default_factory=dict)
+    marker_diameter_m: Length | None = None
+    marker_colour: Colour | None = None
+    dots: dict[Annotated[str, Field(pattern=r"^[a-z][a-z0-9]*$")], Dot] | None = None
+
+    @model_validator(mode="after")
+    def _markers_or_dots(self) -> Self:
+        if bool(self.markers) == bool(self.dots):
+            raise ValueError("give either markers (on links) or dots, and not both")
+        if self.markers and self.marker_diameter_m is None:
+            raise ValueError("marker_diameter_m is missing; markers need it")
+        if self.dots and len({dot.at_px is None for dot in self.dots.values()}) > 1:
+            raise ValueError("give at_px of every dot, or the colour of every dot")
+        return self
 
     @model_validator(mode="after")
     def _one_scale(self) -> Self:
+        if self.dots:
+            return self
         if (self.metres_per_pixel is None) == (self.intrinsics is None):
             raise ValueError("give either metres_per_pixel or intrinsics, and not both")
+        if self.metres_per_pixel is not None and self.marker_diameter_m is not None:
+            size = self.marker_diameter_m / self.metres_per_pixel
+            if not MARKER_PX[0] <= size <= MARKER_PX[1]:
+                raise ValueError(
+                    f"a marker of {self.marker_diameter_m:g} m at {self.metres_per_pixel:g} m per "
+                    f"pixel would have {size:.3g} px; expected {MARKER_PX[0]:g} to "
+                    f"{MARKER_PX[1]:g} px"
+                )
         return self
 
 
-class Description(_Section):
+class Description(Section):
     """The whole of ``campaign.yaml``."""
 
     version: Literal[1]
     name: str = Field(min_length=1, max_length=200)
     source: Literal["measured", "synthetic"]
-    finger: Finger
+    finger: Finger | None = None
+    specimen: Specimen | None = None
     camera: Camera | None = None
     noise_sd_rad: float | None = Field(default=None, gt=1e-7, lt=1.0)
 
     @model_validator(mode="after")
+    def _finger_or_specimen(self) -> Self:
+        if (self.finger is None) == (self.specimen is None):
+            raise ValueError("give either finger or specimen, and not both")
+        if self.specimen is not None and self.noise_sd_rad is not None:
+            raise ValueError(
+                "noise_sd_rad belongs to a finger; give specimen.motion.noise_sd, in the unit of "
+                "the motion"
+            )
+        if self.camera is not None and (self.specimen is None) == bool(self.camera.dots):
+            raise ValueError("camera.dots belong to a specimen, camera.markers to a finger's links")
+        return self
+
+    @model_validator(mode="after")
     def _markers_on_every_link(self) -> Self:
-        if self.camera is None:
+        if self.camera is None or self.finger is None:
             return self
         expected = ["base", *(f"link_{i + 1}" for i in range(self.finger.joints))]
         if sorted(self.camera.markers) != sorted(expected):
@@ -113,6 +178,17 @@ class Description(_Section):
         return self
 
 
+SECTIONS: dict[str, type[BaseModel]] = {
+    "finger": Finger,
+    "specimen": Specimen,
+    "motion": Motion,
+    "load": Quantity,
+    "camera": Camera,
+    "dots": Dot,
+    "intrinsics": Intrinsics,
+}
+
+
 def read_description(folder: Path) -> Description:
     """Read and validate ``campaign.yaml``.
 
@@ -123,63 +199,21 @@ def read_description(folder: Path) -> Description:
         faults are listed, each with its line and key.
     """
     path = folder / FILE_NAME
-    content = _load_yaml(path)
     try:
-        return Description.model_validate(_to_plain(content))
+        document = read_document(path)
+    except Fault as fault:
+        raise CampaignFault(str(folder), [str(fault).removeprefix(f"{folder}/")]) from None
+    try:
+        return Description.model_validate(document.content)
     except ValidationError as error:
-        faults = [_describe(fault, content) for fault in error.errors()]
+        faults = [_describe(fault, document) for fault in error.errors()]
         raise CampaignFault(str(path), faults) from None
 
 
-def _load_yaml(path: Path) -> CommentedMap:
-    if not path.is_file():
-        raise CampaignFault(
-            str(path.parent), [f"{FILE_NAME} is missing; every campaign folder has one"]
-        )
-    if path.stat().st_size > LARGEST_FILE_BYTES:
-        raise CampaignFault(
-            str(path), [f"it has {path.stat().st_size} bytes; expected less than a megabyte"]
-        )
-    try:
-        text = path.read_text(encoding="utf-8")
-        _refuse_bombs(path, text)
-        content = YAML(typ="rt").load(text)
-    except UnicodeDecodeError as error:
-        raise CampaignFault(str(path), [f"byte {error.start} is not UTF-8 text"]) from None
-    except YAMLError as error:
-        raise CampaignFault(
-            str(path), [f"it is not YAML: {' '.join(str(error).split())}"]
-        ) from None
-    if not isinstance(content, CommentedMap):
-        raise CampaignFault(str(path), ["it must hold keys and values, as in 'version: 1'"])
-    return content
-
-
-def _refuse_bombs(path: Path, text: str) -> None:
-    """Refuse aliases, which can make a small file expand without end, and deep nesting."""
-    depth = 0
-    for event in YAML(typ="safe").parse(text):
-        if isinstance(event, AliasEvent):
-            raise CampaignFault(str(path), ["it holds a YAML alias (*name); write values out"])
-        depth += isinstance(event, CollectionStartEvent) - isinstance(event, CollectionEndEvent)
-        if depth > DEEPEST:
-            raise CampaignFault(
-                str(path), [f"it nests keys or lists deeper than {DEEPEST} times; expected 4"]
-            )
-
-
-def _to_plain(node: Any) -> Any:  # noqa: ANN401 (a YAML tree holds anything)
-    if isinstance(node, dict):
-        return {str(key): _to_plain(value) for key, value in node.items()}
-    if isinstance(node, list):
-        return [_to_plain(value) for value in node]
-    return node
-
-
-def _describe(fault: Any, content: CommentedMap) -> str:  # noqa: ANN401 (pydantic's error record)
+def _describe(fault: Any, document: Document) -> str:  # noqa: ANN401 (pydantic's error record)
     place = tuple(fault["loc"])
     key = ".".join(str(part + 1) if isinstance(part, int) else part for part in place)
-    where = f"line {_find_line(content, place)}" + (f", {key}" if key else "")
+    where = f"line {document.find_line(place)}" + (f", {key}" if key else "")
     if fault["type"] == "extra_forbidden":
         known = _known_keys(place[:-1])
         near = difflib.get_close_matches(str(place[-1]), known, n=1)
@@ -191,24 +225,12 @@ def _describe(fault: Any, content: CommentedMap) -> str:  # noqa: ANN401 (pydant
     message = message[0].lower() + message[1:]
     if isinstance(fault["input"], dict):
         return f"{where}: {message}"
-    return f"{where}: is {fault['input']!r}; {message}; mind the unit in the key's name"
+    found = show(repr(fault["input"]))[1:-1]
+    return f"{where}: is {found}; {message}; mind the unit in the key's name"
 
 
 def _known_keys(place: tuple[str | int, ...]) -> list[str]:
     section: type[BaseModel] = Description
     for part in place:
-        section = {"finger": Finger, "camera": Camera, "intrinsics": Intrinsics}.get(
-            str(part), section
-        )
+        section = SECTIONS.get(str(part), section)
     return sorted(section.model_fields)
-
-
-def _find_line(content: CommentedMap, place: tuple[str | int, ...]) -> int:
-    line, node = 0, content
-    for part in place:
-        try:
-            line = node.lc.key(part)[0] if isinstance(node, CommentedMap) else node.lc.item(part)[0]
-            node = node[part]
-        except (KeyError, IndexError, AttributeError, TypeError):
-            break
-    return line + 1

@@ -12,12 +12,16 @@ import numpy as np
 import pandas as pd
 
 from softfinger.campaign.description import FILE_NAME, Camera, Finger, read_description
-from softfinger.campaign.load_log import read_load
+from softfinger.campaign.load_log import read_load, refuse_mixed_loads
 from softfinger.campaign.recordings import read_angle_table, read_marker_table
+from softfinger.campaign.specimen import Specimen
 from softfinger.campaign.tables import read_text_table
-from softfinger.faults import CampaignFault, TrialFault
+from softfinger.faults import CampaignFault, TrialFault, show
+from softfinger.gate import find_obstacle
 
 TABLE_NAME = "trials.csv"
+LONGEST_NAME, LONGEST_PATH = 200, 1000
+MOST_TRIALS, MOST_COLUMNS = 100_000, 200
 LEVELS = ("video", "markers", "angles")
 Level = Literal["video", "markers", "angles"]
 
@@ -37,7 +41,10 @@ class Trial:
 
 @dataclass(frozen=True)
 class Campaign:
-    """One finger, one rig, many trials, in the order in which they were recorded."""
+    """One finger or specimen, one rig, many trials, in the order in which they were recorded.
+
+    A specimen is read as a finger of one joint; `specimen` then gives the units of its tables.
+    """
 
     folder: Path
     name: str
@@ -47,6 +54,7 @@ class Campaign:
     noise_sd_rad: float | None
     trials: tuple[Trial, ...]
     set_aside: Mapping[str, str]
+    specimen: Specimen | None = None
 
 
 def read_campaign(folder: Path | str) -> Campaign:
@@ -61,8 +69,7 @@ def read_campaign(folder: Path | str) -> Campaign:
         listed.
     """
     folder = Path(folder)
-    if not folder.is_dir():
-        raise CampaignFault(str(folder), ["the folder does not exist"])
+    _refuse_no_folder(folder)
     description = read_description(folder)
     try:
         table = read_text_table(folder / TABLE_NAME)
@@ -76,7 +83,10 @@ def read_campaign(folder: Path | str) -> Campaign:
         try:
             trials.append(_read_row(folder, row, cells, noted))
         except TrialFault as fault:
-            set_aside[name] = str(fault)
+            set_aside[name if _is_name(name) else f"row {row + 2}"] = str(fault)
+    trials, set_aside = _set_aside_unlogged(trials, set_aside)
+    if description.specimen is not None:
+        trials, set_aside = _refuse_markers(trials, set_aside)
     videos = [trial for trial in trials if trial.level == "video"]
     if videos and description.camera is None:
         raise CampaignFault(
@@ -89,12 +99,23 @@ def read_campaign(folder: Path | str) -> Campaign:
         folder=folder,
         name=description.name,
         source=description.source,
-        finger=description.finger,
+        finger=description.finger or Finger(joints=1),
+        specimen=description.specimen,
         camera=description.camera,
         noise_sd_rad=description.noise_sd_rad,
         trials=tuple(trials),
         set_aside=set_aside,
     )
+
+
+def _refuse_no_folder(folder: Path) -> None:
+    try:
+        if folder.is_dir():
+            return
+        reason = "it is no folder" if folder.exists() else "the folder does not exist"
+    except OSError as error:
+        reason = f"it cannot be read: {error.strerror}"
+    raise CampaignFault(show(str(folder), 300)[1:-1], [reason])
 
 
 def check_campaign(folder: Path | str) -> dict[str, str]:
@@ -105,15 +126,17 @@ def check_campaign(folder: Path | str) -> dict[str, str]:
     Raises
     ------
     CampaignFault
-        As :func:`read_campaign`.
+        As :func:`read_campaign`, or the trials log different kinds of load.
     """
     campaign = read_campaign(folder)
     reasons = dict(campaign.set_aside)
+    kinds = {}
     for trial in campaign.trials:
         try:
-            _check_trial(campaign, trial)
+            kinds[trial.name] = _check_trial(campaign, trial)
         except TrialFault as fault:
             reasons[trial.name] = str(fault)
+    refuse_mixed_loads(campaign.name, kinds)
     return reasons
 
 
@@ -124,15 +147,28 @@ def list_tables(campaign: Campaign) -> list[Path]:
     return [campaign.folder / FILE_NAME, campaign.folder / TABLE_NAME, *recordings, *logs]
 
 
-def _check_trial(campaign: Campaign, trial: Trial) -> None:
+def _check_trial(campaign: Campaign, trial: Trial) -> str:
+    """Read a trial's tables; the kind of its load."""
     if trial.level == "video":
         camera = cast(Camera, campaign.camera)
-        read_load(campaign, trial, 1.0 / camera.fps, 0.0)
-        return
+        return read_load(campaign, trial, 1.0 / camera.fps, 0.0)[2]
     read = read_angle_table if trial.level == "angles" else read_marker_table
     time = read(campaign, trial)["time"].to_numpy()
     interval = float(np.median(np.diff(time))) if time.size > 1 else 0.0
-    read_load(campaign, trial, interval, float(time[0]))
+    return read_load(campaign, trial, interval, float(time[0]))[2]
+
+
+def _refuse_markers(
+    trials: list[Trial], set_aside: dict[str, str]
+) -> tuple[list[Trial], dict[str, str]]:
+    """Set aside what a specimen has no use for: marker tables."""
+    reasons = {
+        trial.name: f"{TABLE_NAME}, row {trial.row + 2}, column '{trial.level}': a specimen's "
+        "recordings are tables with time_s and motion; name them in the column 'angles'"
+        for trial in trials
+        if trial.level == "markers"
+    }
+    return [trial for trial in trials if trial.name not in reasons], set_aside | reasons
 
 
 def _read_covariates(folder: Path, table: pd.DataFrame) -> dict[str, np.ndarray]:
@@ -143,8 +179,13 @@ def _read_covariates(folder: Path, table: pd.DataFrame) -> dict[str, np.ndarray]
         faults.append(f"none of the columns {', '.join(LEVELS)} is there")
     if table.empty:
         faults.append("it has no rows")
+    if len(table) > MOST_TRIALS or len(table.columns) > MOST_COLUMNS:
+        faults.append(
+            f"it has {len(table)} rows and {len(table.columns)} columns; expected at most "
+            f"{MOST_TRIALS} and {MOST_COLUMNS}"
+        )
     repeated = [] if "trial" not in table.columns else _find_repeated(table["trial"])
-    faults += [f"the name '{name}' stands more than once" for name in repeated]
+    faults += [f"the name {show(name)} stands more than once" for name in repeated]
     covariates = {}
     for column in table.columns.difference(["trial", "started_at", "load", *LEVELS], sort=False):
         text = table[column].str.strip()
@@ -154,13 +195,32 @@ def _read_covariates(folder: Path, table: pd.DataFrame) -> dict[str, np.ndarray]
         if wrong.any():
             row = int(np.argmax(wrong))
             faults.append(
-                f"row {row + 2}, column '{column}': is '{text.iloc[row]}'; a column that is not "
-                "trial, started_at, load, video, markers or angles holds numbers"
+                f"row {row + 2}, column '{column}': is {show(text.iloc[row])}; a column that is "
+                "not trial, started_at, load, video, markers or angles holds numbers"
             )
         covariates[column] = values
     if faults:
         raise CampaignFault(str(folder / TABLE_NAME), faults)
     return covariates
+
+
+def _set_aside_unlogged(
+    trials: list[Trial], set_aside: dict[str, str]
+) -> tuple[list[Trial], dict[str, str]]:
+    """Set trials without a log aside where others have one: a unit command is no newton."""
+    logged = [trial for trial in trials if trial.load is not None]
+    if not logged:
+        return trials, set_aside
+    reason = (
+        f"its load is not logged, but that of {len(logged)} other trials is; name its log in the "
+        "column 'load', for an assumed command and a logged load do not mix"
+    )
+    unlogged = {
+        trial.name: f"{TABLE_NAME}, row {trial.row + 2} (trial {trial.name}): {reason}"
+        for trial in trials
+        if trial.load is None
+    }
+    return logged, set_aside | unlogged
 
 
 def _find_repeated(names: pd.Series) -> list[str]:
@@ -173,8 +233,11 @@ def _read_row(
 ) -> Trial:
     place = f"{TABLE_NAME}, row {row + 2}"
     name = cells["trial"].strip()
-    if not name or not name.isprintable():
-        raise TrialFault(f"{place}, column 'trial': is {name!r}; expected a name")
+    if not _is_name(name):
+        raise TrialFault(
+            f"{place}, column 'trial': is {show(name)}; expected a name of at most {LONGEST_NAME} "
+            "characters that can be printed"
+        )
     given = [level for level in LEVELS if cells.get(level, "").strip()]
     if len(given) != 1:
         found = " and ".join(given) if given else "none"
@@ -194,16 +257,23 @@ def _read_row(
     )
 
 
+def _is_name(name: str) -> bool:
+    return 0 < len(name) <= LONGEST_NAME and name.isprintable()
+
+
 def _resolve(folder: Path, text: str, place: str) -> Path:
     path = folder / text
+    if not text.isprintable() or len(text) > LONGEST_PATH:
+        raise TrialFault(f"{place}: is {show(text)}; expected the path of a file")
     try:
-        outside = "\0" in text or not path.resolve().is_relative_to(folder.resolve())
-    except RuntimeError:
-        raise TrialFault(f"{place}: '{text}' is a link that leads in a circle") from None
+        outside = not path.resolve().is_relative_to(folder.resolve())
+    except (RuntimeError, OSError):
+        outside = False  # a circle of links, or a name too long: an obstacle
     if outside:
         raise TrialFault(f"{place}: '{text}' leads out of the campaign folder; move it inside")
-    if not path.is_file():
-        raise TrialFault(f"{place}: the file '{text}' does not exist")
+    obstacle = find_obstacle(path)
+    if obstacle:
+        raise TrialFault(f"{place}: the file '{text}' {obstacle}")
     if path.stat().st_size == 0:
         raise TrialFault(f"{place}: the file '{text}' is empty")
     return path
@@ -216,6 +286,6 @@ def _read_moment(text: str, place: str) -> datetime | None:
         moment = datetime.fromisoformat(text)
     except ValueError:
         raise TrialFault(
-            f"{place}, column 'started_at': is '{text}'; expected ISO 8601, 2026-03-01T14:05:00"
+            f"{place}, column 'started_at': is {show(text)}; expected ISO 8601, 2026-03-01T14:05:00"
         ) from None
     return moment if moment.tzinfo else moment.replace(tzinfo=UTC)

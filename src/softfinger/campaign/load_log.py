@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from softfinger.campaign.tables import check_columns, check_times, read_text_table, to_numbers
-from softfinger.faults import TrialFault
+from softfinger.faults import CampaignFault, TrialFault, list_briefly
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
+    import pandas as pd
+
     from softfinger.campaign.folder import Campaign, Trial
 
 LOAD_COLUMNS = ("tension_n", "torque_nm", "command")
 STEP_WITHIN_FRAME_INTERVALS = 1.5
 LARGEST_TENSION_N = 5000.0
 LARGEST_TORQUE_NM = 500.0
+SMALLEST_LOAD, LARGEST_LOAD = 1e-12, 1e12  # of any kind, a command's in its own unit
 
 
 def read_load(
@@ -24,7 +30,8 @@ def read_load(
     """Read the generalised torque that the base model puts on every joint of a trial.
 
     A ``tension_n`` becomes the torque tension × wire offset; ``torque_nm`` and ``command`` act as
-    they stand. Without a log a unit command from the first frame is assumed.
+    they stand, and so does a specimen's ``load``, in its own unit. Without a log a unit command
+    from the first frame is assumed.
 
     Parameters
     ----------
@@ -54,16 +61,12 @@ def read_load(
         return np.full(2, first_frame), np.array([0.0, 1.0]), "assumed"
     path = trial.load
     table = read_text_table(path)
-    kinds = [column for column in LOAD_COLUMNS if column in table.columns]
-    if len(kinds) != 1:
-        found = f"{' and '.join(kinds)} stand" if kinds else "none stands"
-        raise TrialFault(
-            f"{path.name}: expected time_s and one of {', '.join(LOAD_COLUMNS)}; {found} there"
-        )
-    kind = kinds[0]
-    check_columns(path, table, ["time_s", kind])
-    time, value = to_numbers(path, table, "time_s"), to_numbers(path, table, kind)
+    column = "load" if campaign.specimen else _find_load_column(path, table)
+    kind = "command" if campaign.specimen else column
+    check_columns(path, table, ["time_s", column])
+    time, value = to_numbers(path, table, "time_s"), to_numbers(path, table, column)
     check_times(path, time)
+    _refuse_odd_size(path.name, kind, value)
     load_time, load = build_load_array(time, value, STEP_WITHIN_FRAME_INTERVALS * frame_interval)
     if kind == "tension_n":
         load = load * _find_moment_arm(campaign, path.name, value)
@@ -73,6 +76,54 @@ def read_load(
             f"most {LARGEST_TORQUE_NM:g} N m on a soft finger; is it in N mm?"
         )
     return load_time, load, kind
+
+
+def _find_load_column(path: Path, table: pd.DataFrame) -> str:
+    kinds = [column for column in LOAD_COLUMNS if column in table.columns]
+    if len(kinds) != 1:
+        found = f"{' and '.join(kinds)} stand" if kinds else "none stands"
+        raise TrialFault(
+            f"{path.name}: expected time_s and one of {', '.join(LOAD_COLUMNS)}; {found} there"
+        )
+    return kinds[0]
+
+
+def refuse_mixed_loads(name: str, kinds: Mapping[str, str]) -> None:
+    """Refuse a campaign whose trials log different quantities.
+
+    Stiffness per newton metre and stiffness per unit of command are no common population.
+
+    Parameters
+    ----------
+    name : str
+        Of the campaign.
+    kinds : mapping
+        Trial → kind of its load, as from :func:`read_load`.
+
+    Raises
+    ------
+    CampaignFault
+        More than one kind; the message lists the trials of each.
+
+    Examples
+    --------
+    >>> refuse_mixed_loads("a campaign", {"one": "command", "two": "command"})
+    """
+    groups: dict[str, list[str]] = {}
+    for trial, kind in kinds.items():
+        groups.setdefault(kind, []).append(trial)
+    if len(groups) > 1:
+        listed = "; ".join(f"{kind} in {list_briefly(trials)}" for kind, trials in groups.items())
+        raise CampaignFault(
+            name,
+            [
+                (
+                    f"its load logs have different quantities: {listed}; expected one of "
+                    f"{', '.join(LOAD_COLUMNS)} in all trials: convert the logs, or make a "
+                    "campaign of each"
+                )
+            ],
+        )
 
 
 def build_load_array(
@@ -103,6 +154,20 @@ def build_load_array(
             knots_t.append(t)
             knots_v.append(v)
     return np.array(knots_t, float), np.array(knots_v, float)
+
+
+def _refuse_odd_size(file_name: str, kind: str, value: np.ndarray) -> None:
+    largest = float(np.abs(value).max())
+    if largest == 0.0:
+        raise TrialFault(
+            f"{file_name}, column '{kind}': is 0 in every row; a trial without load shows no "
+            "stiffness; see that the sensor was on"
+        )
+    if not SMALLEST_LOAD <= largest <= LARGEST_LOAD:
+        raise TrialFault(
+            f"{file_name}, column '{kind}': reaches {largest:g}; expected between "
+            f"{SMALLEST_LOAD:g} and {LARGEST_LOAD:g}; choose a unit in which it is near 1"
+        )
 
 
 def _find_moment_arm(campaign: Campaign, file_name: str, tension: np.ndarray) -> float:

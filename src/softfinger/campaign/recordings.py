@@ -8,64 +8,100 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from softfinger.campaign.tables import check_columns, check_times, read_text_table, to_numbers
-from softfinger.faults import TrialFault
+from softfinger.campaign.tables import (
+    check_columns,
+    check_span,
+    check_times,
+    read_text_table,
+    to_numbers,
+)
+from softfinger.faults import TrialFault, show
 
 if TYPE_CHECKING:
     from softfinger.campaign.description import Camera
     from softfinger.campaign.folder import Campaign, Trial
 
 LARGEST_JOINT_ANGLE = 2.0 * np.pi
+LARGEST_MOTION = 1e12  # of a specimen, in its own unit
 LARGEST_PIXEL = 1e5
+LEAST_ROWS = 3  # from which equal numbers are no chance
 MARKER_NAME = re.compile(r"^(base|link_[1-9]\d*)_[1-9]\d*$")
 
 
 def marker_names(camera: Camera) -> list[str]:
-    """Names of the declared markers, base first: ``base_1, base_2, link_1_1, …``."""
+    """Names of the declared markers, base first: ``base_1, base_2, link_1_1, …``; or of dots."""
+    if camera.dots:
+        return list(camera.dots)
     links = ["base", *(f"link_{i + 1}" for i in range(len(camera.markers) - 1))]
     return [f"{link}_{k + 1}" for link in links for k in range(len(camera.markers[link]))]
 
 
 def read_angle_table(campaign: Campaign, trial: Trial) -> xr.Dataset:
-    """Read a trial's relative joint angles.
+    """Read a trial's relative joint angles, or the motion of a specimen in its own unit.
 
     Rows that share a time stamp (a clock coarser than the recording) become one frame, their mean.
 
     Returns
     -------
     Dataset
-        ``time (frame) [s]``, strictly increasing; ``joint_angle (joint, frame) [rad]``, NaN where a
-        cell is empty; attribute ``repeated_times``: how many rows shared the stamp of the row
-        before.
+        ``time (frame) [s]``, strictly increasing; ``joint_angle (joint, frame) [rad]``, of a
+        specimen in the unit of its motion, NaN where a cell is empty; attribute
+        ``repeated_times``: how many rows shared the stamp of the row before.
 
     Raises
     ------
     TrialFault
         Missing or unknown column, text in a cell, times that run backwards, no usable frame,
-        or angles that no joint reaches (degrees taken for radians).
+        angles that no joint reaches (degrees taken for radians), or a joint that is dead or
+        another's copy.
     """
     path = trial.recording
-    columns = [f"q{j + 1}_rad" for j in range(campaign.finger.joints)]
+    joints = [f"q{j + 1}_rad" for j in range(campaign.finger.joints)]
+    columns = joints if campaign.specimen is None else ["motion"]
     table = read_text_table(path)
     check_columns(path, table, ["time_s", *columns])
     time = to_numbers(path, table, "time_s")
     check_times(path, time)
+    check_span(path, time)
     angle = np.stack([to_numbers(path, table, c, missing_allowed=True) for c in columns])
     for column, values in zip(columns, angle, strict=True):
         if not np.isfinite(values).any():
             raise TrialFault(f"{path.name}, column '{column}': holds no number at all")
         largest = np.nanmax(np.abs(values))
-        if largest > LARGEST_JOINT_ANGLE:
+        if campaign.specimen is None and largest > LARGEST_JOINT_ANGLE:
             row = int(np.nanargmax(np.abs(values))) + 2
             raise TrialFault(
                 f"{path.name}, row {row}, column '{column}': reaches {largest:g} rad; a relative "
                 "joint angle stays within 2π rad; is it in degrees?"
             )
+        if largest > LARGEST_MOTION:
+            raise TrialFault(
+                f"{path.name}, column '{column}': reaches {largest:g}; expected at most "
+                f"{LARGEST_MOTION:g}; choose a unit in which it is near 1"
+            )
+    _refuse_dead_joints(path.name, columns, angle)
     frame_time, mean_angle = _average_repeats_array(time, angle)
     return xr.Dataset(
         {"time": ("frame", frame_time), "joint_angle": (("joint", "frame"), mean_angle)},
         attrs={"repeated_times": time.size - frame_time.size},
     )
+
+
+def _refuse_dead_joints(file_name: str, columns: list[str], angle: np.ndarray) -> None:
+    """Refuse a joint that shows one angle throughout, and one that is another's copy."""
+    for joint, values in enumerate(angle):
+        seen = values[np.isfinite(values)]
+        if seen.size >= LEAST_ROWS and np.ptp(seen) == 0.0:
+            raise TrialFault(
+                f"{file_name}, column '{columns[joint]}': is {seen[0]:g} rad in every row; a real "
+                "joint moves, or shows noise; see that its sensor was on"
+            )
+        for other in range(joint):
+            if seen.size >= LEAST_ROWS and np.array_equal(values, angle[other], equal_nan=True):
+                raise TrialFault(
+                    f"{file_name}: the columns '{columns[other]}' and '{columns[joint]}' are "
+                    "equal in every row; one is a copy: export the joints anew"
+                )
 
 
 def _average_repeats_array(time: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -100,6 +136,7 @@ def read_marker_table(campaign: Campaign, trial: Trial) -> xr.Dataset:
     check_columns(path, table, ["time_s", "marker", "x_px", "y_px"], ["sd_px"])
     time = to_numbers(path, table, "time_s")
     check_times(path, time)
+    check_span(path, time)
     name = table["marker"].str.strip()
     names = _order_markers(path.name, name.unique().tolist(), campaign.finger.joints)
     frame_time, frame = np.unique(time, return_inverse=True)
@@ -134,7 +171,7 @@ def _order_markers(file_name: str, found: list[str], joints: int) -> list[str]:
     unknown = [n for n in found if not MARKER_NAME.match(n) or n.rsplit("_", 1)[0] not in links]
     if unknown:
         raise TrialFault(
-            f"{file_name}, column 'marker': '{unknown[0]}' is unknown; a finger of {joints} "
+            f"{file_name}, column 'marker': {show(unknown[0])} is unknown; a finger of {joints} "
             f"joints has base_1, base_2, link_1_1, … link_{joints}_2"
         )
     ordered = sorted(

@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Sequence
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 import pandas as pd
 
-from softfinger.faults import TrialFault
+from softfinger.faults import TrialFault, show
+from softfinger.gate import find_obstacle
 
 LONGEST_HEADING_BYTES = 20_000
+PIECE_BYTES = 1 << 20
+MOST_ROWS = 20_000_000
+# A recording lasts from a millisecond to three years, by a clock that begins with the trial.
+SHORTEST_S, LATEST_S = 1e-3, 1e8
 MISSING_WORDS = frozenset({"", "nan", "na"})
 
 
@@ -20,20 +27,23 @@ def read_text_table(path: Path) -> pd.DataFrame:
     Raises
     ------
     TrialFault
-        The file is missing, empty, not UTF-8, its rows do not have one width, or its first line
-        is too long to be a heading.
+        The file cannot be read or is empty, is not UTF-8, holds a NUL, its headings are not
+        different words, its rows do not have one width, or it is larger than any recording.
     """
-    if not path.is_file():
-        raise TrialFault(f"{path.name}: the file {path} does not exist")
-    with path.open("rb") as stream:
-        # Each of a million columns would take its time.
-        if len(stream.readline(LONGEST_HEADING_BYTES + 1)) > LONGEST_HEADING_BYTES:
-            raise TrialFault(
-                f"{path.name}: its first line has more than {LONGEST_HEADING_BYTES} bytes; "
-                "expected the headings of the columns"
-            )
+    obstacle = find_obstacle(path)
+    if obstacle:
+        raise TrialFault(f"{path.name}: the file {obstacle}")
+    headings = _read_headings(path)
     try:
-        table = pd.read_csv(path, dtype=str, keep_default_na=False, encoding="utf-8-sig")
+        table = pd.read_csv(
+            path,
+            dtype=str,
+            keep_default_na=False,
+            encoding="utf-8-sig",
+            names=headings,
+            header=0,
+            nrows=MOST_ROWS + 1,
+        )
     except UnicodeDecodeError as error:
         raise TrialFault(f"{path.name}: byte {error.start} is not UTF-8 text") from None
     except (pd.errors.ParserError, pd.errors.EmptyDataError) as error:
@@ -41,8 +51,52 @@ def read_text_table(path: Path) -> pd.DataFrame:
         raise TrialFault(f"{path.name}: it is not a CSV table: {reason}") from None
     if not isinstance(table.index, pd.RangeIndex):
         raise TrialFault(f"{path.name}: its rows have more fields than its heading")
-    table.columns = [str(column).strip() for column in table.columns]
+    if len(table) > MOST_ROWS:
+        raise TrialFault(f"{path.name}: it has more than {MOST_ROWS} rows")
     return table
+
+
+def _read_headings(path: Path) -> list[str]:
+    """Headings of a table: different, printable and not empty."""
+    with path.open("rb") as stream:
+        # Each of a million columns would take its time.
+        line = stream.readline(LONGEST_HEADING_BYTES + 1)
+        if len(line) > LONGEST_HEADING_BYTES:
+            raise TrialFault(
+                f"{path.name}: its first line has more than {LONGEST_HEADING_BYTES} bytes; "
+                "expected the headings of the columns"
+            )
+        stream.seek(0)
+        _refuse_nul(path, stream)
+    try:
+        text = line.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise TrialFault(f"{path.name}: byte {error.start} is not UTF-8 text") from None
+    # A file of an old Macintosh ends its lines with a carriage return alone.
+    rows = list(csv.reader(text.splitlines()[:1]))
+    if not rows or not rows[0]:
+        raise TrialFault(f"{path.name}: its first line is empty; expected headings of columns")
+    headings = [heading.strip() for heading in rows[0]]
+    for number, heading in enumerate(headings, start=1):
+        if not heading or not heading.isprintable():
+            raise TrialFault(
+                f"{path.name}, column {number}: its heading is {show(heading)}; expected a word"
+            )
+    twice = sorted({heading for heading in headings if headings.count(heading) > 1})
+    if twice:
+        raise TrialFault(
+            f"{path.name}: the column {show(twice[0])} appears twice; remove or rename one"
+        )
+    return headings
+
+
+def _refuse_nul(path: Path, stream: BinaryIO) -> None:
+    for number, piece in enumerate(iter(lambda: stream.read(PIECE_BYTES), b"")):
+        place = piece.find(b"\0")
+        if place >= 0:
+            raise TrialFault(
+                f"{path.name}: byte {number * PIECE_BYTES + place} is NUL; expected a text table"
+            )
 
 
 def check_columns(
@@ -92,24 +146,48 @@ def to_numbers(
     if wrong.any():
         row = int(np.argmax(wrong))
         raise TrialFault(
-            f"{path.name}, row {row + 2}, column '{column}': is '{text.iloc[row]}'; "
+            f"{path.name}, row {row + 2}, column '{column}': is {show(text.iloc[row])}; "
             "expected a finite number"
         )
     return values
 
 
 def check_times(path: Path, time: np.ndarray) -> None:
-    """Refuse times that run backwards; they may stand still.
+    """Refuse times that run backwards, or that no trial has; they may stand still.
 
     Raises
     ------
     TrialFault
-        The message names the first row at which it does.
+        The message names the first row at which they do.
     """
+    late = np.abs(time) > LATEST_S
+    if late.any():
+        row = int(np.argmax(late))
+        raise TrialFault(
+            f"{path.name}, row {row + 2}, column 'time_s': is {time[row]:g} s; expected the time "
+            f"since the trial began, at most {LATEST_S:g} s; from a clock's stamps, subtract the "
+            "same start in the recording and in the load log"
+        )
     backwards = np.diff(time) < 0
     if backwards.any():
         row = int(np.argmax(backwards)) + 1
         raise TrialFault(
             f"{path.name}, row {row + 2}, column 'time_s': time runs backwards, {time[row]:g} s "
             f"after {time[row - 1]:g} s; sort the rows or mend the clock"
+        )
+
+
+def check_span(path: Path, time: np.ndarray) -> None:
+    """Refuse a recording that is shorter than any trial.
+
+    Raises
+    ------
+    TrialFault
+        Its frames lie within a millisecond, but not at one time.
+    """
+    span = float(time[-1] - time[0])
+    if 0.0 < span < SHORTEST_S:
+        raise TrialFault(
+            f"{path.name}, column 'time_s': spans {span:g} s; expected at least {SHORTEST_S:g} s; "
+            "mind the unit of the time"
         )

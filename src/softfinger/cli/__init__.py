@@ -1,12 +1,14 @@
 """The command line: one verb per stage, and what goes before and around them."""
 
+import os
 import sys
 
-from softfinger.cli import campaign, recordings, results, rig
+from softfinger.cli import campaign, diagnose, importing, recordings, results, rig
 from softfinger.cli.application import app
-from softfinger.faults import Fault, Interruption
+from softfinger.failure import describe_failure
+from softfinger.faults import Interruption
 
-__all__ = ["app", "campaign", "main", "recordings", "results", "rig"]
+__all__ = ["app", "campaign", "diagnose", "importing", "main", "recordings", "results", "rig"]
 
 INTERRUPTED = 130  # what shells expect of a program that Ctrl-C ended
 
@@ -14,18 +16,30 @@ INTERRUPTED = 130  # what shells expect of a program that Ctrl-C ended
 def main() -> None:
     """Run the command line.
 
-    A fault of the input is one sentence and exit status 1, Ctrl-C one sentence and exit status 130.
+    Whatever ends it is one sentence, never a traceback: exit status 1, and 130 after Ctrl-C.
     """
     try:
-        app()
+        try:
+            app()
+        finally:
+            sys.stdout.flush()
+    except KeyboardInterrupt as interruption:
+        said = str(interruption) or "interrupted; what was finished is kept, what was begun is not"
+        _end(said, INTERRUPTED)
     except Interruption as fault:
-        print(f"softfinger: {fault}", file=sys.stderr)
-        sys.exit(INTERRUPTED)
-    except Fault as fault:
-        print(f"softfinger: {fault}", file=sys.stderr)
-        sys.exit(1)
+        _end(str(fault), INTERRUPTED)
+    except Exception as error:
+        _end(describe_failure(error), 1)
     except SystemExit as end:  # typer's own way of passing Ctrl-C on
         if end.code == INTERRUPTED:
-            said = "interrupted; what was finished is kept, what was begun is not"
-            print(f"softfinger: {said}", file=sys.stderr)
+            _end("interrupted; what was finished is kept, what was begun is not", INTERRUPTED)
         raise
+
+
+def _end(said: str, status: int) -> None:
+    print(f"softfinger: {said}", file=sys.stderr)
+    try:
+        sys.stdout.flush()
+    except OSError:  # a full output, on which the interpreter would fail once more
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    sys.exit(status)

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from softfinger.campaign import read_campaign
+from softfinger.campaign import Campaign, list_tables, read_campaign
+from softfinger.cli.supervision import hold_folder
 from softfinger.config import read_config
+from softfinger.faults import Fault
 from softfinger.progress import silence_progress
+from softfinger.stages.keys import choose_settings
 
 app = typer.Typer(
     help="From rig videos of a wire-driven soft finger to its posterior, its spread and a report.",
@@ -19,7 +23,7 @@ app = typer.Typer(
 )
 
 CampaignFolder = Annotated[Path, typer.Argument(help="Campaign folder.", metavar="CAMPAIGN")]
-Out = Annotated[Path, typer.Option(help="Folder that holds the artifacts.")]
+Out = Annotated[Path, typer.Option(help="Folder that holds the artifacts.", callback=hold_folder)]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document, for programs.")]
 ConfigFile = Annotated[
     Path | None, typer.Option("--config", help="YAML file whose keys replace the defaults.")
@@ -50,10 +54,32 @@ def choose_model(settings: dict[str, Any], given: Path | None) -> Path | None:
 
 
 def open_inputs(
-    campaign: Path, out: Path, config: Path | None, artifacts: list[str], block: str
+    campaign: Path, out: Path, config: Path | None, artifacts: list[str], stage: str
 ) -> dict[str, Any]:
-    """Arguments that the stages after `angles` share; the campaign must still be readable."""
-    read_campaign(campaign)
-    settings = read_config(config)
+    """Arguments of a stage after `angles`; the campaign must still be readable."""
+    refuse_foreign(read_campaign(campaign), out)
     files = {name: out / f"{name}.nc" for name in artifacts}
-    return files | {"config": settings[block], "seed": settings["seed"]}
+    return files | {"config": choose_settings(read_config(config), stage)}
+
+
+def refuse_foreign(campaign: Campaign, out: Path) -> None:
+    """Refuse a folder whose angles were made from other recordings than a campaign's.
+
+    Raises
+    ------
+    Fault
+        OUT/angles.nc is there, and of other tables, or of these before they were changed.
+    """
+    from softfinger.artifacts import open_artifact
+    from softfinger.artifacts.specs.angles import SPEC
+    from softfinger.provenance import hash_files
+
+    angles = out / "angles.nc"
+    if not angles.exists():
+        return
+    made_from = json.loads(str(open_artifact(angles, SPEC).attrs["inputs"]))
+    if made_from.get("tables") != hash_files(list_tables(campaign)):
+        raise Fault(
+            f"{angles}: was made from other recordings than those of {campaign.folder} as they "
+            "are now; name the folder of this campaign's results, or run `softfinger angles` again"
+        )

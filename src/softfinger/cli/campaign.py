@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
+from dataclasses import asdict
 from json import dumps
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from softfinger.campaign import check_campaign, read_campaign
+from softfinger.campaign import read_campaign
 from softfinger.cli.application import CampaignFolder, ConfigFile, Json, Out, app
+from softfinger.cli.supervision import run_to_end
 from softfinger.config import read_config
 from softfinger.progress import QUIET
 from softfinger.provenance import PROJECT
 
 
 @app.command()
-def doctor(out: Out = Path("results"), json: Json = False) -> None:
+def doctor(
+    out: Annotated[Path, typer.Option(help="Folder that would hold results.")] = Path("results"),
+    json: Json = False,
+) -> None:
     """Look whether this installation can work: packages, video, compiler, disk.
 
     Exit status 0: all is well. 1: something is not; the advice says what to do.
@@ -38,22 +42,34 @@ def doctor(out: Out = Path("results"), json: Json = False) -> None:
 
 
 @app.command()
-def check(campaign: CampaignFolder, json: Json = False) -> None:
-    """Validate a campaign folder and list every fault; nothing is written.
+def check(
+    campaign: CampaignFolder,
+    json: Json = False,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Exit status 2 where something looks wrong.")
+    ] = False,
+) -> None:
+    """Validate a campaign folder: list every fault, and what looks wrong; nothing is written.
 
-    Exit status 0: every trial can be used. 1: some are set aside, or the campaign is refused.
+    Exit status 0: every trial can be used. 1: some are set aside, or the campaign is refused. 2:
+    every trial can be used, but something looks wrong, and `--strict` was given.
     """
-    reasons = check_campaign(campaign)
-    described = read_campaign(campaign)
+    from softfinger.stages.check import check
+
+    described, reasons, doubts = check(campaign)
+    status = 1 if reasons else 2 if strict and doubts else 0
     if json:
         names = [trial.name for trial in described.trials if trial.name not in reasons]
-        typer.echo(_dump_json({"name": described.name, "usable": names, "set_aside": reasons}))
-        raise typer.Exit(code=1 if reasons else 0)
+        said = {"name": described.name, "usable": names, "set_aside": reasons}
+        typer.echo(_dump_json(said | {"warnings": [asdict(doubt) for doubt in doubts]}))
+        raise typer.Exit(code=status)
     for name, reason in reasons.items():
         typer.echo(f"set aside {name}: {reason}")
+    for doubt in doubts:
+        typer.echo(f"warning ({doubt.id}): {doubt.statement}")
     total = len(described.trials) + len(described.set_aside)
     typer.echo(f"{described.name}: {total - len(reasons)} of {total} trials can be used")
-    raise typer.Exit(code=1 if reasons else 0)
+    raise typer.Exit(code=status)
 
 
 @app.command()
@@ -71,24 +87,10 @@ def run(
     settings = [f"campaign={campaign.resolve()}", f"out={out.resolve()}"]
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(PROJECT / "Snakefile")]
     command += ["--quiet"] if QUIET in os.environ else []
-    command += ["--cores", str(cores), "--directory", str(out), *files, "--config", *settings]
-    raise typer.Exit(code=_run_to_end(command))
-
-
-def _run_to_end(command: list[str]) -> int:
-    """Exit status of a command; Ctrl-C is its own to answer, and then ours."""
-    running = subprocess.Popen(command, env=os.environ)
-    interrupted = False
-    while True:
-        try:
-            status = running.wait()
-        except KeyboardInterrupt:
-            interrupted = True
-        else:
-            break
-    if interrupted:
-        raise KeyboardInterrupt
-    return status
+    command += ["--cores", str(cores), "--directory", str(out)]
+    command += ["--nolock"]  # ours, which ends with its holder, is held already
+    command += [*files, "--config", *settings]
+    raise typer.Exit(code=run_to_end(command))
 
 
 def _dump_json(content: object) -> str:

@@ -18,6 +18,7 @@ from softfinger.cli.application import (
 )
 from softfinger.config import read_config
 from softfinger.faults import Fault
+from softfinger.stages.keys import choose_settings
 
 
 @app.command()
@@ -33,6 +34,8 @@ def virtual_rig(
     if example:
         from softfinger.virtual_rig.example import write_example_campaign
 
+        if (out / "campaign.yaml").exists():
+            raise Fault(f"{out}: holds a campaign already; choose another folder for the example")
         write_example_campaign(out)
         return
     from softfinger.stages.film import film
@@ -40,13 +43,14 @@ def virtual_rig(
     from softfinger.virtual_rig.population import build_trial_names
 
     settings = read_config(config)
-    knobs, seed = settings["virtual_rig"], settings["seed"]
+    knobs, seed = choose_settings(settings, "virtual_rig"), settings["seed"]
     folder, truth = out / "campaign", out / "truth.nc"
     physics = choose_model(settings, model)
     virtual_rig(truth=truth, folder=folder, config=knobs, seed=seed, model=physics)
     if knobs["level"] == "video":
         names = build_trial_names(knobs["n_trials"])
         videos = [folder / f"video/{name}.avi" for name in names]
+        knobs = choose_settings(settings, "film")
         film(truth=truth, videos=videos, config=knobs, seed=seed)
 
 
@@ -69,16 +73,15 @@ def track(
     batches = batch_filmed(described, settings["trials_per_job"])
     if not batches:
         raise Fault(f"{campaign}: no trial has a video, so there is nothing to track")
-    files, seed = track_campaign(campaign, out, settings), settings["seed"]
+    files = track_campaign(campaign, out, settings)
     picture(
         folder=campaign,
         tables=list_tables(described),
         videos=[trial.recording for trial in batches[0]],
         markers=files[0],
         picture=out / "picture.nc",
-        seed=seed,
     )
-    tracking_quality(markers=files, tracking_quality=out / "tracking_quality.nc", seed=seed)
+    tracking_quality(markers=files, tracking_quality=out / "tracking_quality.nc")
     if not overlays:
         return
     for markers, trials in zip(files, batches, strict=True):
@@ -111,6 +114,8 @@ def calibrate(
     from softfinger.tracking.calibration import Board, calibrate_camera
 
     kind = "chessboard" if marker_m is None else "charuco"
+    if not pictures.is_dir():
+        raise Fault(f"{pictures}: it is no folder; expected one with pictures of the board")
     board = Board(kind, columns, rows, square_m, marker_m, dictionary)
     found = calibrate_camera(sorted(p for p in pictures.iterdir() if p.is_file()), board)
     for name, reason in found.set_aside.items():
@@ -122,15 +127,18 @@ def calibrate(
 
 @app.command()
 def angles(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None:
-    """Gather joint angles and loads of all trials: OUT/angles.nc (after `track`, if filmed)."""
-    from softfinger.stages.angles import angles
+    """Gather joint angles and loads of all trials: OUT/angles.nc (after `track`, if filmed).
 
-    settings = read_config(config)
+    What looks wrong in them is OUT/doubts.nc.
+    """
+    from softfinger.stages.angles import angles
+    from softfinger.stages.doubt import doubt
+
     angles(
         folder=campaign,
         tables=list_tables(read_campaign(campaign)),
         markers=sorted((out / "markers").glob("*.nc")),
         angles=out / "angles.nc",
-        config=settings["tracking"],
-        seed=settings["seed"],
+        config=choose_settings(read_config(config), "angles"),
     )
+    doubt(angles=out / "angles.nc", doubts=out / "doubts.nc")

@@ -1,8 +1,9 @@
-"""Verbs from joint angles to the report."""
+"""Verbs from joint angles to the report, but for `diagnose`."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from pathlib import Path
+from typing import Any
 
 import typer
 
@@ -15,9 +16,11 @@ from softfinger.cli.application import (
     app,
     choose_model,
     open_inputs,
+    refuse_foreign,
 )
 from softfinger.config import read_config
 from softfinger.faults import Fault
+from softfinger.stages.keys import choose_settings
 
 FITTED = ["angles", "least_squares", "posterior"]
 
@@ -29,11 +32,21 @@ def fit(
     """Fit every trial by least squares and sample the hierarchical posterior (after `angles`)."""
     from softfinger.stages.fit import fit
     from softfinger.stages.least_squares import least_squares
+    from softfinger.stages.sampling import sampling
 
-    inputs = open_inputs(campaign, out, config, ["angles"], "estimation")
+    inputs = open_inputs(campaign, out, config, ["angles"], "least_squares")
     least_squares(least_squares=out / "least_squares.nc", **inputs)
-    physics = choose_model(read_config(config), model)
-    fit(posterior=out / "posterior.nc", sampling=out / "sampling.nc", model=physics, **inputs)
+    settings, posterior = read_config(config), out / "posterior.nc"
+    inputs = open_inputs(campaign, out, config, ["angles"], "fit")
+    fit(
+        posterior=posterior,
+        cores=settings["estimation"]["cores"],
+        seed=settings["seed"],
+        model=choose_model(settings, model),
+        **inputs,
+    )
+    inputs = open_inputs(campaign, out, config, ["posterior"], "sampling")
+    sampling(sampling=out / "sampling.nc", **inputs)
 
 
 @app.command()
@@ -47,8 +60,8 @@ def recovery(out: Out) -> None:
     inputs = {name: out / f"{name}.nc" for name in ("truth", "least_squares", "posterior")}
     if not inputs["truth"].exists():
         raise Fault(f"{inputs['truth']} is not there: only a simulated campaign has a known truth")
-    seed, table = read_config(None)["seed"], out / "recovery.csv"
-    recovery(**inputs, recovery=out / "recovery.nc", table=table, seed=seed)
+    table = out / "recovery.csv"
+    recovery(**inputs, recovery=out / "recovery.nc", table=table)
     typer.echo(table.read_text(encoding="utf-8"), nl=False)
 
 
@@ -59,9 +72,10 @@ def propagate(
     """Propagate the spread to bands and densities of the joint angles (after `fit`)."""
     from softfinger.stages.propagate import propagate
 
-    inputs = open_inputs(campaign, out, config, FITTED, "propagation")
-    physics = choose_model(read_config(config), model)
-    propagate(bands=out / "bands.nc", densities=out / "densities.nc", model=physics, **inputs)
+    inputs = open_inputs(campaign, out, config, FITTED, "propagate")
+    settings = read_config(config)
+    inputs |= {"model": choose_model(settings, model), "seed": settings["seed"]}
+    propagate(bands=out / "bands.nc", densities=out / "densities.nc", **inputs)
 
 
 @app.command()
@@ -72,12 +86,12 @@ def sobol(
     from softfinger.stages.shapley import shapley
     from softfinger.stages.sobol import sobol
 
-    inputs = open_inputs(campaign, out, config, FITTED, "propagation")
-    physics = choose_model(read_config(config), model)
-    sobol(sobol=out / "sobol.nc", model=physics, **inputs)
-    if physics is None:  # Shapley effects know the base model alone
-        inputs.pop("least_squares")
-        shapley(shapley=out / "shapley.nc", **inputs)
+    inputs = open_inputs(campaign, out, config, FITTED, "sobol")
+    settings = read_config(config)
+    own = {"model": choose_model(settings, model), "seed": settings["seed"]}
+    sobol(sobol=out / "sobol.nc", **own, **inputs)
+    inputs = open_inputs(campaign, out, config, ["angles", "posterior"], "shapley")
+    shapley(shapley=out / "shapley.nc", **own, **inputs)
 
 
 @app.command()
@@ -89,63 +103,47 @@ def assumptions(out: Out, config: ConfigFile = None) -> None:
 
     settings = read_config(config)
     path = out / "assumptions.nc"
-    assumptions(assumptions=path, config=settings["virtual_rig"], seed=settings["seed"])
+    knobs = choose_settings(settings, "assumptions")
+    assumptions(assumptions=path, config=knobs, seed=settings["seed"])
     for sentence in open_artifact(path, SPEC)["statement"].values:
         typer.echo(str(sentence))
 
 
 @app.command()
-def diagnose(
-    campaign: CampaignFolder,
-    out: Out,
-    config: ConfigFile = None,
-    model: PhysicsFile = None,
-    mcmc: Annotated[
-        bool | None, typer.Option("--mcmc/--no-mcmc", help="Sample the repaired model.")
-    ] = None,
+def summarise(
+    campaign: CampaignFolder, out: Out, config: ConfigFile = None, model: PhysicsFile = None
 ) -> None:
-    """Find out which physics was left out, from whatever level the campaign has.
-
-    Writes OUT/verdict.json, OUT/model.yaml (the repaired model) and the artifacts behind them.
-    Exit status 0: there is a verdict, whatever it says. 1: the campaign is refused.
-    """
-    from softfinger.mismatch.verdict import read_verdict
-    from softfinger.stages.diagnose import SPECS, diagnose
-    from softfinger.stages.prepare import prepare_angles
+    """Sum up and check the artifacts in OUT (after all the verbs whose results are to be shown)."""
+    from softfinger.stages.summarise import summarise
 
     settings = read_config(config)
-    if mcmc is not None:
-        settings["mismatch"]["sample_repaired"] = mcmc
-    diagnose(
-        angles=prepare_angles(campaign, out, settings),
-        verdict=out / "verdict.json",
-        repaired=out / "model.yaml",
-        next_experiment=out / "next_experiment",
-        config=settings["mismatch"],
+    summarise(
+        checks=out / "checks.nc",
+        summary=out / "summary.nc",
+        config=choose_settings(settings, "summarise"),
         seed=settings["seed"],
         model=choose_model(settings, model),
-        **{name: out / f"{name}.nc" for name in SPECS},
+        **list_made(campaign, out),
     )
-    verdict = read_verdict(out / "verdict.json")
-    typer.echo(f"{verdict.campaign}: {verdict.decision}")
-    for effect in verdict.effects:
-        typer.echo(effect.statement)
-    if verdict.next_experiment:
-        typer.echo(verdict.next_experiment["statement"])
 
 
 @app.command()
 def report(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None:
-    """Write OUT/report.html from the artifacts in OUT (after all the other verbs)."""
-    from softfinger.stages.report import DIAGNOSED, FILMED, SPECS, report
+    """Write OUT/report.html from the artifacts in OUT (after `summarise`)."""
+    from softfinger.stages.opening import SUMMED
+    from softfinger.stages.report import report
 
-    read_campaign(campaign)
-    made = [name for name in [*FILMED, *DIAGNOSED] if (out / f"{name}.nc").exists()]
-    verdict = out / "verdict.json"
-    report(
-        report=out / "report.html",
-        markers=sorted((out / "markers").glob("*.nc")),
-        config=read_config(config),
-        **({"verdict": verdict} if verdict.exists() else {}),
-        **{name: out / f"{name}.nc" for name in [*SPECS, *made]},
-    )
+    made = list_made(campaign, out) | {name: out / f"{name}.nc" for name in SUMMED}
+    report(report=out / "report.html", config=read_config(config), **made)
+
+
+def list_made(campaign: Path, out: Path) -> dict[str, Any]:
+    """List the artifacts in OUT that a report shows, and the marker files."""
+    from softfinger.stages.opening import DIAGNOSED, FILMED, SPECS
+
+    refuse_foreign(read_campaign(campaign), out)
+    files = {name: out / f"{name}.nc" for name in [*SPECS, *FILMED, *DIAGNOSED]}
+    files["verdict"] = out / "verdict.json"
+    needed = {"angles": files["angles"]}
+    made = {name: file for name, file in files.items() if file.exists()}
+    return {**needed, **made, "markers": sorted((out / "markers").glob("*.nc"))}

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtri
 
-from softfinger.concealed.effects import EFFECTS, Circumstances, Dose
+from softfinger.concealed.effects import Circumstances, Dose
 from softfinger.concealed.kernel import simulate_angles
 from softfinger.concealed.physics import build_plain_physics
 from softfinger.concealed.population import to_parameters
+from softfinger.concealed.registry import EFFECTS
 from softfinger.concealed.rig import Rig
 
 Array = NDArray[np.float64]
+
+GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)  # parts a circle most evenly
 
 
 def simulate_trial(
@@ -47,6 +53,7 @@ def simulate_trial(
         rig.joint_length,
     )
     seen_at = time
+    doses = vary(doses, trial)
     for name, dose in doses.items():
         effect = EFFECTS[name]
         if effect.move:
@@ -59,6 +66,21 @@ def simulate_trial(
         if record:
             angle = record(angle, seen_at, dose, trial, rig)
     return angle
+
+
+def vary(doses: dict[str, Dose], trial: Circumstances) -> dict[str, Dose]:
+    """Doses of one trial: the strength times e^(s z), s its scatter and z normal.
+
+    Every effect has numbers of its own, from the trial's luck.
+    """
+    varied = {}
+    for place, (name, dose) in enumerate(doses.items()):
+        strength = dose.strength
+        if dose.scatter:
+            share = (trial.luck[2] + GOLDEN * place) % 1.0
+            strength *= float(np.exp(dose.scatter * ndtri(0.002 + 0.996 * share)))
+        varied[name] = replace(dose, strength=strength)
+    return varied
 
 
 def compute_plain_angles(

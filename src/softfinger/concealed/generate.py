@@ -9,17 +9,20 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from softfinger.concealed.effects import EFFECTS, Dose
+from softfinger.concealed.effects import CATALOGUES, Dose
+from softfinger.concealed.faults import weigh_faults
+from softfinger.concealed.nuisances import NUISANCES, OF_NOISE
 from softfinger.concealed.oracle import Fit, Recording, fit_model
 from softfinger.concealed.population import PARAMETERS
+from softfinger.concealed.registry import EFFECTS
 from softfinger.concealed.setting import (
     Setting,
     choose_trials,
-    disturb,
     draw_setting,
     record_cleanly,
     set_strengths,
 )
+from softfinger.concealed.spoil import Sight, recall, spoil
 from softfinger.concealed.strength import place_strengths
 from softfinger.concealed.suite import CaseSpec
 from softfinger.concealed.writer import Film, write_campaign
@@ -53,22 +56,23 @@ def generate_campaign(
     if spec.filmed and film is None:
         raise ValueError(f"{folder}: this case is filmed; pass the function that films a trial")
     setting = draw_setting(spec)
-    strengths, aims = _place_strengths(spec, setting)
+    # a nuisance leaves the strength as it is without it
+    strengths, aims = _place_strengths(spec, draw_setting(replace(spec, nuisances=())))
     doses = set_strengths(setting.doses, strengths)
     clean = record_cleanly(setting, doses, np.arange(spec.trials))
-    recordings = clean if spec.filmed else disturb(setting, clean, spec.seed)
+    sights = spoil(setting, doses, clean, spec.seed)
     rng = np.random.default_rng([spec.seed, 2])
     write_campaign(
         folder,
         setting,
-        recordings,
+        clean if spec.filmed else [sight.recording for sight in sights],
+        [sight.rows for sight in sights],
         declares_noise=bool(rng.uniform() < 0.5),
         film=film if spec.filmed else None,
         seed=int(rng.integers(2**31)),
     )
-    if spec.filmed:  # what the oracle is given in place of the tracked angles
-        recordings = disturb(setting, clean, spec.seed)
-    truth = compute_truth(spec, setting, doses, clean, recordings)
+    # of a film the oracle is given noisy angles in place of the tracked ones
+    truth = compute_truth(spec, setting, doses, clean, sights)
     truth["aimed_at_nats"] = aims
     truth_path.parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps(truth, indent=1, sort_keys=True)
@@ -89,7 +93,7 @@ def compute_truth(
     setting: Setting,
     doses: dict[str, Dose],
     clean: list[Recording],
-    recordings: list[Recording],
+    sights: list[Sight],
 ) -> dict:
     """All that was concealed, with what the oracle makes of it.
 
@@ -97,7 +101,7 @@ def compute_truth(
     whole set the gain over the base model. The window is where, in seconds since the last change
     of load, the middle four fifths of what the base model cannot fit lie.
     """
-    seen = [_drop_missing(recording) for recording in recordings]
+    seen = recall(setting, sights, spec.seed)
     fits: dict[tuple[str, ...], Fit] = {}
 
     def fit(names: tuple[str, ...]) -> Fit:
@@ -116,7 +120,11 @@ def compute_truth(
     return {
         "version": 1,
         "case": spec.to_json(),
-        "effects": [_describe(name, doses[name], setting, gains[name]) for name in names],
+        "effects": [
+            _describe(name, doses[name], setting, gains[name])
+            | {"listed": EFFECTS[name].id in CATALOGUES[spec.catalogue]}
+            for name in names
+        ],
         "gain_nats": true.log_evidence - base.log_evidence,
         "elpd_difference": float(elpd.sum()) if spec.trials > 1 else None,
         "values": int(sum(recording.angle.size for recording in seen)),
@@ -127,7 +135,9 @@ def compute_truth(
             "kind": setting.noise.kind,
             "sd_rad": setting.noise.sd,
             "autocorrelation": setting.noise.autocorrelation,
+            "findings": list(OF_NOISE.get(setting.noise.kind, ())),
         },
+        "faults": _describe_faults(setting, weigh_faults(setting, sights, doses, spec.seed)),
         "population": {
             "parameter": list(PARAMETERS),
             "mean": setting.population.mean.tolist(),
@@ -140,8 +150,11 @@ def compute_truth(
 def _describe(name: str, dose: Dose, setting: Setting, gain: float) -> dict:
     effect = EFFECTS[name]
     return {
-        "id": name,
-        "listed": effect.listed,
+        "id": effect.id,
+        "name": name,
+        "law": effect.law,
+        "scatter": dose.scatter,
+        "argument": effect.argument,
         "level": effect.level,
         "covariate": effect.covariate,
         "joints": [j + 1 for j in dose.joints],
@@ -152,9 +165,18 @@ def _describe(name: str, dose: Dose, setting: Setting, gain: float) -> dict:
     }
 
 
-def _drop_missing(recording: Recording) -> Recording:
-    there = np.isfinite(recording.angle).all(axis=1)
-    return replace(recording, time=recording.time[there], angle=recording.angle[there])
+def _describe_faults(setting: Setting, nats: dict[str, float]) -> list[dict]:
+    return [
+        {
+            "id": name,
+            "finding": NUISANCES[name].finding,
+            "also": list(NUISANCES[name].also),
+            "size": fault.size,
+            "shape": fault.shape,
+            "nats": nats.get(name),
+        }
+        for name, fault in setting.faults.items()
+    ]
 
 
 def _misfit(fit: Fit) -> float:

@@ -37,6 +37,8 @@ class Judgement:
         is not there; an effect from outside the catalogue called unlisted.
     contains
         The truth is what was named, or one of the sets called equivalent.
+    confident
+        Something was named.
     joints, level, window, covariate
         Location right; None where it does not apply.
     covered
@@ -54,6 +56,7 @@ class Judgement:
     masked: bool
     right: bool
     contains: bool
+    confident: bool
     joints: bool | None
     level: bool | None
     window: bool | None
@@ -91,6 +94,7 @@ def judge(verdict: dict, truth: dict) -> Judgement:
         masked=visible and not outside and _at_noise(truth),
         right=right,
         contains=any(fits(answer) for answer in _list_answers(verdict)) and not outside,
+        confident=decision == "named",
         covered=_check_parameters(shared, effects) if right else {},
         stated=[(float(e["probability"]), e["id"] in listed) for e in verdict["effects"]],
         gap_closed=_close_gap(verdict, truth) if visible and not outside else None,

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from softfinger.concealed.effects import EFFECTS, Dose, Shape
+from softfinger.concealed.effects import Dose, Shape
+from softfinger.concealed.registry import EFFECTS
 
 Array = NDArray[np.float64]
 

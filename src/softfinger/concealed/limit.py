@@ -13,9 +13,10 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from softfinger.concealed.effects import EFFECTS, LISTED, Dose, Effect
+from softfinger.concealed.effects import CATALOGUES, Dose, Effect
 from softfinger.concealed.judge import VISIBLE_NATS
 from softfinger.concealed.oracle import fit_model
+from softfinger.concealed.registry import EFFECTS
 from softfinger.concealed.setting import (
     Setting,
     choose_trials,
@@ -54,10 +55,16 @@ def weigh_stand_ins(truth: dict) -> dict[str, dict[str, float]]:
     spec = read_spec(truth["case"])
     setting = draw_setting(spec)
     strengths = dict.fromkeys(setting.doses, 0.0)
-    strengths |= {e["id"]: e["strength"] for e in truth["effects"]}
+    strengths |= {e.get("name", e["id"]): e["strength"] for e in truth["effects"]}
     doses = set_strengths(setting.doses, strengths)
-    told = {e["id"]: e["gain_nats"] for e in truth["effects"] if e["gain_nats"] >= VISIBLE_NATS}
-    others = [o for o in LISTED if o not in doses and EFFECTS[o].trials <= spec.trials]
+    told = {
+        e.get("name", e["id"]): e["gain_nats"]
+        for e in truth["effects"]
+        if e["gain_nats"] >= VISIBLE_NATS
+    }
+    there = {EFFECTS[name].id for name in doses}
+    listed = CATALOGUES[spec.catalogue]
+    others = [o for o in listed if o not in there and EFFECTS[o].trials <= spec.trials]
     return {name: _Place(name, doses, setting).weigh(others, gain) for name, gain in told.items()}
 
 
@@ -74,13 +81,14 @@ def compute_limit(truth: dict, weighed: dict[str, dict[str, float]]) -> float:
 
     Examples
     --------
-    >>> truth = {"gain_nats": 40.0, "effects": [{"id": "gravity", "gain_nats": 40.0}]}
+    >>> truth = {"case": {}, "gain_nats": 40.0, "effects": [{"id": "gravity", "gain_nats": 40.0}]}
     >>> round(compute_limit(truth, {"gravity": {"moment_arm": 0.0, "inertia": 30.0}}), 3)
     0.5
     """
     if not weighed:
-        return 1.0 / (1.0 + len(LISTED) * _invert(truth["gain_nats"]))
-    gains = {e["id"]: e["gain_nats"] for e in truth["effects"]}
+        listed = CATALOGUES[truth["case"].get("catalogue", "first")]
+        return 1.0 / (1.0 + len(listed) * _invert(truth["gain_nats"]))
+    gains = {e.get("name", e["id"]): e["gain_nats"] for e in truth["effects"]}
     odds = [
         _invert(gains[name]) + sum(_invert(nats) for nats in others.values())
         for name, others in weighed.items()

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from softfinger.compiled import compiled
 
 Array = NDArray[np.float64]
 
 
-@njit(cache=True)
+@compiled
 def factor_in_place(matrix: Array, order: NDArray[np.int64]) -> None:
     """LU factors of a square matrix by Gauss's elimination with row exchange, over the matrix."""
     n = matrix.shape[0]
@@ -28,7 +29,7 @@ def factor_in_place(matrix: Array, order: NDArray[np.int64]) -> None:
                     matrix[r, k] -= matrix[r, i] * matrix[i, k]
 
 
-@njit(cache=True)
+@compiled
 def solve_in_place(factors: Array, order: NDArray[np.int64], vector: Array) -> None:
     """Solution of matrix · x = vector, over the vector, from what `factor_in_place` left."""
     n = vector.size

@@ -23,16 +23,23 @@ class Noise:
     kind: NoiseKind
     sd: float
     frame_interval: float
+    memory: float | None = None  # in place of the kind's own autocorrelation
+    rounding: float = 0.0  # sd of an error of each angle's own, over that of the noise
 
     @property
     def autocorrelation(self) -> float:
         """Correlation of a joint's noise over one median frame interval."""
-        return CORRELATION.get(self.kind, 0.0)
+        return CORRELATION.get(self.kind, 0.0) if self.memory is None else self.memory
 
     @property
     def joint_correlation(self) -> float:
         """Correlation between neighbours: they share a link, seen once."""
         return -0.5
+
+    def link(self, joints: int) -> Array:
+        """Covariance between joints, in units of the noise's variance."""
+        neighbours = np.eye(joints, k=1) + np.eye(joints, k=-1)
+        return (1.0 + self.rounding**2) * np.eye(joints) + self.joint_correlation * neighbours
 
 
 def draw_frame_times(noise: Noise, duration: float, rng: np.random.Generator) -> Array:
@@ -45,11 +52,17 @@ def draw_frame_times(noise: Noise, duration: float, rng: np.random.Generator) ->
     return time
 
 
-def draw_noise(noise: Noise, time: Array, joints: int, rng: np.random.Generator) -> Array:
+def draw_noise(
+    noise: Noise,
+    time: Array,
+    joints: int,
+    rng: np.random.Generator,
+    shake: Array | float = 1.0,
+) -> Array:
     """Draw the noise (frame, joint) of relative angles: differences between links' directions.
 
     Each link's direction, the base's included, errs on its own: an Ornstein–Uhlenbeck process seen
-    at the frames, so a gap lets it forget.
+    at the frames, so a gap lets it forget. Each frame's innovations are scaled by `shake` (frame,).
     """
     shape = (time.size, joints + 1)
     if noise.kind == "heavy_tailed":
@@ -57,6 +70,7 @@ def draw_noise(noise: Noise, time: Array, joints: int, rng: np.random.Generator)
         shock = scale * rng.standard_t(DEGREES_OF_FREEDOM, shape)
     else:
         shock = rng.normal(size=shape)
+    shock *= np.reshape(shake, (-1, 1))
     rho = noise.autocorrelation
     if rho == 0.0:
         direction = shock
@@ -86,12 +100,19 @@ def whiten(noise: Noise, time: Array, signal: Array) -> Array:
 
     Exact for the Gaussian kinds: first the joints (neighbours share a link), then the time.
     """
-    joints = signal.shape[1]
-    link = np.eye(joints) + noise.joint_correlation * (np.eye(joints, k=1) + np.eye(joints, k=-1))
-    factor = np.linalg.inv(noise.sd * np.linalg.cholesky(link))
+    factor = np.linalg.inv(noise.sd * np.linalg.cholesky(noise.link(signal.shape[1])))
     white = np.einsum("jk,fk...->fj...", factor, signal)
     if noise.autocorrelation > 0.0:
         kept = noise.autocorrelation ** (np.diff(time) / noise.frame_interval)
         kept = kept.reshape(-1, *[1] * (white.ndim - 1))
         white[1:] = (white[1:] - kept * white[:-1]) / np.sqrt(1.0 - kept**2)
     return white
+
+
+def measure_whitening(noise: Noise, time: Array, joints: int) -> float:
+    """Log determinant of `whiten` over all frames and joints."""
+    volume = time.size * (joints * np.log(noise.sd) + np.linalg.slogdet(noise.link(joints))[1] / 2)
+    if noise.autocorrelation > 0.0:
+        kept = noise.autocorrelation ** (np.diff(time) / noise.frame_interval)
+        volume += 0.5 * joints * np.log1p(-(kept**2)).sum()
+    return float(-volume)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm
 
+from softfinger.concealed.blur import Blur
 from softfinger.concealed.effects import Circumstances, Dose
 from softfinger.concealed.forward import compute_plain_angles, simulate_trial
 from softfinger.concealed.kernel import RunawayError
@@ -33,6 +34,11 @@ class Recording:
     time: Array  # (frame,) of the frames that show something
     angle: Array  # (frame, joint)
     trial: Circumstances
+    blur: Blur | None = None  # what is known of the measurement; None: no more than the noise
+
+    def whiten(self, noise: Noise, signal: Array) -> Array:
+        """Turn (frame, joint) into what the errors would leave white."""
+        return self.blur.whiten(signal) if self.blur else whiten(noise, self.time, signal)
 
 
 @dataclass(frozen=True)
@@ -44,6 +50,16 @@ class Fit:
     doses: dict[str, Dose]
     settled: bool
     residuals: list[Array]  # whitened (frame, joint) of every trial at its mode
+
+
+def compute_angles(
+    individual: Array, doses: dict[str, Dose], recording: Recording, rig: Rig
+) -> Array:
+    """Angles (frame, joint) [rad] that a trial's own parameters and the effects would give."""
+    trial, time = recording.trial, recording.time
+    if doses:
+        return simulate_trial(individual, doses, trial, rig, time, TOLERANCE_RAD)
+    return compute_plain_angles(individual, trial, rig.wire_offset, time)
 
 
 def fit_model(
@@ -68,17 +84,13 @@ def fit_model(
         How many trials like it each recording stands for.
     """
     knobs, own = Knobs.of(doses), start[0].size
-    seen = [whiten(noise, r.time, r.angle).ravel() for r in recordings]
+    seen = [r.whiten(noise, r.angle).ravel() for r in recordings]
 
     def look(k: int, point: Array) -> Array:
         """Whitened residual of a trial."""
         r, individual = recordings[k], point[:own].reshape(start[0].shape)
-        if doses:
-            turned = knobs.turn(point[own:])
-            angle = simulate_trial(individual, turned, r.trial, rig, r.time, TOLERANCE_RAD)
-        else:
-            angle = compute_plain_angles(individual, r.trial, rig.wire_offset, r.time)
-        return seen[k] - whiten(noise, r.time, angle).ravel()
+        angle = compute_angles(individual, knobs.turn(point[own:]), r, rig)
+        return seen[k] - r.whiten(noise, angle).ravel()
 
     first = knobs.read()
     lines = [Line(look, k, np.append(eta, first)) for k, eta in enumerate(start)]

@@ -27,7 +27,8 @@ class Physics(NamedTuple):
     wire_offset: float
     joint_length: float
     arm_scale: float  # 0: the moment arm is the wire offset; 1: the wire runs along the chord
-    lag: float  # [s] between the logged and the acting tension
+    lag_times: Array  # (stage,) [s] of first-order lags in a row, between logged and acting tension
+    lag_mix: Array  # (stage,) shares of the acting tension
     residual: Array  # [rad] strain of the Voigt elements when the trial starts
     compliance: Array  # (element, joint) [rad/(N m)] of further Voigt elements
     retardation_time: Array  # (element,)
@@ -48,6 +49,31 @@ class Physics(NamedTuple):
     ripple: float  # share of the tension
     ripple_rate: float  # [rad/s]
     ripple_phase: float
+    # Laws as tables, uniform in their argument as `kernel` scales it; of no rows: absent.
+    arm_law: Array  # (joint, point) share of the offset that the moment arm gains, of the angle
+    spring_law: Array  # (joint, point) share of its torque that a spring gains, of the strain
+    damper_law: Array  # (joint, point) share of its rate that a Voigt element gains, of the rate
+    flow_law: Array  # (joint, point) share of its rate that a dashpot gains, of the torque
+    stop_law: Array  # (joint, point) [N m] against the bend, of the angle
+    drag_law: Array  # (1, point) [rad] of bend that friction counts, of the angle
+    membrane_law: Array  # (1, point) [rad] that a membrane strains, of the neighbours' difference
+    membrane: Array  # (joint, joint) [N m/rad]
+    friction_back: float  # friction of a wire that is let go, over that of one that is pulled
+    plastic: Array  # share of the strain beyond a threshold that stays
+    plastic_from: float  # [rad] that threshold
+    dry: Array  # [N m] friction of a joint on its support
+    thixotropy: Array  # share of its rate that a dashpot gains as its structure breaks
+    breaking: float  # [1/rad] of flow, that breaks the structure
+    healing: float  # [1/s]
+    softening: Array  # share of the stiffness that is lost while a trial runs
+    thinning_out: Array  # share of the viscosities
+    warming: tuple[float, float, float, float]  # rate [1/s], its power, heat [1/rad], cooling [1/s]
+    tendon: float  # [N m/rad] of a second wire, taut beyond a bend
+    tendon_slack: float  # [rad] of all joints together
+    one_way: Array  # share by which a Voigt element bends faster than it returns
+    payload: float  # [kg] at the tip
+    rod_centre: Array  # place of each link's centre of mass, over half of its length
+    rotor: Array  # [kg m²] that turns with a joint alone
 
 
 def build_plain_physics(
@@ -73,7 +99,7 @@ def build_plain_physics(
         [m].
     """
     joints = parameters.shape[1]
-    none = np.zeros(joints)
+    none, no_law = np.zeros(joints), np.zeros((0, 0))
     k_v, c_v, c_p, q_ini = (np.ascontiguousarray(row, dtype=float) for row in parameters)
     return Physics(
         k_v=k_v,
@@ -87,7 +113,8 @@ def build_plain_physics(
         wire_offset=float(wire_offset),
         joint_length=float(joint_length),
         arm_scale=0.0,
-        lag=0.0,
+        lag_times=np.zeros(0),
+        lag_mix=np.zeros(0),
         residual=none,
         compliance=np.zeros((0, joints)),
         retardation_time=np.zeros(0),
@@ -108,4 +135,28 @@ def build_plain_physics(
         ripple=0.0,
         ripple_rate=0.0,
         ripple_phase=0.0,
+        arm_law=no_law,
+        spring_law=no_law,
+        damper_law=no_law,
+        flow_law=no_law,
+        stop_law=no_law,
+        drag_law=no_law,
+        membrane_law=no_law,
+        membrane=np.zeros((joints, joints)),
+        friction_back=1.0,
+        plastic=none,
+        plastic_from=0.0,
+        dry=none,
+        thixotropy=none,
+        breaking=0.0,
+        healing=0.0,
+        softening=none,
+        thinning_out=none,
+        warming=(0.0, 1.0, 0.0, 0.0),
+        tendon=0.0,
+        tendon_slack=0.0,
+        one_way=none,
+        payload=0.0,
+        rod_centre=np.ones(joints),
+        rotor=none,
     )

@@ -75,6 +75,38 @@ def draw_loads(
     return loads, 40.0
 
 
+def refine_load(load: Load, every: float) -> Load:
+    """Give the same load more knots, where it rises or falls between two of them."""
+    time, tension = [load.time[:1]], [load.tension[:1]]
+    for k in range(1, load.time.size):
+        span, rise = load.time[k] - load.time[k - 1], load.tension[k] - load.tension[k - 1]
+        pieces = int(np.ceil(span / every)) if span > 0.0 and rise != 0.0 else 1
+        share = np.arange(1, pieces + 1) / pieces
+        time.append(load.time[k - 1] + span * share)
+        tension.append(load.tension[k - 1] + rise * share)
+    return Load(np.concatenate(time), np.concatenate(tension))
+
+
+def read_rows(rows: Array) -> Load:
+    """Read a log (row, 2) back as a load: rows that are close are a jump at the later one.
+
+    >>> read_rows(np.array([[0.0, 0.0], [0.49999, 0.0], [0.5, 6.0]])).time
+    array([0. , 0.5, 0.5])
+    """
+    time = rows[:, 0].copy()
+    close = np.diff(time) < 2.0 * LOGGED_WITHIN_S
+    time[:-1][close] = time[1:][close]
+    return Load(time, rows[:, 1])
+
+
+def refine_rows(rows: Array, every: float, duration: float) -> Array:
+    """Rows of the same log with further ones every so many seconds."""
+    more = np.arange(every, duration, every)
+    more = more[np.abs(more[:, None] - rows[:, 0]).min(axis=1) > 10.0 * LOGGED_WITHIN_S]
+    time = np.sort(np.concatenate([rows[:, 0], more]))
+    return np.column_stack([time, np.interp(time, rows[:, 0], rows[:, 1])])
+
+
 def write_rows(load: Load) -> Array:
     """Rows (time, tension) of the log: a jump becomes two rows, close enough to be read as one."""
     rows = []

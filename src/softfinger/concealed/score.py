@@ -8,12 +8,19 @@ import numpy as np
 import xarray as xr
 from scipy.stats import beta
 
-from softfinger.concealed.effects import LISTED
+from softfinger.concealed.effects import CATALOGUES
 from softfinger.concealed.judge import SAME_IN_EVERY_FORM, Judgement, judge
+from softfinger.concealed.law_bands import collect_laws, measure_coverage
 from softfinger.concealed.limit import compute_limit
+from softfinger.concealed.measurement import (
+    check_findings,
+    collect_measurement,
+    list_alarms,
+    pair_twins,
+)
 
-TRUTHS = ("clean", *LISTED, "two effects", "outside")
-ANSWERS = ("adequate", *LISTED, "two effects", "ambiguous", "unlisted", "crashed")
+TRUTHS = ("clean", *CATALOGUES["second"], "two effects", "outside")
+ANSWERS = ("adequate", *CATALOGUES["second"], "two effects", "ambiguous", "unlisted", "crashed")
 GAIN_EDGES = np.array([-np.inf, 1.0, 3.0, 7.0, 15.0, 30.0, 100.0, 1000.0, np.inf])
 PROBABILITY_EDGES = np.array([0.0, 0.05, 0.2, 0.5, 0.8, 0.95, 0.99, 1.0])
 SURE = 0.95  # probability from which on the oracle, like a verdict, names
@@ -34,6 +41,7 @@ def score(
     truths: Sequence[dict],
     limits: Sequence[dict] | None = None,
     *,
+    curves: Sequence[xr.Dataset | None] | None = None,
     seconds: Sequence[float] | None = None,
 ) -> xr.Dataset:
     """Score verdicts against truths, case by case in the same order.
@@ -44,6 +52,8 @@ def score(
         Contents of the ``verdict.json`` and truth files.
     limits : sequence of dict, optional
         From `limit.weigh_stand_ins`; without them the oracle is held against the base model only.
+    curves : sequence of Dataset, optional
+        The artifacts ``laws.nc``; None where there is none.
     seconds : sequence of float, optional
         How long each diagnosis took [s].
 
@@ -56,7 +66,8 @@ def score(
         the oracle itself gives the truth against the base model and the rest of the catalogue.
         stated_probability, true_share and its bounds, stated_count (probability_bin). Per case:
         gain [nats], right, listed (an effect of the catalogue was concealed), gap_closed, seconds.
-        Attribute gap_closed_median.
+        Attributes gap_closed_median; measurement and laws, with the keys of `collect_measurement`
+        and of `collect_laws`.
     """
     cases = [judge(v, t) for v, t in zip(verdicts, truths, strict=True)]
     limits = [{}] * len(cases) if limits is None else limits
@@ -74,13 +85,18 @@ def score(
         },
         coords={"truth": list(TRUTHS), "answer": list(ANSWERS), "case": np.arange(len(cases))},
     )
+    told = list(zip(verdicts, truths, strict=True))
+    scored.attrs["measurement"] = collect_measurement(told)
+    scored.attrs["laws"] = collect_laws(
+        list(zip(truths, cases, strict=True)), _cover(cases, truths, curves)
+    )
     scored.attrs["gap_closed_median"] = (
         float(np.nanmedian(gap)) if np.isfinite(gap).any() else np.nan
     )
     return xr.merge(
         [
             scored,
-            _count_shares(cases, truths, could),
+            _count_shares(cases, told, could),
             _trace_curve(cases, could),
             _check_probabilities(cases),
         ],
@@ -109,6 +125,7 @@ def collect_benchmarks(scored: xr.Dataset) -> dict[str, float]:
         key: float(scored.share.sel(statistic=statistic)) for key, statistic in BENCHMARKS.items()
     }
     found["concealed_gap_closed_median"] = scored.attrs["gap_closed_median"]
+    found |= scored.attrs["measurement"] | scored.attrs["laws"]
     return {key: value for key, value in found.items() if np.isfinite(value)}
 
 
@@ -133,6 +150,19 @@ def shuffle_truths(
     return float(np.mean(shares))
 
 
+def _cover(
+    cases: list[Judgement], truths: Sequence[dict], curves: Sequence[xr.Dataset | None] | None
+) -> list[float]:
+    """Coverage of the curves of laws that were rightly named."""
+    known = [None] * len(cases) if curves is None else curves
+    return [
+        share
+        for case, truth, curve in zip(cases, truths, known, strict=True)
+        if case.right and curve is not None
+        for share in measure_coverage(curve, truth)
+    ]
+
+
 def _counts_as_named(case: Judgement) -> bool:
     return case.visible and case.truth != "outside"
 
@@ -145,10 +175,13 @@ def _count_answers(cases: list[Judgement]) -> np.ndarray:
     return counts
 
 
-def _count_shares(cases: list[Judgement], truths: Sequence[dict], could: np.ndarray) -> xr.Dataset:
+def _count_shares(
+    cases: list[Judgement], told: Sequence[tuple[dict, dict]], could: np.ndarray
+) -> xr.Dataset:
     clean = [c for c in cases if c.truth == "clean"]
     listed = [c for c in cases if c.truth not in ("clean", "outside")]
-    zero = [c for c, t in zip(cases, truths, strict=True) if -1.0 in t["case"]["quantiles"]]
+    zero = [c for c, (_, t) in zip(cases, told, strict=True) if -1.0 in t["case"]["quantiles"]]
+    pairs, (found, false) = pair_twins(told), check_findings(told)
     covered = [hit for c in cases for key, hit in c.covered.items() if key in SAME_IN_EVERY_FORM]
     any_form = [hit for c in cases for hit in c.covered.values()]
     known = [(c, bool(p >= SURE)) for c, p in zip(cases, could, strict=True) if c.visible]
@@ -161,7 +194,12 @@ def _count_shares(cases: list[Judgement], truths: Sequence[dict], could: np.ndar
         "named_single": [c.right for c in listed if c.visible and c.truth != "two effects"],
         "named_two": [c.right for c in listed if c.visible and c.truth == "two effects"],
         "false_alarm": [not c.right for c in clean],
+        "clean_alarm": [alarm for _, alarm in list_alarms(told)],
         "strength_zero_adequate": [c.right for c in zero],
+        "twin_named_without": [without for without, _ in pairs],
+        "twin_named_with": [with_nuisance for _, with_nuisance in pairs],
+        "measurement_named": found,
+        "measurement_false": false,
         "crashed": [c.answer == "crashed" for c in cases],
         "buried_wrongly_named": [
             c.answer != "adequate" and not c.contains for c in listed if not c.visible

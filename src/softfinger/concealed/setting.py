@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from softfinger.concealed.effects import EFFECTS, Circumstances, Dose
+from softfinger.concealed.effects import Circumstances, Dose
 from softfinger.concealed.forward import simulate_trial
 from softfinger.concealed.noise import Noise, draw_frame_times, draw_missing, draw_noise
+from softfinger.concealed.nuisances import NUISANCES, Fault
 from softfinger.concealed.oracle import TOLERANCE_RAD, Recording
 from softfinger.concealed.population import Population, draw_individuals, draw_population
-from softfinger.concealed.protocols import draw_loads
+from softfinger.concealed.protocols import Load, draw_loads
+from softfinger.concealed.registry import EFFECTS
 from softfinger.concealed.rig import Rig, draw_rig
 from softfinger.concealed.suite import CaseSpec
 
@@ -34,6 +36,7 @@ class Setting:
     noise: Noise
     doses: dict[str, Dose]  # of strength zero
     humidity: Array  # (trial,) [%], which nothing follows
+    faults: dict[str, Fault] = field(default_factory=dict)  # the measurement's
 
 
 def draw_setting(spec: CaseSpec) -> Setting:
@@ -42,6 +45,9 @@ def draw_setting(spec: CaseSpec) -> Setting:
     rig = draw_rig(rng, filmed=spec.filmed)
     population = draw_population(rng)
     loads, duration = draw_loads(spec.protocol, spec.trials, rng)
+    if spec.duration_s != duration:
+        loads = [Load(load.time * spec.duration_s / duration, load.tension) for load in loads]
+        duration = spec.duration_s
     sd = TRACKED_SD_RAD if spec.filmed else float(np.exp(rng.uniform(*np.log([0.001, 0.005]))))
     noise = Noise(spec.noise, sd, 1.0 / rig.fps)
     warmth = 2.0 * np.sin(np.linspace(0.0, rng.uniform(2.0, 6.0), spec.trials) + rng.uniform(0, 6))
@@ -61,19 +67,34 @@ def draw_setting(spec: CaseSpec) -> Setting:
         for k in range(spec.trials)
     ]
     doses = {}
+    none = (0.0,) * len(spec.effects)
+    scatters = dict(zip(spec.effects, spec.scatters or none, strict=True))
     for name, joints in zip(spec.effects, spec.joints, strict=True):
         shape = {key: s.draw(rng) for key, s in EFFECTS[name].shape.items()}
-        doses[name] = Dose(0.0, shape, joints)
+        doses[name] = Dose(0.0, shape, joints, scatters[name])
+    individuals = draw_individuals(population, spec.trials, rng)
+    faults = _draw_faults(spec)
+    for name, fault in faults.items():
+        if people := NUISANCES[name].people:
+            own = np.random.default_rng([spec.seed, 4])
+            individuals = people(individuals, population, fault, own)
     return Setting(
         rig=rig,
         population=population,
-        individuals=draw_individuals(population, spec.trials, rng),
+        individuals=individuals,
         trials=trials,
         times=[draw_frame_times(noise, duration, rng) for _ in trials],
         noise=noise,
         doses=doses,
         humidity=np.round(45.0 + 5.0 * rng.normal(size=spec.trials), 1),
+        faults=faults,
     )
+
+
+def _draw_faults(spec: CaseSpec) -> dict[str, Fault]:
+    """Draw how large each nuisance is, from random numbers that nothing else uses."""
+    rng = np.random.default_rng([spec.seed, 3])
+    return {name: NUISANCES[name].draw(rng) for name in spec.nuisances}
 
 
 def set_strengths(doses: dict[str, Dose], strengths: dict[str, float]) -> dict[str, Dose]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from softfinger.concealed.effects import EFFECTS
 from softfinger.concealed.oracle import expect_gain
+from softfinger.concealed.registry import EFFECTS
 from softfinger.concealed.setting import (
     Setting,
     choose_trials,

@@ -10,9 +10,10 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from softfinger.concealed.effects import EFFECTS, LISTED, OUTSIDE
+from softfinger.concealed.effects import CATALOGUES, OUTSIDERS
 from softfinger.concealed.noise import NOISE_KINDS, NoiseKind
 from softfinger.concealed.protocols import PROTOCOLS, Protocol
+from softfinger.concealed.registry import EFFECTS
 
 TRIALS = (1,) * 4 + (10,) * 9 + (40,) * 5 + (100,) * 2
 FILMED_TRIALS = (4, 6, 8, 10)
@@ -20,6 +21,7 @@ JOINTS = 3
 PLAIN = 0.75  # places on the scale of strengths from which an effect is plainly visible
 
 Kind = Literal["sample", "catalogue"]
+Catalogue = Literal["first", "second"]
 
 
 @dataclass(frozen=True)
@@ -44,6 +46,14 @@ class CaseSpec:
         The smallest of its effects' largest gains counts for all of them.
     strengths
         Strengths given outright, in place of the quantiles': for a case that is set, not drawn.
+    nuisances
+        Ids of the faults of the measurement.
+    duration_s
+        Of a trial; the load changes in proportion.
+    catalogue
+        Which ids the catalogue under test has.
+    scatters
+        Of every effect the sd of its strength's logarithm between trials; empty: none.
     """
 
     seed: int
@@ -56,6 +66,10 @@ class CaseSpec:
     filmed: bool = False
     even: bool = False
     strengths: tuple[float, ...] = ()
+    nuisances: tuple[str, ...] = ()
+    duration_s: float = 40.0
+    catalogue: Catalogue = "first"
+    scatters: tuple[float, ...] = ()
 
     def to_json(self) -> dict:
         """Plain numbers, lists and words."""
@@ -76,26 +90,9 @@ def build_paper_case(protocol: Protocol, trials: int, seed: int) -> CaseSpec:
     )
 
 
-def draw_proof(
-    seed: int, campaigns: int, filmed: int, longest: int, kind: Kind = "sample"
+def draw_catalogue(
+    seed: int, n: int, *, longest: int = max(TRIALS), catalogue: Catalogue = "first"
 ) -> list[CaseSpec]:
-    """Draw what a proof consists of: a suite, and after it the paper's own case in two protocols.
-
-    Parameters
-    ----------
-    seed, campaigns, filmed, longest
-        As for `draw_suite`.
-    kind
-        A balanced `sample` of everything, or the `catalogue`'s effects, plainly visible.
-    """
-    trials = min(max(TRIALS), longest)
-    paper = [build_paper_case(protocol, trials, seed) for protocol in ("levels", "single_step")]
-    if kind == "catalogue":
-        return [*draw_catalogue(seed, campaigns, longest=longest), *paper]
-    return [*draw_suite(seed, campaigns, filmed=filmed, longest=longest), *paper]
-
-
-def draw_catalogue(seed: int, n: int, *, longest: int = max(TRIALS)) -> list[CaseSpec]:
     """Draw every effect of the catalogue under every protocol, and then pairs of effects.
 
     Each as strong as the upper quarter of what the oracle can reach with it, on a logarithmic
@@ -104,7 +101,7 @@ def draw_catalogue(seed: int, n: int, *, longest: int = max(TRIALS)) -> list[Cas
 
     Parameters
     ----------
-    seed, n, longest
+    seed, n, longest, catalogue
         As for `draw_suite`.
 
     Examples
@@ -114,14 +111,16 @@ def draw_catalogue(seed: int, n: int, *, longest: int = max(TRIALS)) -> list[Cas
     12
     """
     rng = np.random.default_rng([seed, n, 2])
-    singles = list(product(LISTED, PROTOCOLS))[:n]
-    pairs = _take_turns(tuple(combinations(LISTED, 2)), n - len(singles), rng)
+    listed = CATALOGUES[catalogue]
+    singles = list(product(listed, PROTOCOLS))[:n]
+    pairs = take_turns(tuple(combinations(listed, 2)), n - len(singles), rng)
     sets: list[tuple[str, ...]] = [*((name,) for name, _ in singles), *pairs]
-    protocols = [protocol for _, protocol in singles] + _take_turns(PROTOCOLS, len(pairs), rng)
+    protocols = [protocol for _, protocol in singles] + take_turns(PROTOCOLS, len(pairs), rng)
     places = [tuple(float(rng.uniform(PLAIN, 1.0)) for _ in effects) for effects in sets]
-    noises, lengths = _take_turns(NOISE_KINDS, n, rng), _take_turns(TRIALS, n, rng)
+    noises, lengths = take_turns(NOISE_KINDS, n, rng), take_turns(TRIALS, n, rng)
     drafts = map(_Draft, sets, places, protocols, noises, lengths, [False] * n)
-    return [replace(spec, even=True) for spec in _build_cases(drafts, longest, rng)]
+    suite = _build_cases(drafts, longest, rng)
+    return [replace(spec, even=True, catalogue=catalogue) for spec in suite]
 
 
 def draw_suite(
@@ -130,6 +129,7 @@ def draw_suite(
     *,
     filmed: int | None = None,
     longest: int = max(TRIALS),
+    catalogue: Catalogue = "first",
 ) -> list[CaseSpec]:
     """Draw a balanced suite, in random order.
 
@@ -148,6 +148,8 @@ def draw_suite(
         How many are filmed: one in twenty, and at least one, if not said.
     longest : int
         Most trials that a campaign has; longer ones are cut to it.
+    catalogue
+        Which ids the catalogue under test has; what is not among them is from outside it.
 
     Examples
     --------
@@ -156,24 +158,25 @@ def draw_suite(
     (24, True)
     """
     rng = np.random.default_rng([seed, n])
+    listed, outsiders = CATALOGUES[catalogue], OUTSIDERS[catalogue]
     clean = math.ceil(0.26 * n)
     pairs, outside = round(0.12 * n), round(0.16 * n)
     single = n - clean - pairs - outside
     sets: list[tuple[str, ...]] = [()] * clean
-    sets += [(name,) for name in _take_turns(LISTED, single, rng)]
-    sets += [(name,) for name in _take_turns(OUTSIDE, outside, rng)]
-    sets += _take_turns(tuple(combinations(LISTED, 2)), pairs, rng)
-    protocols = _take_turns(PROTOCOLS, n, rng)
-    noises = _take_turns(NOISE_KINDS, clean, rng) + _take_turns(NOISE_KINDS, n - clean, rng)
-    lengths = _take_turns(TRIALS, n, rng)
+    sets += [(name,) for name in take_turns(listed, single, rng)]
+    sets += [(name,) for name in take_turns(outsiders, outside, rng)]
+    sets += take_turns(tuple(combinations(listed, 2)), pairs, rng)
+    protocols = take_turns(PROTOCOLS, n, rng)
+    noises = take_turns(NOISE_KINDS, clean, rng) + take_turns(NOISE_KINDS, n - clean, rng)
+    lengths = take_turns(TRIALS, n, rng)
     places = _spread(sets, rng)
     for zero in rng.choice(clean, min(2, clean // 3), replace=False):
-        sets[zero], places[zero] = (LISTED[rng.integers(len(LISTED))],), (-1.0,)
+        sets[zero], places[zero] = (listed[rng.integers(len(listed))],), (-1.0,)
 
     on_film = _choose_filmed(sets, max(1, n // 20) if filmed is None else filmed, rng)
     filmed_ones = [k in on_film for k in range(n)]
     drafts = map(_Draft, sets, places, protocols, noises, lengths, filmed_ones)
-    return _build_cases(drafts, longest, rng)
+    return [replace(spec, catalogue=catalogue) for spec in _build_cases(drafts, longest, rng)]
 
 
 class _Draft(NamedTuple):
@@ -201,7 +204,7 @@ def _build_cases(
             CaseSpec(
                 seed=int(rng.integers(2**63)),
                 effects=draft.effects,
-                joints=tuple(_draw_joints(name, rng) for name in draft.effects),
+                joints=tuple(draw_joints(name, rng) for name in draft.effects),
                 quantiles=draft.places,
                 protocol=draft.protocol,
                 trials=min(trials, longest),
@@ -212,7 +215,7 @@ def _build_cases(
     return [suite[k] for k in rng.permutation(len(suite))]
 
 
-def _take_turns[Item](items: tuple[Item, ...], n: int, rng: np.random.Generator) -> list[Item]:
+def take_turns[Item](items: tuple[Item, ...], n: int, rng: np.random.Generator) -> list[Item]:
     """Every item equally often, give or take one, in random order."""
     rounds = [rng.permutation(len(items)) for _ in range(math.ceil(n / len(items)))]
     return [items[k] for k in np.concatenate([*rounds, []]).astype(int)[:n]]
@@ -238,7 +241,8 @@ def _choose_filmed(sets: list[tuple[str, ...]], n: int, rng: np.random.Generator
     return set(rng.choice(fit, min(n, len(fit)), replace=False).tolist())
 
 
-def _draw_joints(name: str, rng: np.random.Generator) -> tuple[int, ...]:
+def draw_joints(name: str, rng: np.random.Generator) -> tuple[int, ...]:
+    """Draw the joints on which an effect acts."""
     where = EFFECTS[name].joints
     if where == "chain":
         return ()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from softfinger.concealed.judge import judge
+from softfinger.concealed.measurement import describe_condition, is_alarm
 
 
 def tabulate_cases(
@@ -29,6 +30,8 @@ def _tabulate(name: str, truth: Mapping, answer: Mapping, weighed: Mapping) -> d
         "visible": judged.visible,
         "protocol": case["protocol"].replace("_", " "),
         "trials": case["trials"],
+        "condition": describe_condition(truth),
+        "alarm": is_alarm(verdict) if not truth["effects"] else "",
         "noise": "filmed" if case["filmed"] else case["noise"].replace("_", " "),
         "oracle_nats": round(truth["gain_nats"], 1),
         "nats_of_each": gains if len(truth["effects"]) > 1 else "",
@@ -63,7 +66,8 @@ def tabulate_measured(name: str, known: str, answer: Mapping) -> dict:
 def describe_truth(truth: Mapping) -> str:
     """Name what was concealed, with its joints."""
     names = [
-        e["id"] + (f" (joint {', '.join(map(str, e['joints']))})" if len(e["joints"]) == 1 else "")
+        e.get("name", e["id"])
+        + (f" (joint {', '.join(map(str, e['joints']))})" if len(e["joints"]) == 1 else "")
         for e in truth["effects"]
     ]
     outside = any(not e["listed"] for e in truth["effects"])

@@ -11,7 +11,6 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from softfinger.concealed.oracle import Recording
-from softfinger.concealed.protocols import write_rows
 from softfinger.concealed.rig import Rig
 from softfinger.concealed.setting import Setting
 
@@ -28,6 +27,7 @@ def write_campaign(
     folder: Path,
     setting: Setting,
     recordings: list[Recording],
+    logs: list[Array],
     *,
     declares_noise: bool,
     film: Film | None = None,
@@ -37,6 +37,8 @@ def write_campaign(
 
     Parameters
     ----------
+    logs
+        (row, 2) of every trial: time [s], tension [N].
     declares_noise
         Whether campaign.yaml says the noise's standard deviation.
     film
@@ -61,7 +63,7 @@ def write_campaign(
             film(recording.angle, setting.rig, folder / seen, seed + k)
         else:
             _write_angles(folder / seen, recording)
-        load = pd.DataFrame(write_rows(trial.load), columns=["time_s", "tension_n"])
+        load = pd.DataFrame(logs[k], columns=["time_s", "tension_n"])
         load.to_csv(folder / f"load/{name}.csv", index=False, float_format="%.6f")
         row = {
             "trial": name,

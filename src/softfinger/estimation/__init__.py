@@ -2,6 +2,5 @@
 
 from softfinger.estimation.diagnostics import diagnose_sampling
 from softfinger.estimation.least_squares import fit_least_squares
-from softfinger.estimation.posterior import fit_posterior
 
-__all__ = ["diagnose_sampling", "fit_least_squares", "fit_posterior"]
+__all__ = ["diagnose_sampling", "fit_least_squares"]

@@ -15,7 +15,7 @@ class EstimationConfig(Settings):
 
     outlier_rule: Literal["scaled_mad", "raw_mad"]
     outlier_cutoff: Positive
-    sampler: Literal["nuts", "blocks"]
+    sampler: Literal["nuts", "gibbs"]
     chains: Annotated[int, Field(ge=2)]
     tune: Count
     draws: Count

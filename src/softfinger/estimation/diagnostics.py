@@ -8,6 +8,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from softfinger.inference.correction import LARGEST_K
+
+EXPANSION = ("expansion_pareto_k", "expansion_error")
 HYPERPARAMETERS = ("mu", "sigma", "parameter", "noise", "effect")
 
 
@@ -26,7 +29,8 @@ def diagnose_sampling(tree: xr.DataTree, config: Mapping[str, Any]) -> xr.Datase
     Dataset
         r_hat, ess_bulk, ess_tail (quantity) and divergences (); the limits as attributes and
         `verdict`: green if R-hat < r_hat_max and both kinds of effective draws > ess_min for every
-        quantity and divergences ≤ divergences_max, else red.
+        quantity, divergences ≤ divergences_max, and the expansion that was sampled is near enough
+        the model to be weighed, else red. `expansion_pareto_k`, `expansion_error` (): how near.
     """
     names, draws = zip(*list_quantities(tree["posterior"].to_dataset()), strict=True)
     quantities = xr.DataArray(
@@ -40,6 +44,8 @@ def diagnose_sampling(tree: xr.DataTree, config: Mapping[str, Any]) -> xr.Datase
             "divergences": ((), int(tree["sample_stats"]["diverging"].sum())),
         }
     )
+    stats = tree["sample_stats"].dataset
+    found = found.assign({name: stats[name] for name in EXPANSION if name in stats})
     limits = {name: config[name] for name in ("r_hat_max", "ess_min", "divergences_max")}
     return found.assign_attrs(**limits, verdict="green" if _passes(found, limits) else "red")
 
@@ -74,4 +80,5 @@ def _passes(found: xr.Dataset, limits: Mapping[str, float]) -> bool:
         float(found["r_hat"].max()) < limits["r_hat_max"]
         and fewest > limits["ess_min"]
         and int(found["divergences"]) <= limits["divergences_max"]
+        and not float(found.get("expansion_pareto_k", np.nan)) > LARGEST_K
     )

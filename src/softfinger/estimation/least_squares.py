@@ -1,6 +1,6 @@
 """The paper's two stages: least squares of every trial, then a distribution over the estimates.
 
-Stage 1: each trial and joint by ordinary least squares (`population.profile`), every frame alike.
+Stage 1: each trial and joint by ordinary least squares (`profile`), every frame alike.
 Stage 2: per joint and viscoelastic parameter, estimates that are negative or lie beyond three
 median absolute deviations of the median are dropped; the rest gets a log-normal by maximum
 likelihood (the sd of the logs with n − 1, as MATLAB's fitdist has it), q_ini a normal.
@@ -20,10 +20,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from softfinger.population.basis import ElasticTable, interpolate_coefficients_array
-from softfinger.population.collapse import collapse_angles
-from softfinger.population.frames import select_frames
-from softfinger.population.profile import Profile, build_joint_gram, profile_rates
+from softfinger.inference.collapse.basis import ElasticTable, interpolate_coefficients_array
+from softfinger.inference.collapse.profile import Profile, build_joint_gram, profile_rates
+from softfinger.inference.collapse.table import collapse_angles
+from softfinger.measurement.frames import select_frames
 
 PARAMETERS = ("k_v", "c_v", "c_p", "q_ini")
 MAD_SCALE = {"scaled_mad": 1.4826, "raw_mad": 1.0}

@@ -16,7 +16,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import chi2, norm, t
 
-from softfinger.population.likelihood import PARAMETERS as SAMPLED
+from softfinger.mechanics import LOG_PARAMETERS as SAMPLED
 
 CI_PROBS = (0.5, 0.9)
 NATURAL = ("k_v", "c_v", "c_p", "q_ini")

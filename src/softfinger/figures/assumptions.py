@@ -25,13 +25,16 @@ EARLIEST = 1e-4
 
 
 @styled
-def draw_assumptions(assumptions: xr.Dataset) -> Figure:
+def draw_assumptions(assumptions: xr.Dataset, changes: xr.Dataset) -> Figure:
     """Draw the gaps over time, and below how the torque grows and what the fit makes of it.
 
     Parameters
     ----------
     assumptions
         The artifact of that name.
+    changes
+        Its group in the artifact `summary`: fitted_change (quantile, joint, parameter), three
+        ascending quantiles over the fingers.
     """
     figure = new_figure(get_source(assumptions), height=4.2)
     above, below = figure.subfigures(2, 1)
@@ -44,7 +47,7 @@ def draw_assumptions(assumptions: xr.Dataset) -> Figure:
     above.legend(*axes[0].get_legend_handles_labels(), loc="outside upper left", ncols=5)
     left, right = below.subplots(1, 2, width_ratios=(1, 2))
     draw_growth(left, assumptions)
-    draw_changes(right, assumptions)
+    draw_changes(right, changes)
     return figure
 
 
@@ -69,12 +72,12 @@ def draw_growth(ax: Axes, assumptions: xr.Dataset) -> None:
     ax.legend(loc="lower right")
 
 
-def draw_changes(ax: Axes, assumptions: xr.Dataset) -> None:
+def draw_changes(ax: Axes, changes: xr.Dataset) -> None:
     """Draw by how much the fitted parameters miss the true ones: median, and 90 % of fingers."""
     ticks = []
     for place, parameter in enumerate(("k_v", "c_v", "c_p")):
-        change = 100 * assumptions["fitted_change"].sel(parameter=parameter)
-        low, middle, high = change.quantile([0.05, 0.5, 0.95], "trial").values
+        change = 100 * changes["fitted_change"].sel(parameter=parameter)
+        low, middle, high = change.transpose("quantile", "joint").values
         at = place * (change["joint"].size + 1) + np.arange(change["joint"].size)
         colour = PARAMETER_STYLES[parameter][0]
         ax.vlines(at, low, high, color=colour)

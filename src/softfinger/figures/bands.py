@@ -12,6 +12,7 @@ from softfinger.figures.style import (
     ESTIMATE_LABELS,
     RECORDED,
     get_source,
+    label_motion,
     new_figure,
     styled,
 )
@@ -31,8 +32,9 @@ def draw_bands(bands: xr.Dataset, end: float | None = None) -> Figure:
     Parameters
     ----------
     bands
-        predicted_quantile (estimate, protocol, joint, time, quantile), recorded_quantile and
-        recorded_n of the artifact `bands`; its 12 protocols of most trials are shown.
+        predicted_quantile (estimate, protocol, joint, time, quantile) and recorded_quantile of
+        the artifact `bands`, with protocol_trials (protocol); its 12 protocols of most trials are
+        shown.
     end
         Show the time up to here [s]; None shows all.
     """
@@ -50,15 +52,14 @@ def draw_bands(bands: xr.Dataset, end: float | None = None) -> Figure:
     for ax in axes.flat[len(panels) :]:
         ax.set_axis_off()
     figure.supxlabel("time [s]", size=7)
-    figure.supylabel("joint angle [rad]", size=7)
+    figure.supylabel(label_motion(bands), size=7)
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper left", ncols=4)
     return figure
 
 
 def choose_protocols(bands: xr.Dataset) -> np.ndarray:
     """Return the names of the protocols of most trials, in the artifact's order."""
-    trials = bands["recorded_n"].max([d for d in bands["recorded_n"].dims if d != "protocol"])
-    places = np.sort(np.argsort(-trials.values, kind="stable")[:MOST_PROTOCOLS])
+    places = np.sort(np.argsort(-bands["protocol_trials"].values, kind="stable")[:MOST_PROTOCOLS])
     return bands["protocol"].values[places]
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from softfinger.figures.style import (
@@ -22,7 +21,6 @@ from softfinger.figures.style import (
 VISIBLE_NATS = 15.0
 WEAKEST, STRONGEST = 0.5, 3e4
 """Ends of the axis of evidence [nats]."""
-WINDOWS = 24
 
 
 @styled
@@ -75,8 +73,10 @@ def draw_confusion(score: xr.Dataset) -> Figure:
     rows, columns = counts.shape
     figure = new_figure(get_source(score), height=1.2 + 0.24 * rows)
     ax = figure.subplots()
-    share = counts.values / counts.values.sum(axis=1, keepdims=True)
-    ax.pcolormesh(share, cmap="Blues", vmin=0.0, vmax=1.6, edgecolors="white", linewidth=0.8)
+    rows_share = counts / counts.sum("answer")
+    ax.pcolormesh(
+        rows_share.values, cmap="Blues", vmin=0.0, vmax=1.6, edgecolors="white", linewidth=0.8
+    )
     for row in range(rows):
         for column in range(columns):
             if count := int(counts.values[row, column]):
@@ -111,36 +111,24 @@ def draw_reliability(score: xr.Dataset) -> Figure:
 
 
 @styled
-def draw_buried_case(repair: xr.Dataset) -> Figure:
+def draw_buried_case(residual: xr.Dataset) -> Figure:
     """Draw what a joint's recordings show beyond a model, before and after the repair.
 
     Each point is a mean over trials, in units of its own standard deviation under noise alone.
 
     Parameters
     ----------
-    repair
-        Artifact `repair`.
+    residual
+        mean_residual (model, joint, window), window [s].
     """
-    figure = new_figure(get_source(repair), height=2.6)
-    axes = figure.subplots(1, repair.sizes["joint"], sharey=True, squeeze=False)[0]
-    for ax, joint in zip(axes, repair["joint"].values, strict=True):
+    figure = new_figure(get_source(residual), height=2.6)
+    axes = figure.subplots(1, residual.sizes["joint"], sharey=True, squeeze=False)[0]
+    for ax, joint in zip(axes, residual["joint"].values, strict=True):
         for model, colour in (("base", RED), ("final", BLUE)):
-            _plot_residual(ax, repair.sel(joint=joint, model=model), colour, model)
+            mean = residual["mean_residual"].sel(joint=joint, model=model).values
+            ax.plot(residual["window"].values, mean, "o-", color=colour, markersize=3)
         ax.axhspan(-2, 2, color=PALE, alpha=0.5, linewidth=0)
         ax.set(title=f"joint {joint}", xlabel="time [s]")
     axes[0].set_ylabel("mean residual / its sd")
     axes[0].legend(labels=["base model", "repaired model"])
     return figure
-
-
-def _plot_residual(ax: Axes, part: xr.Dataset, colour: str, name: str) -> None:
-    off = ((part["recorded_angle"] - part["fitted_angle"]) / part["bin_noise_sd"]).values.ravel()
-    time = part["time"].values.ravel()
-    there = np.isfinite(off) & np.isfinite(time)
-    edges = np.linspace(0.0, time[there].max() * (1 + 1e-9), WINDOWS + 1)
-    window = np.digitize(time[there], edges) - 1
-    count = np.bincount(window, minlength=WINDOWS)
-    total = np.bincount(window, off[there], minlength=WINDOWS)
-    with np.errstate(invalid="ignore"):
-        mean = total / np.sqrt(count)
-    ax.plot(0.5 * (edges[1:] + edges[:-1]), mean, "o-", color=colour, markersize=3, label=name)

@@ -12,8 +12,8 @@ from softfinger.figures.style import (
     BLACK,
     PARAMETER_LABELS,
     POSTERIOR,
-    TRUTH,
     TWO_STAGE,
+    get_motion_unit,
     get_source,
     new_figure,
     styled,
@@ -23,7 +23,6 @@ LOCATION_LABELS = {"mu": "centre", "sigma": "spread"}
 MARKERS = {
     "two_stage": (TWO_STAGE, "x", "two-stage"),
     "paper": (BLACK, "s", "the paper's table"),
-    "truth": (TRUTH, "D", "truth of the simulation"),
 }
 
 
@@ -32,14 +31,15 @@ def draw_hyperparameters(hyperparameters: xr.Dataset) -> Figure:
     """Draw intervals of the population's centre and spread, per parameter and joint.
 
     Thin line: interval of the stated probability; thick line: 50 %; dot: posterior median. Beside
-    it whatever else is known: the two-stage estimate, the paper's table, the truth of a simulation.
+    it whatever else is known: the two-stage estimate, the paper's table.
 
     Parameters
     ----------
     hyperparameters
         `quantile_value` (quantile, statistic, parameter, joint), quantile in ascending order
         low, 0.25, 0.5, 0.75, high; statistic `mu`, `sigma`; of the logarithm for all parameters
-        but q_ini. Optional `two_stage`, `paper`, `truth` (statistic, parameter, joint).
+        but q_ini. Optional `rival_value` (rival, statistic, parameter, joint) of `two_stage` and
+        `paper`.
     """
     parameters, joints = hyperparameters["parameter"].values, hyperparameters["joint"].values
     height = 0.9 + 2 * (0.45 + 0.22 * joints.size)
@@ -48,7 +48,8 @@ def draw_hyperparameters(hyperparameters: xr.Dataset) -> Figure:
     for row, statistic in zip(axes, ("mu", "sigma"), strict=True):
         for ax, parameter in zip(row, parameters, strict=True):
             draw_forest(ax, hyperparameters.sel(statistic=statistic, parameter=parameter))
-            ax.set_xlabel(label_axis(statistic, str(parameter)))
+            unit = get_motion_unit(hyperparameters)
+            ax.set_xlabel(label_axis(statistic, str(parameter), unit))
             ax.xaxis.set_major_locator(MaxNLocator(4))
     axes[0, 0].set_yticks(range(joints.size), [f"joint {joint}" for joint in joints])
     axes[0, 0].set_ylim(joints.size - 0.4, -0.6)
@@ -56,11 +57,11 @@ def draw_hyperparameters(hyperparameters: xr.Dataset) -> Figure:
     return figure
 
 
-def label_axis(statistic: str, parameter: str) -> str:
+def label_axis(statistic: str, parameter: str, motion_unit: str) -> str:
     """Label the axis of one hyperparameter with its scale."""
     name = PARAMETER_LABELS[parameter]
     if parameter == "q_ini":
-        return f"{LOCATION_LABELS[statistic]} of {name} [rad]"
+        return f"{LOCATION_LABELS[statistic]} of {name} [{motion_unit}]"
     return f"{LOCATION_LABELS[statistic]} of ln {name}"
 
 
@@ -71,8 +72,9 @@ def draw_forest(ax: Axes, hyperparameters: xr.Dataset) -> None:
     ax.hlines(rows, low, high, color=POSTERIOR, linewidth=0.9)
     ax.hlines(rows, lower, upper, color=POSTERIOR, linewidth=2.6)
     ax.plot(middle, rows, "o", color=POSTERIOR, mec="white", mew=0.5, ms=4.5, label="posterior")
-    for name, (colour, marker, label) in MARKERS.items():
-        if name in hyperparameters:
-            style = {"color": colour, "marker": marker, "ls": "none", "ms": 4, "mfc": "none"}
-            ax.plot(hyperparameters[name].values, rows + 0.22, label=label, **style)
+    for name in hyperparameters["rival"].values if "rival" in hyperparameters.dims else ():
+        colour, marker, label = MARKERS[str(name)]
+        style = {"color": colour, "marker": marker, "ls": "none", "ms": 4, "mfc": "none"}
+        value = hyperparameters["rival_value"].sel(rival=name).values
+        ax.plot(value, rows + 0.22, label=label, **style)
     ax.grid(visible=False, axis="y")

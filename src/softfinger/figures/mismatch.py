@@ -16,8 +16,11 @@ from softfinger.figures.style import (
     RECORDED,
     RED,
     SKY,
+    get_motion_unit,
     get_source,
     label_log_axis,
+    label_motion,
+    label_thousandth,
     new_figure,
     styled,
 )
@@ -25,13 +28,11 @@ from softfinger.figures.style import (
 MODEL_STYLES = {"base": (RED, "--", "base model"), "final": (BLUE, "-", "repaired model")}
 MOST_ROWS = 20
 SMALLEST_Q = 1e-6
-SINCE = np.geomspace(0.05, 100.0, 12)
-"""Edges of the time since the last change of load [s]."""
 
 
 @styled
-def draw_repair(repair: xr.Dataset) -> Figure:
-    """Draw the trial that the base model misses most, with both models, and all residuals.
+def draw_repair(repair: xr.Dataset, misfit: xr.Dataset, trial: str) -> Figure:
+    """Draw one trial with its models, and the squared residuals of all.
 
     Columns are joints. Top: the recording and its models at the trial's own mode. Middle: what
     each leaves of that trial; grey is twice the noise of a bin. Bottom: mean square of what each
@@ -42,8 +43,11 @@ def draw_repair(repair: xr.Dataset) -> Figure:
     ----------
     repair
         The artifact `repair`.
+    misfit
+        mean_square (model, joint, since_change).
+    trial
+        The one to draw.
     """
-    trial = choose_trial(repair)
     here = repair.sel(trial=trial)
     joints = repair["joint"].values
     figure = new_figure(get_source(repair), height=4.4)
@@ -51,32 +55,19 @@ def draw_repair(repair: xr.Dataset) -> Figure:
     for column, joint in zip(axes.T, joints, strict=True):
         draw_fit(column[0], here.sel(joint=joint))
         draw_leftover(column[1], here.sel(joint=joint))
-        draw_misfit(column[2], repair.sel(joint=joint))
+        draw_misfit(column[2], misfit.sel(joint=joint))
         column[0].set(title=f"joint {joint}")
         column[1].set(xlabel="time [s]")
         column[2].set(xlabel="time since the load changed [s]")
     for row in axes[:2]:
         for ax in row[1:]:
             ax.sharex(row[0])
-    axes[0, 0].set_ylabel("joint angle [rad]")
-    axes[1, 0].set_ylabel("left over [mrad]")
+    axes[0, 0].set_ylabel(label_motion(repair))
+    axes[1, 0].set_ylabel(f"left over [{label_thousandth(get_motion_unit(repair))}]")
     axes[2, 0].set_ylabel("squared residual\nover noise [1]")
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper left", ncols=3)
     axes[0, 0].set_title(f"joint {joints[0]} ({trial})")
     return figure
-
-
-def choose_trial(repair: xr.Dataset) -> str:
-    """Name the trial in which the repair takes away most of the misfit, over the noise.
-
-    Without a repaired model, the one of which the base model leaves most.
-    """
-    away = (repair["recorded_angle"] - repair["fitted_angle"]) / repair["bin_noise_sd"]
-    misfit = (away**2).sum(("joint", "bin"))
-    gain = misfit.sel(model="base")
-    if "final" in repair["model"]:
-        gain = gain - misfit.sel(model="final")
-    return str(repair["trial"].values[int(gain.values.argmax())])
 
 
 def draw_fit(ax: Axes, repair: xr.Dataset) -> None:
@@ -99,43 +90,37 @@ def draw_leftover(ax: Axes, repair: xr.Dataset) -> None:
         ax.plot(time, 1e3 * left.values, line, color=colour, lw=0.8)
 
 
-def draw_misfit(ax: Axes, repair: xr.Dataset) -> None:
+def draw_misfit(ax: Axes, misfit: xr.Dataset) -> None:
     """Draw squared residuals over squared noise of all trials, by time since the load changed."""
-    since = repair["since_change"].values
-    place = np.digitize(since, SINCE)
-    middle = np.sqrt(SINCE[1:] * SINCE[:-1])
     ax.axhline(1.0, color=GREY, lw=0.7)
-    for model in repair["model"].values:
+    for model in misfit["model"].values:
         colour, line, _ = MODEL_STYLES[str(model)]
-        left = repair["recorded_angle"] - repair["fitted_angle"].sel(model=model)
-        square = ((left / repair["bin_noise_sd"]) ** 2).values
-        known = np.isfinite(square)
-        mean = [
-            square[known & (place == k)].mean() if np.any(known & (place == k)) else np.nan
-            for k in range(1, SINCE.size)
-        ]
-        ax.plot(middle, mean, line, color=colour, marker="o", ms=2.5)
+        mean = misfit["mean_square"].sel(model=model).values
+        ax.plot(misfit["since_change"].values, mean, line, color=colour, marker="o", ms=2.5)
     ax.set(xscale="log", yscale="log")
     label_log_axis(ax.xaxis)
     label_log_axis(ax.yaxis)
 
 
 @styled
-def draw_ranking(ranking: xr.Dataset) -> Figure:
+def draw_ranking(ranking: xr.Dataset, evidence: xr.Dataset) -> Figure:
     """Draw how much every effect alone gains over the base model, and what chance gains.
 
     Parameters
     ----------
     ranking
-        best_gain, inclusion (effect) [nats], needed_gain and chance_gain (replicate).
+        best_gain (effect) and needed_gain () [nats].
+    evidence
+        needed (effect), chance_range (end) [nats].
     """
     order = np.argsort(-ranking["best_gain"].values, kind="stable")[:MOST_ROWS]
     shown = ranking.isel(effect=order[::-1])
     figure = new_figure(get_source(ranking), 0.7 + 0.17 * max(order.size, 3), DOUBLE_COLUMN * 0.62)
     ax = figure.subplots()
     rows = np.arange(order.size)
-    gain, included = shown["best_gain"].values, shown["inclusion"].values > 0.5
-    ax.axvspan(*np.quantile(ranking["chance_gain"].values, (0.0, 1.0)), color=PALE, lw=0,
+    gain = shown["best_gain"].values
+    included = evidence["needed"].sel(effect=shown["effect"]).values
+    ax.axvspan(*evidence["chance_range"].values, color=PALE, lw=0,
                label="chance, over the whole catalogue")  # fmt: skip
     ax.axvline(float(ranking["needed_gain"]), color=GREY, ls=":", label="believed from here")
     ax.hlines(rows, 0.0, gain, color=GREY, lw=0.6)

@@ -10,6 +10,7 @@ from softfinger.figures.style import (
     SKY,
     build_joint_axes,
     get_source,
+    label_motion,
     measure_joint_rows,
     new_figure,
     styled,
@@ -44,6 +45,6 @@ def draw_prior_predictive(prior: xr.Dataset) -> Figure:
         recorded = here["recorded_low"].values, here["recorded_high"].values
         ax.fill_between(time, *recorded, color=BLACK, alpha=0.6, linewidth=0.8, label="recorded")
         ax.set(title=f"joint {joint}", xlabel="time [s]")
-    figure.supylabel("joint angle [rad]", size=7)
+    figure.supylabel(label_motion(prior), size=7)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper left", ncols=4)
     return figure

@@ -13,6 +13,7 @@ from softfinger.figures.style import (
     PARAMETER_STYLES,
     build_joint_axes,
     get_source,
+    label_motion,
     measure_joint_rows,
     new_figure,
     styled,
@@ -117,7 +118,7 @@ def draw_densities(densities: xr.Dataset) -> Figure:
     for ax, joint in zip(axes, joints.values, strict=True):
         for place, colour in enumerate(colours):
             draw_ridge(ax, densities.sel(joint=joint).isel(time=place), -place, colour)
-        ax.set(title=f"joint {joint}", xlabel="joint angle [rad]")
+        ax.set(title=f"joint {joint}", xlabel=label_motion(densities))
         ax.set_yticks(-np.arange(times.size), [f"{time:g} s" for time in times])
     figure.supylabel("time", size=7)
     return figure

@@ -11,7 +11,13 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 
-from softfinger.figures.style import get_source, label_load_unit, new_figure, styled
+from softfinger.figures.style import (
+    get_source,
+    label_load_unit,
+    label_motion,
+    new_figure,
+    styled,
+)
 
 LOAD_COLOURS = ListedColormap(mpl.colormaps["viridis"](np.linspace(0, 0.9, 256)))
 """Viridis without its palest tenth, which is too faint on paper."""
@@ -41,7 +47,7 @@ def draw_recordings(angles: xr.Dataset) -> Figure:
     colours = _LoadColours(angles)
     for ax, joint in zip(axes[:-1], joints.values, strict=True):
         draw_trials(ax, angles, seen.sel(joint=joint), colours.of_trials)
-        ax.set(ylabel="joint angle [rad]", title=f"joint {joint}")
+        ax.set(ylabel=label_motion(angles), title=f"joint {joint}")
     draw_loads(axes[-1], angles, colours.of_trials)
     axes[-1].set(ylabel=f"load [{label_load_unit(angles)}]", xlabel="time [s]")
     if colours.vary:

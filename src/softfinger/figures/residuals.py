@@ -8,7 +8,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from softfinger.figures.style import BLUE, GREY, PALE, RED, get_source, new_figure, styled
+from softfinger.figures.style import (
+    BLUE,
+    GREY,
+    PALE,
+    RED,
+    get_motion_unit,
+    get_source,
+    label_thousandth,
+    new_figure,
+    styled,
+)
 
 EARLY = 1.0
 """End of the early look [s]."""
@@ -31,7 +41,7 @@ def draw_residuals(residuals: xr.Dataset) -> Figure:
         `residual_power` (change, joint, frequency) [rad2], frequency times power spectral density;
         `peak_frequency` (change, joint) [Hz], NaN where no narrow peak stands out.
     """
-    joints = residuals["joint"]
+    joints, small = residuals["joint"], label_thousandth(get_motion_unit(residuals))
     figure = new_figure(get_source(residuals), height=0.5 + 1.6 * joints.size)
     axes = figure.subplots(joints.size, 3, squeeze=False, sharex="col", width_ratios=[1.3, 1, 1])
     for (whole, early, right), joint in zip(axes, joints.values, strict=True):
@@ -39,9 +49,9 @@ def draw_residuals(residuals: xr.Dataset) -> Figure:
         draw_mean_residual(whole, here)
         draw_mean_residual(early, here.sel(since_change=slice(None, EARLY)))
         draw_spectrum(right, here)
-        whole.set(ylabel="recording − model [mrad]", title=f"joint {joint}")
+        whole.set(ylabel=f"recording − model [{small}]", title=f"joint {joint}")
         early.set(title="the first second")
-        right.set(ylabel="frequency × power [mrad²]", title="its spectrum")
+        right.set(ylabel=f"frequency × power [({small})²]", title="its spectrum")
     for ax in axes[-1, :2]:
         ax.set_xlabel("time since the load changed [s]")
     axes[-1, 2].set_xlabel("frequency [Hz]")
@@ -71,7 +81,7 @@ def draw_spectrum(ax: Axes, residuals: xr.Dataset) -> None:
         ax.plot(frequency, power, color=colour)
         peak = float(here["peak_frequency"])
         if np.isfinite(peak):
-            height = float(np.interp(peak, frequency, power))
+            height = power[np.abs(frequency - peak).argmin()]
             ax.annotate(
                 f"{peak:.1f} Hz", (peak, height), (4, 2), textcoords="offset points", color=colour
             )

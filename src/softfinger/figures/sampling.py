@@ -24,14 +24,15 @@ CHAIN_COLOURS = (BLUE, ORANGE, GREEN, PINK)
 
 
 @styled
-def draw_sampling(sampling: xr.Dataset) -> Figure:
+def draw_sampling(sampling: xr.Dataset, worst: xr.Dataset) -> Figure:
     """Draw R-hat and effective draws of every quantity, and the draws of the worst one.
 
     Parameters
     ----------
     sampling
-        Artifact `sampling`, with `worst_draws` (chain, draw), the standardised draws of the
-        quantity of the largest R-hat.
+        Artifact `sampling`.
+    worst
+        worst_draws, running_mean (chain, draw) of the quantity of the largest R-hat [sd].
     """
     figure = new_figure(get_source(sampling), height=2.1)
     left, middle, right = figure.subplots(1, 3, width_ratios=[1, 1, 1.3])
@@ -45,7 +46,7 @@ def draw_sampling(sampling: xr.Dataset) -> Figure:
     label_log_axis(middle.yaxis)
     middle.set(xlabel="quantities, sorted", ylabel="effective draws", title="draws suffice")
     middle.legend()
-    draw_trace(right, sampling["worst_draws"])
+    draw_trace(right, worst)
     return figure
 
 
@@ -69,12 +70,13 @@ def draw_limit(ax: Axes, limit: float, place: float) -> None:
     )
 
 
-def draw_trace(ax: Axes, draws: xr.DataArray) -> None:
+def draw_trace(ax: Axes, worst: xr.Dataset) -> None:
     """Draw the chains of one quantity, running means thick."""
-    for chain, values in enumerate(draws.transpose("chain", "draw").values):
+    for chain in range(worst.sizes["chain"]):
         colour = CHAIN_COLOURS[chain % len(CHAIN_COLOURS)]
-        ax.plot(values, color=colour, linewidth=0.4, alpha=0.6, rasterized=True)
-        running = np.cumsum(values) / np.arange(1, values.size + 1)
+        here = worst.isel(chain=chain)
+        draws, running = here["worst_draws"].values, here["running_mean"].values
+        ax.plot(draws, color=colour, linewidth=0.4, alpha=0.6, rasterized=True)
         ax.plot(running, color=colour, linewidth=1.4)
     ax.axhline(0, color=GREY, linewidth=0.5)
     ax.set(xlabel="draw", ylabel="standard deviations", title="the least agreed quantity")

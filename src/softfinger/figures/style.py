@@ -84,17 +84,48 @@ def label_load_unit(angles: xr.Dataset) -> str:
     >>> label_load_unit(xr.Dataset({"load_kind": ("trial", ["command", "command"])}))
     'command'
     """
+    if "load_unit" in angles.attrs:  # of a specimen
+        return str(angles.attrs["load_unit"])
     kinds = set(angles["load_kind"].values.astype(str).tolist())
     return "N m" if kinds <= {"tension_n", "torque_nm"} else "command"
 
 
-def label_parameter_unit(parameter: str, load_unit: str) -> str:
+def label_motion(dataset: xr.Dataset) -> str:
+    """Label of the motion, with its unit.
+
+    >>> label_motion(xr.Dataset()), label_motion(xr.Dataset(attrs={"motion_quantity": "strain"}))
+    ('joint angle [rad]', 'strain [rad]')
+    """
+    return f"{dataset.attrs.get('motion_quantity', 'joint angle')} [{get_motion_unit(dataset)}]"
+
+
+def get_motion_unit(dataset: xr.Dataset) -> str:
+    """Return the unit of the motion: rad of a finger, as declared of a specimen."""
+    return str(dataset.attrs.get("motion_unit", "rad"))
+
+
+def label_thousandth(unit: str) -> str:
+    """Label a thousandth of a unit.
+
+    >>> label_thousandth("rad"), label_thousandth("mm")
+    ('mrad', '10⁻³ mm')
+    """
+    return "mrad" if unit == "rad" else f"10⁻³ {unit}"
+
+
+def label_parameter_unit(parameter: str, load_unit: str, motion_unit: str = "rad") -> str:
     """Return the unit of a parameter; for a command, per unit of it.
 
     >>> label_parameter_unit("c_p", "N m"), label_parameter_unit("q_ini", "command")
     ('N m s/rad', 'rad')
+    >>> label_parameter_unit("k_v", "MPa", "1"), label_parameter_unit("k_v", "Pa", "1/Pa")
+    ('MPa', 'Pa/(1/Pa)')
     """
-    return {"k_v": f"{load_unit}/rad", "q_ini": "rad"}.get(parameter, f"{load_unit} s/rad")
+    if parameter == "q_ini":
+        return motion_unit
+    per = "" if motion_unit == "1" else f"/{motion_unit}"
+    per = f"/({motion_unit})" if set(motion_unit) & set("/* ") else per
+    return f"{load_unit}{'' if parameter == 'k_v' else ' s'}{per}"
 
 
 def build_joint_axes(

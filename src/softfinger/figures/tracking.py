@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 
-import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -27,7 +26,7 @@ LINK_COLOURS = (ORANGE, SKY, PINK, GREEN, BLUE)
 
 
 @styled
-def draw_tracking(markers: xr.Dataset, image: xr.DataArray | None = None) -> Figure:
+def draw_tracking(trial: xr.Dataset, frame: int, image: xr.DataArray | None = None) -> Figure:
     """Draw the markers of one frame, on the picture itself where it is given.
 
     Rings are found markers, crosses are flagged ones; thin lines are the paths that the markers
@@ -35,36 +34,25 @@ def draw_tracking(markers: xr.Dataset, image: xr.DataArray | None = None) -> Fig
 
     Parameters
     ----------
-    markers
-        Artifact `markers`. The frame and the trial are those of `image`, else the last frame of
-        the first trial that is used.
+    trial
+        One trial of the artifact `markers`.
+    frame
+        Number of the frame.
     image
-        (row, column) grey or (row, column, channel) RGB, with scalar coords `trial` and `frame`.
+        Its picture, (row, column) grey or (row, column, channel) RGB.
     """
-    trial, frame = choose_frame(markers, image)
-    chosen = markers.sel(trial=trial)
-    figure = new_figure(get_source(markers), height=3.0, width=SINGLE_COLUMN * 1.3)
+    figure = new_figure(get_source(trial), height=3.0, width=SINGLE_COLUMN * 1.3)
     ax = figure.subplots()
     if image is not None:
         grey = image.ndim == 2
         ax.imshow(image.values, cmap="gray" if grey else None, vmin=0 if grey else None)
-    draw_links(ax, chosen, frame)
+    draw_links(ax, trial, frame)
     ax.set(xlabel="x [px]", ylabel="y [px], downwards", aspect="equal")
     ax.grid(visible=image is None)
     if image is None:
         ax.invert_yaxis()
     figure.legend(loc="outside lower center", ncols=4)
     return figure
-
-
-def choose_frame(markers: xr.Dataset, image: xr.DataArray | None) -> tuple[str, int]:
-    """Return trial and frame to draw: the picture's, else the last of the first used trial."""
-    if image is not None:
-        return str(image["trial"].item()), int(image["frame"].item())
-    used = markers["set_aside_reason"].values.astype(str) == ""
-    place = int(np.argmax(used))
-    frames = np.flatnonzero(np.isfinite(markers["time"].values[place]))
-    return str(markers["trial"].values[place]), int(frames[-1])
 
 
 def name_link(marker: str) -> str:

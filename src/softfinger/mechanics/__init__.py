@@ -8,3 +8,6 @@ cached on disk.
 
 PARAMETERS = ("k_v", "c_v", "c_p", "q_ini")
 """k_v [N m/rad], c_v [N m s/rad], c_p [N m s/rad], q_ini [rad]."""
+
+LOG_PARAMETERS = ("log_k_v", "log_c_v", "log_c_p", "q_ini")
+"""The same as inference has them: logarithms but for q_ini."""

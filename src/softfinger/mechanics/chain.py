@@ -14,7 +14,7 @@ finger moves in the horizontal plane: no gravity.
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from softfinger.mechanics.compiled import compiled
+from softfinger.compiled import compiled
 from softfinger.mechanics.geometry import FingerGeometry
 
 

@@ -18,11 +18,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from softfinger.compiled import compiled
 from softfinger.faults import Fault
 from softfinger.mechanics import PARAMETERS, rodas
 from softfinger.mechanics.chain import compute_inertia_coefficients
 from softfinger.mechanics.checks import require_finite, require_forward_in_time, require_positive
-from softfinger.mechanics.compiled import compiled
 from softfinger.mechanics.dynamics_step import fill_stages
 from softfinger.mechanics.geometry import FingerGeometry
 from softfinger.mechanics.load import check_load

@@ -8,9 +8,9 @@ constant. `squares` (4, joint, joint) and `rows` (9 joint,) are scratch.
 
 from numpy.typing import NDArray
 
+from softfinger.compiled import compiled
 from softfinger.mechanics import rodas
 from softfinger.mechanics.chain import fill_inertia_and_nonlinear_term, fill_slopes
-from softfinger.mechanics.compiled import compiled
 from softfinger.mechanics.linear import factorise, solve_factorised
 from softfinger.mechanics.wires import moment_arm, moment_arm_slope
 

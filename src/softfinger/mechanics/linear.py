@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from softfinger.mechanics.compiled import compiled
+from softfinger.compiled import compiled
 
 
 @compiled

@@ -8,9 +8,9 @@ the last knot.
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from softfinger.compiled import compiled
 from softfinger.faults import Fault
 from softfinger.mechanics.checks import require_finite, require_forward_in_time
-from softfinger.mechanics.compiled import compiled
 
 
 def check_load(load_time: ArrayLike, load_torque: ArrayLike) -> None:

@@ -14,8 +14,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from softfinger.compiled import compiled
 from softfinger.mechanics.checks import require_finite, require_forward_in_time, require_positive
-from softfinger.mechanics.compiled import compiled
 from softfinger.mechanics.load import check_load, fill_load_integral
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from softfinger.mechanics.compiled import compiled
+from softfinger.compiled import compiled
 from softfinger.mechanics.geometry import FingerGeometry
 
 WIRES = ("flexion", "extension")

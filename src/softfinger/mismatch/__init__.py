@@ -1,8 +1,8 @@
 """Which physics was left out: locate it, name it, say what it did, propose what would show it."""
 
 from softfinger.mismatch.diagnose import Diagnosis, diagnose
-from softfinger.mismatch.outcome import describe_repair, tabulate_diagnosis
-from softfinger.mismatch.verdict import read_verdict, write_verdict
+from softfinger.mismatch.tables.outcome import describe_repair, tabulate_diagnosis
+from softfinger.mismatch.verdict.schema import read_verdict, write_verdict
 
 __all__ = [
     "Diagnosis",

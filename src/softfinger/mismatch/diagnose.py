@@ -6,19 +6,29 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from softfinger.inference.problem import Candidate, Problem, pose_problem
 from softfinger.mechanics.effects.model_file import ModelFile
-from softfinger.mismatch.calibrate import FalseAlarms, calibrate_false_alarms
-from softfinger.mismatch.columns import collect_columns
-from softfinger.mismatch.conclude import conclude
+from softfinger.mismatch.candidates.columns import ScoreColumns, collect_columns
+from softfinger.mismatch.candidates.rank import Score, list_pieces, rank_pieces
+from softfinger.mismatch.checks.findings import Findings, examine
 from softfinger.mismatch.config import MismatchSettings
-from softfinger.mismatch.decide import Posterior, drop_negligible, settle_search, weigh_models
-from softfinger.mismatch.findings import MISSING, Findings, examine
-from softfinger.mismatch.masking import list_invisible, tabulate_masking
-from softfinger.mismatch.problem import Candidate, Problem, pose_problem
-from softfinger.mismatch.rank import list_pieces
-from softfinger.mismatch.rival_noise import admit_noise, may_be_noise
-from softfinger.mismatch.search import Search, hold_against_shape, search_effects, shape_rest
-from softfinger.mismatch.verdict import Verdict
+from softfinger.mismatch.experiment.masking import list_invisible, tabulate_masking
+from softfinger.mismatch.search.calibrate import FalseAlarms, calibrate_false_alarms
+from softfinger.mismatch.search.decide import (
+    Posterior,
+    drop_negligible,
+    settle_search,
+    weigh_models,
+)
+from softfinger.mismatch.search.judge import judge_finalists, settle_measurement
+from softfinger.mismatch.search.stepwise import (
+    Search,
+    hold_against_shape,
+    search_effects,
+    shape_rest,
+)
+from softfinger.mismatch.verdict.conclude import conclude
+from softfinger.mismatch.verdict.schema import Verdict
 from softfinger.progress import track_progress
 from softfinger.settings import read_settings
 
@@ -35,6 +45,15 @@ class Diagnosis(NamedTuple):
     false_alarms: FalseAlarms
     masking: xr.Dataset
     findings: Findings
+
+
+class Survey(NamedTuple):
+    """Every effect alone: its columns, what chance gains, what is needed, and the ranking."""
+
+    columns: ScoreColumns
+    alarms: FalseAlarms
+    needed: float
+    ranked: tuple[list[Candidate], list[Score]]
 
 
 def diagnose(
@@ -64,22 +83,27 @@ def diagnose(
         Whether the file's priors count; they do not where they come from these recordings.
     """
     settings = read_settings(MismatchSettings, config, "mismatch")
-    problem, fit = pose_problem(angles, content, priors=priors)
-    base = Candidate(problem.base, fit, fit.log_evidence)
-    pieces, refused = list_pieces(problem.setting)
+    plain, fit = pose_problem(angles, content, priors=priors)
+    base = Candidate(plain.base, fit, fit.log_evidence)
+    pieces, refused = list_pieces(plain.setting)
     pieces = [piece for piece in pieces if piece.effect.id not in base.model.ids]
-    columns = collect_columns(problem, base, progress(pieces, "trying effects"))
-    alarms = calibrate_false_alarms(
-        columns, problem, base, np.random.default_rng(seed), settings.bootstrap_replicates
-    )
-    needed = alarms.threshold(settings.false_alarm_probability)
-    search = search_effects(problem, base, (pieces, refused), columns, needed, progress)
+
+    def survey(problem: Problem, base: Candidate) -> Survey:
+        columns = collect_columns(problem, base, progress(pieces, "trying effects"))
+        rng = np.random.default_rng(seed)
+        alarms = calibrate_false_alarms(columns, problem, base, rng, settings.bootstrap_replicates)
+        needed = alarms.threshold(settings.false_alarm_probability)
+        return Survey(columns, alarms, needed, rank_pieces(problem, base, columns, progress))
+
+    columns, alarms, needed, ranked = survey(plain, base)
+    problem, base = settle_measurement(plain, base, ranked[0], needed)
+    if problem is not plain:
+        columns, alarms, needed, ranked = survey(problem, base)
+    search = search_effects(problem, base, (pieces, refused), columns, needed, progress, ranked)
+    if search.best is not search.base:
+        problem, search = judge_finalists(plain, problem, search, angles, needed)
     search = shape_rest(problem, settle_search(search))
     findings = examine(problem, search, angles, needed=needed)
-    if findings.best_p < MISSING or may_be_noise(problem, search, angles, needed):
-        problem, search = admit_noise(problem, search, angles, needed)
-        search = shape_rest(problem, settle_search(search))
-        findings = examine(problem, search, angles, needed=needed)
     found = drop_negligible(search)
     search = hold_against_shape(problem, found)
     if search.best is not found.best:

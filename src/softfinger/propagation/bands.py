@@ -1,27 +1,27 @@
-"""Bands of the joint angle over time, beside the recordings, with a score of their agreement."""
+"""Bands of the joint angle beside the recordings, with scores."""
 
-from collections.abc import Callable, Mapping
-from functools import partial
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from softfinger.inference.mover import Move, move_paper_joint
 from softfinger.progress import track_progress
-from softfinger.propagation.config import PropagationConfig, read_config
-from softfinger.propagation.hyperparameters import ESTIMATES, select_posterior, select_two_stage
+from softfinger.propagation.config import PropagateConfig, read_config
 from softfinger.propagation.left_out import (
     Weigh,
     build_posterior_weights,
     build_two_stage_weights,
 )
-from softfinger.propagation.moved import Move, predict_moved
-from softfinger.propagation.predictions import (
+from softfinger.propagation.new_trials import (
     NewTrials,
+    Source,
     predict_new_trials,
     take_quantiles_array,
 )
+from softfinger.propagation.populations import ESTIMATES
 from softfinger.propagation.protocols import (
     Protocol,
     describe_truncation,
@@ -31,11 +31,13 @@ from softfinger.propagation.protocols import (
 from softfinger.propagation.recordings import (
     build_time_grid,
     extract_recordings,
+    find_frame_interval,
     summarise_recordings,
 )
+from softfinger.propagation.routes import choose_route
 from softfinger.propagation.scores import PROBABILITIES, score_recordings
+from softfinger.propagation.sources import BOUNDS, gather_sources
 
-Predict = Callable[..., tuple[xr.Dataset, list[NewTrials | None]]]
 ORDER = ("estimate", "protocol", "window", "joint", "time")
 HONESTY = (
     "made by all trials; each trial is scored against the bands of the others, its own part taken "
@@ -49,9 +51,9 @@ def compute_bands(
     posterior: xr.DataTree,
     config: Mapping[str, Any],
     rng: np.random.Generator,
-    move: Move | None = None,
+    move: Move = move_paper_joint,
 ) -> xr.Dataset:
-    """Compute the bands of new trials' angles beside the recorded ones, for every protocol.
+    """Compute bands of new trials beside recorded ones.
 
     Parameters
     ----------
@@ -60,36 +62,47 @@ def compute_bands(
     config
         The propagation's block, see `PropagationConfig`.
     move
-        Moves new trials of the posterior by another model than the base.
+        Moves new trials of the posterior.
 
     Returns
     -------
     Dataset
         Of the angle itself, [rad]: joint_angle_mean, joint_angle_sd (estimate, protocol, joint,
-        time) from exact moments, for the posterior the median over its draws, with
-        joint_angle_mean_bound, joint_angle_sd_bound (protocol, joint, time, bound) between which
-        90 % of the draws lie; joint_angle_quantile (…, quantile) of a new trial, hyperparameters
-        integrated. predicted_quantile: the same with measurement noise. recorded_mean, recorded_sd,
+        time), for the posterior the median over its draws, with joint_angle_mean_bound,
+        joint_angle_sd_bound (protocol, joint, time, bound) between which 90 % of the draws lie;
+        joint_angle_quantile (…, quantile) of a new trial, hyperparameters integrated.
+        predicted_quantile: the same with measurement noise. recorded_mean, recorded_sd,
         recorded_quantile, recorded_n (protocol, joint, time, …). coverage (estimate, protocol,
         window, joint, ci_prob) of the predicted bands, each trial against those of the others,
         coverage_bound (…, bound) by bootstrap over trials, and crps (estimate, protocol, window,
         joint) [rad]. NaN after a protocol's end.
+
+    Notes
+    -----
+    Recordings are drawn with the fitted autocorrelation of their noise. Each of these quantiles
+    and scores looks at single instants, for which the noise's marginal sd alone matters.
     """
-    knobs = read_config(config)
+    knobs = read_config(config, PropagateConfig)
+    sources = gather_sources(least_squares, posterior, knobs, rng, move)
     grid = build_time_grid(angles, knobs.band_times)
-    populations = [select_two_stage(least_squares), select_posterior(posterior, knobs.draws)]
-    weights = [
+    weights = (
         build_two_stage_weights(least_squares, angles["trial"]),
-        build_posterior_weights(posterior, populations[1], angles["trial"]),
-    ]
-    predict = predict_new_trials if move is None else partial(predict_moved, move)
-    sources = list(zip(populations, weights, (predict_new_trials, predict), strict=True))
-    recordings = extract_recordings(angles)
+        build_posterior_weights(posterior, sources[1].population, angles["trial"]),
+    )
+    recordings, interval = extract_recordings(angles), find_frame_interval(angles)
     protocols = group_protocols(angles)
-    parts = [
-        _compute_protocol(protocol, sources, recordings, grid, knobs, rng)
-        for protocol in track_progress(protocols, "bands")
-    ]
+    parts = []
+    for protocol in track_progress(protocols, "bands"):
+        reached = grid[grid <= protocol.duration * (1 + 1e-9)]
+        time, angle = (array[protocol.trials] for array in recordings)
+        models = []
+        for source, weigh in zip(sources, weights, strict=True):
+            quantiles, samples = predict_new_trials(source, protocol, reached, interval)
+            left_out = (_predict_left_out(p, samples, weigh, reached) for p in protocol.trials)
+            scores = score_recordings(time, angle, reached, left_out, rng)
+            model = xr.merge([_compute_moments(source, protocol, reached), quantiles])
+            models.append(xr.merge([model.reindex(time=grid), scores]))
+        parts.append(xr.merge([_join_estimates(models), summarise_recordings(time, angle, grid)]))
     names = xr.IndexVariable("protocol", [protocol.name for protocol in protocols])
     dataset = xr.concat(parts, names).transpose(*ORDER, ..., missing_dims="ignore")
     dataset = dataset.assign_coords(joint=angles["joint"].to_numpy(), time=grid)
@@ -101,28 +114,23 @@ def compute_bands(
     return dataset.assign_coords(trial=angles["trial"].to_numpy())
 
 
-def _compute_protocol(
-    protocol: Protocol,
-    sources: list[tuple[xr.Dataset, Weigh, Predict]],
-    recordings: tuple[NDArray, NDArray],
-    grid: NDArray,
-    knobs: PropagationConfig,
-    rng: np.random.Generator,
-) -> xr.Dataset:
-    time, angle = (array[protocol.trials] for array in recordings)
-    reached = grid[grid <= protocol.duration * (1 + 1e-9)]
-    parts = []
-    for population, weigh, predict in sources:
-        model, samples = predict(population, protocol, reached, knobs, rng)
-        left_out = (_predict_left_out(place, samples, weigh, reached) for place in protocol.trials)
-        scores = score_recordings(time, angle, reached, left_out, rng)
-        parts.append(xr.merge([model.reindex(time=grid), scores]))
-    bounds = parts[1][["joint_angle_mean_bound", "joint_angle_sd_bound"]]
-    both = xr.concat(
-        [part.drop_vars(bounds.data_vars) for part in parts],
-        xr.IndexVariable("estimate", list(ESTIMATES)),
-    )
-    return xr.merge([both, bounds, summarise_recordings(time, angle, grid)])
+def _join_estimates(models: list[xr.Dataset]) -> xr.Dataset:
+    """Both estimates; of the bounds those of the posterior alone."""
+    bounds = models[1][["joint_angle_mean_bound", "joint_angle_sd_bound"]]
+    both = [model.drop_vars(bounds.data_vars) for model in models]
+    joined = xr.concat(both, xr.IndexVariable("estimate", list(ESTIMATES)))
+    return xr.merge([joined, bounds])
+
+
+def _compute_moments(source: Source, protocol: Protocol, time: NDArray) -> xr.Dataset:
+    """Mean and sd (joint, time) [rad], medians over draws, with their bounds."""
+    mean, variance = choose_route(source).compute_moments(source, protocol, time)
+    dims, data = ("joint", "time"), {}
+    for name, value in (("joint_angle_mean", mean), ("joint_angle_sd", np.sqrt(variance))):
+        data[name] = (dims, np.median(value, axis=0))
+        bound = np.quantile(value, list(BOUNDS.values()), axis=0, method="nearest")
+        data[f"{name}_bound"] = (("bound", *dims), bound)
+    return xr.Dataset(data, {"time": time, "bound": list(BOUNDS)})
 
 
 def _predict_left_out(

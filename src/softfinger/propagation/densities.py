@@ -1,4 +1,4 @@
-"""Densities of the joint angle at chosen times, for the two-stage estimate and the posterior."""
+"""Densities of the joint angle at chosen times."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -7,29 +7,21 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from softfinger.progress import track_progress
-from softfinger.propagation.config import PropagationConfig, read_config
-from softfinger.propagation.density import compute_density_array, refine_density_array
-from softfinger.propagation.hyperparameters import ESTIMATES, select_posterior, select_two_stage
-from softfinger.propagation.moved import (
-    DRAWS,
-    Move,
-    choose_draws,
-    draw_normal_array,
-    estimate_densities_array,
-    move_population,
-)
-from softfinger.propagation.predictions import BOUNDS
+from softfinger.inference.mover import Move, move_paper_joint
+from softfinger.propagation.config import PropagateConfig, read_config
+from softfinger.propagation.density import refine_density_array
+from softfinger.propagation.new_trials import Source
+from softfinger.propagation.populations import ESTIMATES
 from softfinger.propagation.protocols import (
     Protocol,
     describe_truncation,
     group_protocols,
     select_main_protocol,
 )
-from softfinger.propagation.quantiles import compute_quantiles_array
+from softfinger.propagation.routes import choose_route
+from softfinger.propagation.sources import BOUNDS, gather_sources
 
 EDGES = (0.001, 0.25, 0.5, 0.75, 0.999)
-DENSITY_FINGERS = 1024  # new trials for each draw, where densities are estimated
 FARTHEST = 5.0  # interquartile ranges from the median; a heavy tail is drawn no farther
 
 
@@ -38,9 +30,10 @@ def compute_densities(
     least_squares: xr.Dataset,
     posterior: xr.DataTree,
     config: Mapping[str, Any],
-    move: Move | None = None,
+    rng: np.random.Generator,
+    move: Move = move_paper_joint,
 ) -> xr.Dataset:
-    """Compute the densities of a new trial's joint angles at the chosen times.
+    """Compute densities of a new trial's angles at chosen times.
 
     Parameters
     ----------
@@ -49,8 +42,8 @@ def compute_densities(
     config
         The propagation's block, see `PropagationConfig`.
     move
-        Moves new trials of the posterior by another model than the base: their densities are then
-        kernel estimates.
+        Moves new trials of the posterior. Where that or correlated parameters leave no closed
+        form, densities are kernel estimates.
 
     Returns
     -------
@@ -63,84 +56,63 @@ def compute_densities(
         density_error (joint, time) [1]: of the two-stage density, over its peak, as the largest
         change that the last refinement made. NaN where the population is not known.
     """
-    knobs = read_config(config)
+    knobs = read_config(config, PropagateConfig)
+    two_stage, fitted = gather_sources(least_squares, posterior, knobs, rng, move)
     protocol = select_main_protocol(group_protocols(angles))
-    time = np.unique(np.asarray(knobs.density_times_s, float))
-    two_stage = select_two_stage(least_squares)
-    draws = select_posterior(posterior, knobs.draws)
-    joints = track_progress(range(draws.sizes["joint"]), "densities")
-    moved = None if move is None else _move_draws(move, draws, protocol, time, knobs)
-    parts = [
-        _compute_joint(
-            two_stage.isel(joint=joint), draws.isel(joint=joint), time, protocol, knobs,
-            None if moved is None else moved[:, :, joint],
-        )
-        for joint in joints
-    ]  # fmt: skip
-    dataset = xr.concat(parts, xr.IndexVariable("joint", draws["joint"].to_numpy()))
-    dataset = dataset.transpose("estimate", "joint", "time", "angle", "bound")
-    dataset.attrs = {
-        "protocol": protocol.name,
-        "protocol_n_trials": protocol.trials.size,
-        "truncation": describe_truncation(knobs.c_p_truncation_sd),
-    }
-    return dataset
-
-
-def _compute_joint(
-    two_stage: xr.Dataset,
-    draws: xr.Dataset,
-    time: NDArray,
-    protocol: Protocol,
-    knobs: PropagationConfig,
-    moved: NDArray | None,
-) -> xr.Dataset:
-    load, cut = (protocol.load_time, protocol.load_torque), knobs.c_p_truncation_sd
-    point = tuple(two_stage[name].to_numpy()[0] for name in ("mu", "sigma"))
-    centre = tuple(draws[name].median("draw").to_numpy() for name in ("mu", "sigma"))
-    edges = [compute_quantiles_array(*point, time, *load, EDGES, cut)]
-    if moved is None:
-        edges.append(compute_quantiles_array(*centre, time, *load, EDGES, cut))
-        angle = _space_angles(edges, knobs.density_angles)
-        sets = zip(draws["mu"].to_numpy(), draws["sigma"].to_numpy(), strict=True)
-        each = [compute_density_array(*population, time, *load, angle, cut) for population in sets]
-        of_draws = np.stack(each)
-    else:
-        edges.append(np.nanquantile(moved, EDGES, axis=(0, 1)).T)
-        angle = _space_angles(edges, knobs.density_angles)
-        of_draws = estimate_densities_array(moved, angle)
-    density, error = refine_density_array(*point, time, *load, angle, cut)
-    both = np.stack([density, of_draws.mean(axis=0)])
+    time = np.unique(np.asarray(fitted.knobs.density_times_s, float))
+    edges = [
+        choose_route(source).find_quantiles(source, protocol, time, EDGES)
+        for source in (two_stage, fitted)
+    ]
+    angle = _space_angles(np.stack(edges), fitted.knobs.density_angles)
+    density, error = _refine_two_stage(two_stage, protocol, time, angle)
+    mean, of_draws = choose_route(fitted).compute_densities(fitted, protocol, time, angle)
+    both = np.stack([density, mean])
+    shown = np.minimum(np.trapezoid(both, angle, axis=-1), 1.0)  # but for the grid's error
     bound = np.quantile(of_draws, list(BOUNDS.values()), axis=0)
-    return xr.Dataset(
+    places = ("joint", "time", "angle")
+    dataset = xr.Dataset(
         {
-            "joint_angle": (("time", "angle"), angle),
-            "density": (("estimate", "time", "angle"), both),
-            "density_bound": (("bound", "time", "angle"), bound),
-            "density_error": ("time", error),
-            "probability_shown": (("estimate", "time"), np.trapezoid(both, angle, axis=-1)),
+            "joint_angle": (places, angle),
+            "density": (("estimate", *places), both),
+            "density_bound": ((*places, "bound"), np.moveaxis(bound, 0, -1)),
+            "density_error": (places[:2], error),
+            "probability_shown": (("estimate", *places[:2]), shown),
         },
-        coords={"estimate": list(ESTIMATES), "time": time, "bound": list(BOUNDS)},
+        coords={
+            "estimate": list(ESTIMATES),
+            "joint": fitted.population["joint"].to_numpy(),
+            "time": time,
+            "bound": list(BOUNDS),
+        },
+    )
+    return dataset.assign_attrs(
+        protocol=protocol.name,
+        protocol_n_trials=protocol.trials.size,
+        truncation=describe_truncation(fitted.knobs.c_p_truncation_sd),
     )
 
 
-def _move_draws(
-    move: Move, draws: xr.Dataset, protocol: Protocol, time: NDArray, knobs: PropagationConfig
-) -> NDArray[np.float64]:
-    """Angles (draw, n, joint, time) of new trials, the same standard numbers on every run."""
-    shape = (1, DENSITY_FINGERS, draws.sizes["joint"])
-    normal = draw_normal_array(shape, np.random.default_rng(0), knobs.c_p_truncation_sd)[0]
-    chosen = choose_draws(draws, DRAWS)
-    return move_population(draws, chosen, normal, move, protocol, time).angle
+def _refine_two_stage(
+    source: Source, protocol: Protocol, time: NDArray, angle: NDArray
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Density (joint, time, angle) of the two-stage estimate, and its error (joint, time)."""
+    mu, sigma = (source.population[name].to_numpy()[0] for name in ("mu", "sigma"))
+    load, cut = (protocol.load_time, protocol.load_torque), source.knobs.c_p_truncation_sd
+    every = zip(mu, sigma, angle, strict=True)
+    found = [refine_density_array(*own, time, *load, places, cut) for *own, places in every]
+    density, error = zip(*found, strict=True)
+    return np.stack(density), np.stack(error)
 
 
-def _space_angles(edges: list[NDArray], n: int) -> NDArray[np.float64]:
-    """Angles (time, n) that show every known population at each time."""
-    low, first, median, third, high = np.moveaxis(np.stack(edges), -1, 0)
+def _space_angles(edges: NDArray[np.float64], n: int) -> NDArray[np.float64]:
+    """Angles (joint, time, n) that show each known population."""
+    low, first, median, third, high = np.moveaxis(edges, -1, 0)
     low = np.maximum(low, median - FARTHEST * (third - first))
     high = np.minimum(high, median + FARTHEST * (third - first))
-    known = np.isfinite(low).all(axis=1)
-    if not known.any():
-        return np.full((low.shape[1], n), np.nan)
-    ends = low[known].min(axis=0), high[known].max(axis=0)
-    return np.linspace(*ends, n, axis=-1)
+    known = np.isfinite(low).all(axis=-1, keepdims=True)  # (source, joint, 1)
+    low = np.where(known, low, np.inf).min(axis=0)
+    high = np.where(known, high, -np.inf).max(axis=0)
+    unknown = ~known.any(axis=0) & np.ones(low.shape, bool)
+    low[unknown], high[unknown] = np.nan, np.nan
+    return np.linspace(low, high, n, axis=-1)

@@ -1,8 +1,8 @@
-"""For design: whose spread to reduce, and by how much the spread of the angle would shrink.
+"""For design: whose spread to reduce, and what it brings.
 
-The spread is the standard deviation of the angle when the running time ends. It is computed again,
-exactly, with one parameter's log-sd (q_ini: sd) halved about its median, and with that parameter
-held at its median.
+The spread is the standard deviation of the angle when the running time ends. It is computed again
+with one parameter's log-sd (q_ini: sd) halved about its median, and with that parameter taken as
+its median; correlations stay as they are.
 """
 
 from collections.abc import Sequence
@@ -11,33 +11,30 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from softfinger.propagation.hyperparameters import ESTIMATES
-from softfinger.propagation.moments import compute_moments_array
+from softfinger.propagation.new_trials import Source
+from softfinger.propagation.populations import ESTIMATES, OWN
 from softfinger.propagation.protocols import Protocol
+from softfinger.propagation.routes import choose_route
 
 CHANGES = {"halved": 0.5, "removed": 1e-6}  # what is left of σ; 1e-6 σ is nothing
 
 
 def compute_design(
-    populations: Sequence[xr.Dataset],
+    sources: Sequence[Source],
     protocol: Protocol,
     running_times: Sequence[float],
     quantiles: Sequence[float],
-    c_p_truncation_sd: float | None,
-    estimated: xr.Dataset | None = None,
 ) -> xr.Dataset:
-    """Compute by how much the angle's spread shrinks when one parameter's spread is reduced.
+    """Compute what less spread of one parameter brings.
 
     Parameters
     ----------
-    populations
-        The two-stage estimate and the posterior's draws: mu, sigma (draw, joint, parameter).
+    sources
+        The two-stage estimate and the posterior.
     running_times
         [s]
     quantiles
         Over draws of the posterior.
-    estimated
-        Spread and shrinkage of the posterior's draws, where they are known already.
 
     Returns
     -------
@@ -46,12 +43,7 @@ def compute_design(
         running_time, parameter) [1]: 1 − spread after / spread before, medians over draws; and
         spread_shrinkage_quantile (change, joint, running_time, parameter, quantile).
     """
-    parts = [
-        _compute_shrinkage(population, protocol, running_times, c_p_truncation_sd)
-        for population in (populations if estimated is None else populations[:1])
-    ]
-    if estimated is not None:
-        parts.append(estimated)
+    parts = [_compute_shrinkage(source, protocol, running_times) for source in sources]
     central = xr.concat(
         [part.median("draw") for part in parts], xr.IndexVariable("estimate", list(ESTIMATES))
     )
@@ -60,43 +52,32 @@ def compute_design(
 
 
 def _compute_shrinkage(
-    population: xr.Dataset, protocol: Protocol, running_times: Sequence[float], cut: float | None
+    source: Source, protocol: Protocol, running_times: Sequence[float]
 ) -> xr.Dataset:
-    mu, sigma = population["mu"].to_numpy(), population["sigma"].to_numpy()
-    factor = np.ones((len(CHANGES), 4, 4))
-    for change, left in enumerate(CHANGES.values()):
-        factor[change][np.diag_indices(4)] = left
-    spread = _compute_spread(mu, sigma, running_times, protocol, cut)
-    changed = sigma * factor[:, :, None, None, :]  # (change, changed parameter, draw, joint, 4)
-    reduced = _compute_spread(mu, changed, running_times, protocol, cut)
+    time, place = np.unique(running_times, return_inverse=True)
+
+    def spread(left: NDArray) -> NDArray[np.float64]:
+        variance = choose_route(source).compute_moments(source, protocol, time, left)[1]
+        return np.sqrt(variance[..., place])
+
+    whole = spread(np.ones(OWN))
     with np.errstate(invalid="ignore"):
-        shrinkage = 1.0 - reduced / spread
+        shrinkage = [
+            [1.0 - spread(np.where(np.arange(OWN) == k, left, 1.0)) / whole for k in range(OWN)]
+            for left in CHANGES.values()
+        ]
     dims = ("change", "parameter", "draw", "joint", "running_time")
     return xr.Dataset(
         {
-            "spread": (("draw", "joint", "running_time"), spread),
-            "spread_shrinkage": xr.Variable(dims, shrinkage).transpose(
+            "spread": (dims[2:], whole),
+            "spread_shrinkage": xr.Variable(dims, np.array(shrinkage)).transpose(
                 "draw", "change", "joint", "running_time", "parameter"
             ),
         },
         coords={
             "change": list(CHANGES),
-            "joint": population["joint"],
+            "joint": source.population["joint"],
             "running_time": list(running_times),
-            "parameter": population["parameter"],
+            "parameter": source.population["parameter"],
         },
     )
-
-
-def _compute_spread(
-    mu: NDArray,
-    sigma: NDArray,
-    running_times: Sequence[float],
-    protocol: Protocol,
-    cut: float | None,
-) -> NDArray[np.float64]:
-    order = np.argsort(running_times)
-    time = np.asarray(running_times, float)[order]
-    load = (protocol.load_time, protocol.load_torque)
-    variance = compute_moments_array(np.broadcast_to(mu, sigma.shape), sigma, time, *load, cut)[1]
-    return np.sqrt(variance[..., np.argsort(order)])

@@ -13,8 +13,9 @@ Greengard, Lee (2004), SIAM Review 46, 443, doi:10.1137/S003614450343200X.
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from softfinger.compiled import compiled
 
 PER_SD = 2  # lattice points per sd of the Gaussian
 WIDTH = 13  # lattice points on either side: 6.5 sd, 7e-10 of the Gaussian's peak
@@ -22,7 +23,7 @@ WIDTH = 13  # lattice points on either side: 6.5 sd, 7e-10 of the Gaussian's pea
 TAPER = np.exp(-0.5 * (np.arange(-WIDTH, WIDTH + 2) / PER_SD) ** 2)
 
 
-@njit(cache=True)
+@compiled
 def lay_masses(
     place: NDArray, mass: NDArray, sd: float, start: int, lattice: NDArray, taper: NDArray
 ) -> None:
@@ -47,7 +48,7 @@ def lay_masses(
             value *= ratio
 
 
-@njit(cache=True)
+@compiled
 def read_density(
     angle: NDArray, lattice: NDArray, sd: float, start: int, taper: NDArray
 ) -> NDArray:
@@ -68,7 +69,7 @@ def read_density(
     return density
 
 
-@njit(cache=True)
+@compiled
 def read_probability(angle: NDArray, lattice: NDArray, sd: float, start: int) -> NDArray:
     """Read the probability that the lattice holds below angles (a,)."""
     cumulated = np.cumsum(lattice)
@@ -78,7 +79,7 @@ def read_probability(angle: NDArray, lattice: NDArray, sd: float, start: int) ->
     return probability * sd / PER_SD
 
 
-@njit(cache=True)
+@compiled
 def find_quantiles(
     probability: NDArray, lattice: NDArray, sd: float, start: int, low: float, high: float
 ) -> NDArray:
@@ -98,7 +99,7 @@ def find_quantiles(
     return quantile
 
 
-@njit(cache=True)
+@compiled
 def _sum_below(position: float, lattice: NDArray, cumulated: NDArray) -> float:
     below = math.floor(position)
     first = min(max(below - WIDTH, 0), lattice.size)
@@ -109,7 +110,7 @@ def _sum_below(position: float, lattice: NDArray, cumulated: NDArray) -> float:
     return total
 
 
-@njit(cache=True)
+@compiled
 def fill_lognormal_mixture(
     weight: NDArray,
     log_median: NDArray,

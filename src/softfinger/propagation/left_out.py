@@ -1,10 +1,14 @@
-"""Predictions for a trial from the others: its own part is taken out by importance weights.
+"""Predictions for a trial from the others, by importance weights.
 
 Bands that a trial helped to make flatter it. For the two-stage estimate, new trials drawn from the
 population N(μ, σ) weigh N(x; μ_−i, σ_−i)/N(x; μ, σ), with μ_−i, σ_−i from the other trials' kept
-estimates. For the posterior, a draw weighs 1/p(η_i | μ, σ), η_i being the trial's own parameters in
-that draw: that takes the trial's recording out of the hyperparameters' posterior, whatever the
-likelihood. The weights are neither cut nor smoothed, which would favour the trial again.
+estimates. For the posterior, a draw weighs 1/p(η_i | μ, Ω), η_i being the trial's own parameters of
+that joint in that draw: that takes the trial's recording out of the hyperparameters' posterior,
+whatever the likelihood. The weights are neither cut nor smoothed, which would favour the trial
+again.
+
+ASSUME: given a trial's parameters of one joint, those of the others add nothing about that joint's
+population.
 """
 
 from collections.abc import Callable
@@ -14,9 +18,14 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import norm
 
-from softfinger.propagation.hyperparameters import NAMES, take_draws
 from softfinger.propagation.moments import Q_INI
-from softfinger.propagation.predictions import NewTrials
+from softfinger.propagation.new_trials import NewTrials
+from softfinger.propagation.populations import (
+    NAMES,
+    build_covariance_array,
+    select_own_blocks_array,
+    take_draws,
+)
 
 Weigh = Callable[[int, int, NewTrials], NDArray[np.float64]]
 """Place of the trial, place of the joint, samples → weights (n,) that sum to 1."""
@@ -65,20 +74,37 @@ def build_posterior_weights(
     posterior
         log_k_v, log_c_v, log_c_p, q_ini (chain, draw, trial, joint).
     population
-        mu, sigma (draw, joint, parameter), chosen among its draws.
+        mu, sigma, correlation as `select_posterior` gives them, chosen among its draws.
     trial
         Names of the trials in the order in which they are asked for; one that the posterior does
         not know took no part in it.
     """
     own = take_draws(posterior, NAMES, population.sizes["draw"]).to_dataarray("parameter")
-    own = own.reindex(trial=trial).transpose("trial", "draw", "joint", "parameter").to_numpy()
-    mu, sigma = (population[name].to_numpy() for name in ("mu", "sigma"))
-    log_density = np.nan_to_num(norm.logpdf(own, mu, sigma).sum(axis=-1))  # (trial, draw, joint)
+    own = own.reindex(trial=trial).transpose("draw", "trial", "joint", "parameter")
+    mu, sigma, correlation = (
+        population[name].to_numpy() for name in ("mu", "sigma", "correlation")
+    )
+    covariance = build_covariance_array(select_own_blocks_array(correlation), sigma[..., None, :])
+    draws = zip(own.to_numpy(), mu, covariance, strict=True)
+    log_density = np.stack([_compute_log_normal(x - centre, omega) for x, centre, omega in draws])
 
     def weigh(place: int, joint: int, samples: NewTrials) -> NDArray[np.float64]:
-        return normalise_weights_array(-log_density[place, samples.draw, joint])
+        return normalise_weights_array(-log_density[samples.draw, place, joint])
 
     return weigh
+
+
+def _compute_log_normal(
+    away: NDArray[np.float64], covariance: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Log of the normal density (trial, joint), but for a constant.
+
+    0 for a trial that is NaN.
+    """
+    root = np.linalg.cholesky(covariance)
+    z = np.linalg.solve(root, np.moveaxis(away, 0, -1))  # (joint, p, trial)
+    log_scale = np.log(np.diagonal(root, axis1=-2, axis2=-1)).sum(axis=-1)
+    return np.nan_to_num(-0.5 * (z**2).sum(axis=-2) - log_scale[:, None]).T
 
 
 def normalise_weights_array(log_weight: NDArray[np.float64]) -> NDArray[np.float64]:

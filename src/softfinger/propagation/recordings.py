@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from softfinger.propagation.predictions import (
+from softfinger.propagation.new_trials import (
     QUANTILES,
     order_samples_array,
     take_quantiles_array,
@@ -15,7 +15,7 @@ LONGEST_GAP = 3.0  # median intervals across which a recording is interpolated
 
 
 def build_time_grid(angles: xr.Dataset, most: int) -> NDArray[np.float64]:
-    """Build an even grid from 0 to the longest recording's end, as fine as the frames if it may be.
+    """Build an even grid of times, at most as fine as frames.
 
     Parameters
     ----------
@@ -28,11 +28,15 @@ def build_time_grid(angles: xr.Dataset, most: int) -> NDArray[np.float64]:
     -------
     (time,) [s]
     """
-    time = angles["time"].transpose("trial", "frame").to_numpy()
-    interval = np.diff(time, axis=1)
-    interval = np.median(interval[interval > 0])
-    duration = np.nanmax(time)
-    return np.linspace(0.0, duration, min(most, int(duration / interval + 0.5) + 1))
+    duration = float(angles["time"].max())
+    frames = int(duration / find_frame_interval(angles) + 0.5) + 1
+    return np.linspace(0.0, duration, min(most, frames))
+
+
+def find_frame_interval(angles: xr.Dataset) -> float:
+    """Find the median frame interval [s]."""
+    interval = np.diff(angles["time"].transpose("trial", "frame").to_numpy(), axis=1)
+    return float(np.median(interval[interval > 0]))
 
 
 def extract_recordings(angles: xr.Dataset) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -1,207 +1,129 @@
-"""Shapley effects of correlated parameters over time, exact for the paper's joint under any load.
+"""Whether parameters go together, and what that does to shares.
 
-When parameters are correlated, the variance no longer splits into Sobol indices. With the value
-v(u) = Var(E[q | x_u]) of knowing the parameters u, the Shapley effect of a parameter is the mean,
-over all orders in which parameters may become known, of what it adds to v, over Var(q): never
-negative, and they sum to 1. Without correlation it is S_i plus half of each interaction.
-
-Let x and x′ be two copies of (log k_v, log c_v, log c_p, q_ini) ~ N(μ, Σ) that share x_u and are
-independent otherwise: Cov(x, x′) = M = Σ_·u Σ_uu⁻¹ Σ_u·, and v(u) = Cov(q(x), q(x′)). Weighing by
-1/(k_v k_v′) or 1/c_p′ shifts means only, so that the terms of v(u) are closed forms or integrals
-over log(k_v/c_v), where the two log-rates, given their shared part, are independent:
-E[e(r) e(r′)] = E_y[g(y)²], g(y) = E[e | y].
-
-References
-----------
-Owen (2014), SIAM/ASA J. Uncertainty Quantification 2, 245, doi:10.1137/130936233.
-Owen, Prieur (2017), SIAM/ASA J. Uncertainty Quantification 5, 986, doi:10.1137/16M1097717.
+Where the hierarchical model has correlations, they are its own. Where it takes the parameters as
+independent, then given a draw of its trials' parameters, standardised by their population, the
+correlation has an inverse-Wishart posterior under a prior that makes each correlation uniform on
+(−1, 1): one correlation matrix is drawn per posterior draw.
 """
 
-from itertools import combinations
-from math import factorial
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
-from numba import njit
-from numpy.typing import ArrayLike, NDArray
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.stats import invwishart
 
-from softfinger.faults import Fault
-from softfinger.mechanics.load import integrate_load_array
-from softfinger.mechanics.three_element import compute_elastic_basis_array
-from softfinger.propagation.moments import C_P, K_V, Q_INI
-from softfinger.propagation.quadrature import REACH, compute_log_step, compute_normal_weights
+from softfinger.inference.mover import Move, move_paper_joint
+from softfinger.propagation.config import ShapleyConfig, read_config
+from softfinger.propagation.new_trials import Source
+from softfinger.propagation.populations import (
+    NAMES,
+    OWN,
+    are_independent,
+    select_own_blocks_array,
+    select_posterior,
+    take_draws,
+)
+from softfinger.propagation.protocols import (
+    describe_truncation,
+    group_protocols,
+    select_main_protocol,
+)
+from softfinger.propagation.routes import choose_route
+from softfinger.propagation.sobol import build_sobol_times, compute_quantiles
+from softfinger.propagation.subsets import compute_shapley_effects
 
-NARROWEST = 0.01  # log-rates that vary by less than this are taken as known
-LOG_RATE = np.array([1.0, -1.0, 0.0, 0.0])  # log(k_v/c_v) = LOG_RATE · x
-SUBSETS = [subset for size in range(1, 5) for subset in combinations(range(4), size)]
+DEFINITION = "Shapley effects (Owen 2014) of correlated parameters; {}; truncation of c_p: {}"
+FITTED = "correlations of the fitted population"
+AFTERWARDS = (
+    "correlations from the trials' posterior parameters with an inverse-Wishart prior of uniform "
+    "margins, for the fitted model itself takes the parameters as independent, which shrinks "
+    "correlations of parameters that single trials hardly determine"
+)
 
 
-def compute_shapley_array(
-    mu: ArrayLike,
-    covariance: ArrayLike,
-    time: ArrayLike,
-    load_time: ArrayLike,
-    load_torque: ArrayLike,
-) -> NDArray[np.float64]:
-    """Compute the Shapley effects of the parameters on the variance of the joint angle.
+def compute_shapley(
+    angles: xr.Dataset,
+    posterior: xr.DataTree,
+    config: Mapping[str, Any],
+    rng: np.random.Generator,
+    move: Move = move_paper_joint,
+) -> xr.Dataset:
+    """Compute how correlated parameters share the angle's spread.
 
     Parameters
     ----------
-    mu
-        (…, 4) in the order k_v, c_v, c_p (of their logs), q_ini [rad]; NaN gives NaN.
-    covariance
-        (…, 4, 4), positive definite.
-    time
-        (n,) [s].
-    load_time, load_torque
-        (knot,) [s], [N m].
+    angles, posterior
+        The artifacts of these names; of the posterior also log_k_v, log_c_v, log_c_p, q_ini (chain,
+        draw, trial, joint). The load is that of the protocol with most trials.
+    config
+        The propagation's block, see `PropagationConfig`.
+    move
+        Moves new trials of the posterior.
 
     Returns
     -------
-    (…, n, 4)
-
-    Raises
-    ------
-    Fault
-        If a covariance is not positive definite.
-
-    Examples
-    --------
-    Before the load has acted only the initial angle varies; a parameter that goes with it half the
-    way shares its effect:
-
-    >>> covariance = np.diag([0.04, 0.25, 0.49, 1e-4])
-    >>> covariance[2, 3] = covariance[3, 2] = 0.5 * 0.7 * 0.01
-    >>> compute_shapley_array(
-    ...     [-2.4, -3.7, 2.9, 0.02], covariance, [0.0], [0.0], [0.04]).round(6)
-    array([[0.   , 0.   , 0.125, 0.875]])
+    Dataset
+        shapley (joint, time, parameter) and correlation (joint, parameter, other_parameter), means
+        over draws, and the same with `_quantile` (…, quantile).
     """
-    mu, covariance, time = (np.asarray(a, float) for a in (mu, covariance, time))
-    lead = mu.shape[:-1]
-    mu, covariance = mu.reshape(-1, 4), covariance.reshape(-1, 4, 4)
-    known = np.isfinite(mu).all(axis=1) & np.isfinite(covariance).all(axis=(1, 2))
-    least = np.linalg.eigvalsh(covariance[known]).min(initial=np.inf)
-    if least <= 0:
-        raise Fault(
-            f"a covariance of k_v, c_v, c_p and q_ini has the eigenvalue {least:g}: "
-            "it must be positive definite"
-        )
-    effects = np.full((len(mu), time.size, 4), np.nan)
-    if known.any():
-        impulse = integrate_load_array(time, load_time, load_torque)
-        lattice = _space_lattice(mu[known], covariance[known])
-        table = compute_elastic_basis_array(np.exp(lattice), time, load_time, load_torque)[0]
-        for row in np.flatnonzero(known):
-            values = {
-                subset: _compute_value(mu[row], covariance[row], subset, lattice, table, impulse)
-                for subset in SUBSETS
-            }
-            effects[row] = _average_orders(values)
-    return effects.reshape(*lead, time.size, 4)
+    knobs = read_config(config, ShapleyConfig)
+    protocol = select_main_protocol(group_protocols(angles))
+    time = build_sobol_times(protocol, knobs)
+    population, source = select_posterior(posterior, knobs.draws), FITTED
+    if are_independent(population):
+        population, source = _correlate_afterwards(posterior, population, rng), AFTERWARDS
+    moved = Source(population, move, knobs, int(rng.integers(2**32)))
+    effect = compute_shapley_effects(choose_route(moved).share_variance(moved, protocol, time))
+    correlation = select_own_blocks_array(population["correlation"].to_numpy())
+    series, pairs = ("joint", "time", "parameter"), ("joint", "parameter", "other_parameter")
+    parameter = population["parameter"].to_numpy()
+    coords = {"joint": population["joint"], "parameter": parameter}
+    parts = [
+        xr.Dataset({"shapley": (("draw", *series), effect)}, {**coords, "time": time}),
+        xr.Dataset(
+            {"correlation": (("draw", *pairs), correlation)},
+            {**coords, "other_parameter": parameter},
+        ),
+    ]
+    parts += [compute_quantiles(part) for part in parts]
+    text = DEFINITION.format(source, describe_truncation(knobs.c_p_truncation_sd))
+    means = [part.mean("draw") if "draw" in part.dims else part for part in parts]
+    return xr.merge(means).assign_attrs(definition=text, protocol=protocol.name)
 
 
-def _compute_value(
-    mu: NDArray,
-    covariance: NDArray,
-    subset: tuple[int, ...],
-    lattice: NDArray,
-    table: NDArray,
-    impulse: NDArray,
+def draw_correlations_array(
+    z: NDArray[np.float64], rng: np.random.Generator
 ) -> NDArray[np.float64]:
-    """v(u) = Cov(q(x), q(x′)) for copies that share the parameters u: (n,) [rad²]."""
-    u = list(subset)
-    shared = covariance[:, u] @ np.linalg.solve(covariance[np.ix_(u, u)], covariance[u])
-    own_rate, shared_rate = covariance @ LOG_RATE, shared @ LOG_RATE  # with every parameter
-    rate = LOG_RATE @ mu
-    spread = np.sqrt(LOG_RATE @ own_rate)
-    k_mean = np.exp(-mu[K_V] + covariance[K_V, K_V] / 2)
-    flow = impulse * np.exp(-mu[C_P] + covariance[C_P, C_P] / 2)
+    """Draw correlation matrices (draw, joint, p, p) from standardised values.
 
-    def lagged_mean(shift: float) -> NDArray:
-        return compute_normal_weights(lattice, rate + shift, spread) @ table
-
-    alone = lagged_mean(-own_rate[K_V])
-    elastic = k_mean * alone
-    tilted = rate - own_rate[K_V] - shared_rate[K_V]
-    square = _square_shared(lattice, table, tilted, spread, np.sqrt(max(LOG_RATE @ shared_rate, 0)))
-    value = k_mean**2 * np.exp(shared[K_V, K_V]) * square - elastic**2
-    value += flow**2 * np.expm1(shared[C_P, C_P]) + shared[Q_INI, Q_INI]
-    with_flow = np.exp(shared[K_V, C_P]) * lagged_mean(-own_rate[K_V] - shared_rate[C_P])
-    value += 2 * k_mean * flow * (with_flow - alone)
-    weight = compute_normal_weights(lattice, rate - own_rate[K_V], spread)
-    slope = (weight * (lattice - rate + own_rate[K_V])) @ table / spread**2
-    value += 2 * k_mean * (shared_rate[Q_INI] * slope - shared[Q_INI, K_V] * alone)
-    return value - 2 * flow * shared[Q_INI, C_P]
-
-
-def _square_shared(
-    lattice: NDArray, table: NDArray, centre: float, spread: float, shared: float
-) -> NDArray[np.float64]:
-    """E_y[g(y)²] (n,) for log-rates of sd `spread` that have a part of sd `shared` in common."""
-    own = np.sqrt(max(spread**2 - shared**2, 0.0))
-    if own < NARROWEST:
-        return compute_normal_weights(lattice, centre, spread) @ table**2
-    if shared < NARROWEST:
-        return (compute_normal_weights(lattice, centre, spread) @ table) ** 2
-    step = float(compute_log_step(shared))
-    half = int(REACH * shared / step) + 1
-    y = step * np.arange(-half, half + 1)
-    weight = compute_normal_weights(y, 0.0, shared)
-    return _average_squares(lattice, table, centre + y, weight, own)
-
-
-@njit(cache=True)
-def _average_squares(
-    lattice: NDArray, table: NDArray, centre: NDArray, weight: NDArray, sd: float
-) -> NDArray:
-    """Σ_i weight_i (mean of the table's rows under N(centre_i, sd²))²: (n,).
-
-    Not by a matrix product: there are thousands of these, too small for a threaded library.
+    Parameters
+    ----------
+    z
+        (draw, trial, joint, p), of mean 0 and sd 1 in the population.
     """
-    n = table.shape[1]
-    square = np.zeros(n)
-    for i in range(centre.size):
-        given = np.zeros(n)
-        total = 0.0
-        first = np.searchsorted(lattice, centre[i] - REACH * sd)
-        last = np.searchsorted(lattice, centre[i] + REACH * sd)
-        for m in range(first, last):
-            z = (lattice[m] - centre[i]) / sd
-            mass = np.exp(-0.5 * z * z)
-            total += mass
-            for t in range(n):
-                given[t] += mass * table[m, t]
-        scale = weight[i] / total**2
-        for t in range(n):
-            square[t] += scale * given[t] * given[t]
-    return square
+    n_draw, n_trial, n_joint, p = z.shape
+    scatter = np.eye(p) + np.einsum("dtji,dtjk->djik", z, z)
+    out = np.empty((n_draw, n_joint, p, p))
+    for draw, joint in np.ndindex(n_draw, n_joint):
+        drawn = invwishart(p + 1 + n_trial, scatter[draw, joint]).rvs(random_state=rng)
+        sd = np.sqrt(np.diag(drawn))
+        out[draw, joint] = drawn / np.outer(sd, sd)
+    return out
 
 
-def _space_lattice(mu: NDArray, covariance: NDArray) -> NDArray[np.float64]:
-    """Log-rates fine and wide enough for every population and subset."""
-    rate = mu @ LOG_RATE
-    with_rate = covariance @ LOG_RATE
-    variance = with_rate @ LOG_RATE
-    narrowest = np.sqrt(variance.min())
-    for subset in SUBSETS[:-1]:
-        u = list(subset)
-        inner = np.linalg.solve(covariance[:, u][:, :, u], with_rate[:, u, None])[..., 0]
-        left = np.sqrt(np.maximum(variance - (with_rate[:, u] * inner).sum(axis=1), 0.0))
-        narrowest = min(narrowest, left[left >= NARROWEST].min(initial=np.inf))
-    shift = 2 * np.abs(with_rate[:, [K_V, C_P]]).max()
-    reach = (REACH + 1) * np.sqrt(variance.max()) + shift  # a shared part may reach a step more
-    step = float(compute_log_step(narrowest))
-    low, high = rate.min() - reach, rate.max() + reach
-    return low + step * np.arange(int((high - low) / step) + 2)
-
-
-def _average_orders(values: dict[tuple[int, ...], NDArray]) -> NDArray[np.float64]:
-    """Shapley effects (n, 4) from v(u) (n,) of every subset u but the empty one."""
-    whole = values[SUBSETS[-1]]
-    effect = np.zeros((whole.size, 4))
-    for subset, value in values.items():
-        weight = factorial(len(subset) - 1) * factorial(4 - len(subset)) / factorial(4)
-        for player in subset:
-            before = tuple(other for other in subset if other != player)
-            effect[:, player] += weight * (value - (values[before] if before else 0.0))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        return np.maximum(effect, 0.0) / whole[:, None]
+def _correlate_afterwards(
+    posterior: xr.DataTree, population: xr.Dataset, rng: np.random.Generator
+) -> xr.Dataset:
+    """Give populations the correlations that the draws' trials show within each joint."""
+    trials = take_draws(posterior, NAMES, population.sizes["draw"]).to_dataarray("parameter")
+    own = trials.transpose("draw", "trial", "joint", "parameter").to_numpy()
+    mu, sigma = (population[name].to_numpy()[:, None] for name in ("mu", "sigma"))
+    whole = np.zeros(population["correlation"].shape)
+    for joint, block in enumerate(
+        np.moveaxis(draw_correlations_array((own - mu) / sigma, rng), 1, 0)
+    ):
+        places = slice(OWN * joint, OWN * (joint + 1))
+        whole[:, places, places] = block
+    return population.assign(correlation=(population["correlation"].dims, whole))

@@ -1,4 +1,4 @@
-"""Sobol indices over time for the two-stage estimate and for the posterior, with their bounds."""
+"""Sobol indices over time, with their bounds."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -7,23 +7,32 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from softfinger.propagation.config import PropagationConfig, read_config
+from softfinger.inference.mover import Move, move_paper_joint
+from softfinger.propagation.config import ShapleyConfig, SobolConfig, read_config
 from softfinger.propagation.design import compute_design
-from softfinger.propagation.hyperparameters import ESTIMATES, select_posterior, select_two_stage
-from softfinger.propagation.indices import PAIR_NAMES, compute_sobol_array
-from softfinger.propagation.moments import compute_moments_array
-from softfinger.propagation.moved import Move, estimate_indices, estimate_shrinkage
+from softfinger.propagation.new_trials import Source
+from softfinger.propagation.populations import ESTIMATES, are_independent
 from softfinger.propagation.protocols import (
     Protocol,
     describe_truncation,
     group_protocols,
     select_main_protocol,
 )
+from softfinger.propagation.routes import choose_route
+from softfinger.propagation.sources import gather_sources
+from softfinger.propagation.subsets import PAIR_NAMES, compute_sobol_indices
 
 QUANTILES = (0.05, 0.5, 0.95)
 DEFINITION = (
     "variance-based Sobol indices of the joint angle with independent parameters; the log-normal "
     "populations of k_v, c_v, c_p and the normal one of q_ini vary, the measurement noise does not"
+)
+DEPENDENT = (
+    "variance-based indices of the joint angle with the fitted correlations of the parameters "
+    "(those of the two-stage estimate are independent): first order is Var E[q|x] / Var q, with "
+    "all that goes with x; total is E Var[q|all others] / Var q, what x adds alone, and may be the "
+    "smaller of the two; second order is negative where two parameters say the same; Shapley "
+    "effects share the variance out; the measurement noise does not vary"
 )
 
 
@@ -32,10 +41,10 @@ def compute_sobol(
     least_squares: xr.Dataset,
     posterior: xr.DataTree,
     config: Mapping[str, Any],
-    rng: np.random.Generator | None = None,
-    move: Move | None = None,
+    rng: np.random.Generator,
+    move: Move = move_paper_joint,
 ) -> xr.Dataset:
-    """Compute which parameter's spread causes the spread of the joint angle, over time.
+    """Compute which parameter's spread causes the angle's spread.
 
     Parameters
     ----------
@@ -43,9 +52,8 @@ def compute_sobol(
         The artifacts of these names; the load is that of the protocol with most trials.
     config
         The propagation's block, see `PropagationConfig`.
-    rng, move
-        Moves new trials of the posterior by another model than the base: indices and spread are
-        then estimated from samples, and a parameter's index is that of all joints together.
+    move
+        Moves new trials of the posterior. A parameter's index is that of all joints together.
 
     Returns
     -------
@@ -54,69 +62,58 @@ def compute_sobol(
         pair): for the posterior, means over its draws. The same with `_quantile` (joint, time, …,
         quantile): quantiles over draws of the posterior. angle_sd (estimate, joint, time) [rad],
         for the posterior the median over draws, and the design table of `compute_design`. NaN
-        where the population is not known.
+        where the population is not known. `definition` says what the indices are.
     """
-    knobs = read_config(config)
-    protocol = select_main_protocol(group_protocols(angles))
+    sources = gather_sources(least_squares, posterior, read_config(config, SobolConfig), rng, move)
+    protocol, knobs = select_main_protocol(group_protocols(angles)), sources[1].knobs
     time = build_sobol_times(protocol, knobs)
-    populations = [select_two_stage(least_squares), select_posterior(posterior, knobs.draws)]
-    cut = knobs.c_p_truncation_sd
-    parts = [_compute_indices(populations[0], time, protocol, cut)]
-    shrinkage = None
-    if move is None:
-        parts.append(_compute_indices(populations[1], time, protocol, cut))
-    else:
-        parts.append(estimate_indices(populations[1], move, protocol, time, rng, cut))
-        times = knobs.running_times_s
-        shrinkage = estimate_shrinkage(populations[1], move, protocol, times, rng, cut)
-    means = [part.mean("draw") for part in parts]
-    means = [
-        mean.assign(angle_sd=part["angle_sd"].median("draw"))
-        for mean, part in zip(means, parts, strict=True)
+    estimate = xr.IndexVariable("estimate", list(ESTIMATES))
+    indices = [_compute_indices(source, protocol, time) for source in sources]
+    spread = [_compute_angle_sd(source, protocol, time) for source in sources]
+    parts = [
+        xr.concat([part.mean("draw") for part in indices], estimate),
+        xr.concat([part.median("draw") for part in spread], estimate),
+        compute_quantiles(indices[1]),
+        compute_quantiles(spread[1]),
+        compute_design(sources, protocol, knobs.running_times_s, QUANTILES),
     ]
-    central = xr.concat(means, xr.IndexVariable("estimate", list(ESTIMATES)))
-    bounds = _compute_quantiles(parts[1])
-    design = compute_design(populations, protocol, knobs.running_times_s, QUANTILES, cut, shrinkage)
-    dataset = xr.merge([central, bounds, design])
-    dataset.attrs = {
-        "definition": DEFINITION,
-        "protocol": protocol.name,
-        "protocol_n_trials": protocol.trials.size,
-        "truncation": describe_truncation(cut),
-    }
-    return dataset
+    independent = are_independent(sources[1].population)
+    return xr.merge(parts).assign_attrs(
+        definition=DEFINITION if independent else DEPENDENT,
+        protocol=protocol.name,
+        protocol_n_trials=protocol.trials.size,
+        truncation=describe_truncation(knobs.c_p_truncation_sd),
+    )
 
 
-def build_sobol_times(protocol: Protocol, knobs: PropagationConfig) -> NDArray[np.float64]:
+def build_sobol_times(protocol: Protocol, knobs: ShapleyConfig) -> NDArray[np.float64]:
     """Build the even grid of times (n,) [s] from 0 to the end of a protocol."""
     step = knobs.sobol_time_step_s
     return step * np.arange(int(protocol.duration / step + 1e-9) + 1)
 
 
-def _compute_indices(
-    population: xr.Dataset, time: NDArray, protocol: Protocol, cut: float | None
-) -> xr.Dataset:
-    mu, sigma = population["mu"].to_numpy(), population["sigma"].to_numpy()
-    load = (protocol.load_time, protocol.load_torque)
-    indices = compute_sobol_array(mu, sigma, time, *load, cut)
-    sd = np.sqrt(compute_moments_array(mu, sigma, time, *load, cut)[1])
-    series = ("draw", "joint", "time")
+def compute_quantiles(draws: xr.Dataset) -> xr.Dataset:
+    """Compute `_quantile` (…, quantile) of every variable over its draws."""
+    quantiles = draws.quantile(QUANTILES, dim="draw").transpose(..., "quantile")
+    return quantiles.rename({name: f"{name}_quantile" for name in draws.data_vars})
+
+
+def _compute_indices(source: Source, protocol: Protocol, time: NDArray) -> xr.Dataset:
+    shares = choose_route(source).share_variance(source, protocol, time)
+    indices = compute_sobol_indices(shares)._asdict()
+    last = {"first_order": "parameter", "total": "parameter", "second_order": "pair"}
     return xr.Dataset(
-        {
-            "first_order": ((*series, "parameter"), indices.first_order),
-            "total": ((*series, "parameter"), indices.total),
-            "second_order": ((*series, "pair"), indices.second_order),
-            "angle_sd": (series, sd),
-        },
+        {name: (("draw", "joint", "time", last[name]), value) for name, value in indices.items()},
         coords={
-            "joint": population["joint"],
+            "joint": source.population["joint"],
             "time": time,
-            "parameter": population["parameter"],
+            "parameter": source.population["parameter"],
             "pair": list(PAIR_NAMES),
         },
     )
 
 
-def _compute_quantiles(draws: xr.Dataset) -> xr.Dataset:
-    quantiles = draws.quantile(QUANTILES, dim="draw").transpose(..., "quantile")
-    return quantiles.rename({name: f"{name}_quantile" for name in draws.data_vars})
+def _compute_angle_sd(source: Source, protocol: Protocol, time: NDArray) -> xr.Dataset:
+    variance = choose_route(source).compute_moments(source, protocol, time)[1]
+    coords = {"joint": source.population["joint"], "time": time}
+    return xr.Dataset({"angle_sd": (("draw", "joint", "time"), np.sqrt(variance))}, coords)

@@ -16,7 +16,7 @@ ON_SCREEN = 1.25
 
 @dataclass(frozen=True)
 class Paragraph:
-    """One paragraph; `tone` is plain, note or warning."""
+    """One paragraph; `tone` is plain, lead, note or warning."""
 
     kind: ClassVar[str] = "paragraph"
     text: str
@@ -98,6 +98,7 @@ class Check:
     limit: str
     passed: bool | None
     meaning: str
+    powered: bool = True
 
     @property
     def failed(self) -> bool:
@@ -131,6 +132,8 @@ class Section:
     anchor: str
     title: str
     blocks: tuple[Block, ...]
+    more: tuple[tuple[str, str], ...] = ()
+    """Anchors of the parts that it relies on, and their names."""
 
 
 @dataclass(frozen=True)

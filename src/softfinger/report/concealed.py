@@ -26,33 +26,10 @@ from softfinger.report.blocks import (
     number,
     text,
 )
-from softfinger.report.concealed_protocols import build_protocols
+from softfinger.report.concealed_figures import FIGURES, STATISTICS
+from softfinger.report.concealed_protocols import build_conditions, build_protocols
 from softfinger.report.formatting import fix, format_number, format_percent
 from softfinger.report.page import render_page
-
-# statistic → (meaning, goal, whether more is better)
-STATISTICS: dict[str, tuple[str, float | None, bool]] = {
-    "named": ("right name, where the oracle gains 15 nats or more", 0.95, True),
-    "nameable": ("… share of those that the oracle itself could name", None, True),
-    "named_nameable": ("… right name, where the oracle itself could name it", None, True),
-    "named_single": ("… of a single effect", None, True),
-    "named_two": ("… of two effects at once", None, True),
-    "false_alarm": ("alarms on clean campaigns", 0.05, False),
-    "strength_zero_adequate": ("effects of strength zero called adequate", None, True),
-    "unlisted": ("effects from outside the catalogue called unlisted", 0.90, True),
-    "recognisable": ("… share of those in which the catalogue comes not as close", None, True),
-    "unlisted_recognisable": ("… called unlisted, where it comes not as close", None, True),
-    "set_contains_truth": ("truth in the named or equivalent set, where masked", 0.95, True),
-    "set_contains_truth_visible": ("… wherever visible", None, True),
-    "buried_wrongly_named": ("below 15 nats: something claimed that is not there", None, False),
-    "location_joints": ("joints right", None, True),
-    "location_level": ("within or between trials right", None, True),
-    "location_window": ("window since the last change of load right", None, True),
-    "location_covariate": ("covariate right", None, True),
-    "interval_coverage_90": ("90 % intervals of effect parameters hold the truth", 0.85, True),
-    "interval_coverage_90_any_form": ("… of every parameter, whatever the form", None, True),
-    "crashed": ("diagnoses that ended without a verdict", None, False),
-}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -73,7 +50,7 @@ class Proof:
     measured
         Rows of the real recordings, or one sentence why there are none.
     buried
-        Name, sentence and artifact `repair` of one buried case, if one was named.
+        Name, sentence and mean residual of one buried case, if one was named.
     """
 
     seed: int
@@ -182,12 +159,11 @@ def _tell_score(proof: Proof) -> list[Section]:
         ),
     )
     lines = Listing(_tell_remarks(score))
-    tables = _build_shares(proof), build_protocols(proof.cases)
+    tables = _build_shares(proof), build_protocols(proof.cases), build_conditions(proof.cases)
     return [Section("score", "The score", (*tables, lines, *pictures))]
 
 
 def _tell_remarks(score: xr.Dataset) -> tuple[str, ...]:
-    seconds, spent = score["seconds"].values, score["cpu_seconds"].values
     gap, chance = score.attrs["gap_closed_median"], score.attrs["chance"]
     lines = []
     if np.isfinite(gap):
@@ -195,14 +171,17 @@ def _tell_remarks(score: xr.Dataset) -> tuple[str, ...]:
             "Of the elpd gap between the base model and the oracle's, the repaired model closes "
             f"{format_percent(gap)} (median over visible listed campaigns)."
         )
+    figures = score.attrs["measurement"] | score.attrs["laws"]
+    lines += [f"{say}: {format_percent(figures[k])}." for k, say in FIGURES.items() if k in figures]
     if np.isfinite(chance):
         lines.append(
             "Labels shuffled: dealt out at random among the campaigns with a visible effect, the "
             f"same answers name {format_percent(chance)} right."
         )
     lines.append(
-        f"A diagnosis took {format_number(np.median(seconds))} s (median; at most "
-        f"{format_number(np.max(seconds))} s), {format_number(np.median(spent))} s of CPU."
+        f"A diagnosis took {format_number(score.attrs['seconds_median'])} s (median; at most "
+        f"{format_number(score.attrs['seconds_most'])} s), "
+        f"{format_number(score.attrs['cpu_seconds_median'])} s of CPU."
     )
     return tuple(lines)
 
@@ -246,13 +225,13 @@ def _tell_buried(proof: Proof) -> list[Section]:
     if proof.buried is None:
         words = "No visible effect whose residual is at the noise was named in this sample."
         return [Section("buried", "One buried case", (Paragraph(words, "note"),))]
-    name, sentence, repair = proof.buried
+    name, sentence, residual = proof.buried
     picture = Picture(
         "buried",
         f"Campaign {name} before and after",
-        draw_buried_case(repair),
+        draw_buried_case(residual),
         "Mean residuals over time by joint, under the base model and under the repaired model.",
-        f"Means over {repair.sizes['trial']} trials in units of their own sd under noise alone; "
+        f"Means over {int(residual['trials'])} trials in units of their own sd under noise alone; "
         "the band is ± 2. Rule diagnose, artifact repair.",
     )
     return [Section("buried", "One buried case", (Paragraph(sentence), picture))]
@@ -261,7 +240,8 @@ def _tell_buried(proof: Proof) -> list[Section]:
 COLUMNS = {
     "truth": "concealed", "oracle_nats": "oracle [nats]", "right": "right",
     "contains": "in the set", "stand_in": "comes closest [nats]", "answer": "answered",
-    "campaign": "campaign", "protocol": "protocol", "trials": "trials", "noise": "noise",
+    "campaign": "campaign", "condition": "nuisance", "protocol": "protocol", "trials": "trials",
+    "noise": "noise",
     "cpu_seconds": "CPU [s]", "seconds": "wall [s]", "reason": "reason",
 }  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""Which effects were named under which protocol: a table of the proof's page."""
+"""Names by effect and protocol, alarms by condition: tables of the proof's page."""
 
 from __future__ import annotations
 
@@ -44,3 +44,26 @@ def count_named(cases: Sequence[Mapping[str, Any]]) -> str:
     seen = [case["right"] for case in cases if case["visible"]]
     hidden = f"(+{len(cases) - len(seen)})" if len(cases) > len(seen) else ""
     return " ".join(filter(None, (f"{sum(seen)} of {len(seen)}" if seen else "", hidden))) or "–"
+
+
+def build_conditions(cases: Sequence[Mapping[str, Any]]) -> Table:
+    """Tabulate alarms on clean campaigns by what disturbed the measurement.
+
+    Parameters
+    ----------
+    cases
+        Rows of the table of campaigns: `condition` and `alarm` of each.
+    """
+    clean = [case for case in cases if case["alarm"] != ""]
+    rows = []
+    for condition in sorted({case["condition"] for case in clean}):
+        alarms = [case["alarm"] for case in clean if case["condition"] == condition]
+        rows.append((text(condition.replace("_", " ")), text(f"{sum(alarms)} of {len(alarms)}")))
+    return Table(
+        "conditions",
+        "Alarms on clean campaigns",
+        "By the nuisance that acts on the measurement. An ambiguous answer that leaves the base "
+        "model possible is none. Rule score.",
+        ("nuisance", "alarms"),
+        tuple(rows),
+    )

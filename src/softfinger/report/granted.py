@@ -5,86 +5,70 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from softfinger.report.blocks import Block, Paragraph, Table, number, text
+from softfinger.report.blocks import Block, Cell, Paragraph, Table, number, text
 from softfinger.report.formatting import capital, format_number
 from softfinger.report.material import Material
 
-UNLIKELY = 0.05
-SENSITIVE = 0.05
-"""Power-scaling sensitivity above which ArviZ speaks of it."""
 MOST_PAIRS = 20
-DISAGREE = "prior and recordings may disagree"
-LITTLE = "the recordings say little"
 
 
 def show_independence(material: Material) -> tuple[Block, ...]:
-    """Say whether a trial's parameters are independent: as fitted, else as the data agree."""
-    if material.posterior is not None and "parameter_correlation" in material.posterior:
-        return () if is_alone(material) else show_correlations(material)
-    found = find_group(material, "independence")
-    if found is None or is_alone(material):
+    """Show whether a trial's parameters are independent: as fitted, else as the data agree."""
+    if material.find("correlations") is not None:
+        return show_correlations(material, material.find("correlations"))
+    found = material.find("independence")
+    if found is None:
         return ()
-    own = [name_own(str(label)) for label in found["own"].values]
-    p_value, product = found["p_value"].values, found["mean_product"].values
-    pairs = sorted(zip(*np.tril_indices(len(own), -1), strict=True), key=lambda at: p_value[at])
+    pairs, smallest = found.sizes["pair"], float(found["smallest_p"])
+    shown = found.isel(pair=slice(MOST_PAIRS))
     rows = tuple(
         (
-            text(own[j]),
-            text(own[i]),
-            number(format_number(product[i, j]), product[i, j]),
-            number(format_number(p_value[i, j]), p_value[i, j]),
+            text(name_own(str(one))),
+            text(name_own(str(other))),
+            number(format_number(product), product),
+            number(format_number(p), p),
         )
-        for i, j in pairs[:MOST_PAIRS]
+        for one, other, product, p in zip(
+            *(shown[name].values for name in ("one", "other", "mean_product", "p_value")),
+            strict=True,
+        )
     )
-    smallest = float(found["smallest_p"])
-    answer = "contradict this" if smallest < UNLIKELY else "do not contradict this"
+    answer = "contradict this" if found["doubted"] else "do not contradict this"
     sentence = (
         "The model takes a trial's parameters as independent of one another, as the paper does. "
-        f"The recordings {answer}: the smallest p of the {len(pairs)} pairs, corrected for their "
+        f"The recordings {answer}: the smallest p of the {pairs} pairs, corrected for their "
         f"number, is {format_number(smallest)}."
     )
     caption = (
-        f"The {len(rows)} of {len(pairs)} pairs with the smallest p. Mean product: of both "
+        f"The {len(rows)} of {pairs} pairs with the smallest p. Mean product: of both "
         "parameters less their centre over their spread, over trials and draws; about the "
         "correlation where trials are well known. p: two-sided, of this one pair. "
         f"{capital(material.cite('posterior'))}."
     )
     columns = ("parameter", "with", "mean product", "p")
     title = "Whether parameters go together"
-    tone = "note" if smallest < UNLIKELY else "plain"
     return (
-        Paragraph(sentence, tone),
+        Paragraph(sentence, "note" if found["doubted"] else "plain"),
         Table("independence", title, caption, columns, rows, folded=True),
     )
 
 
-def show_correlations(material: Material) -> tuple[Block, ...]:
+def show_correlations(material: Material, found: xr.Dataset) -> tuple[Block, ...]:
     """Show the fitted correlations of a trial's parameters, the surest first."""
-    drawn = material.posterior["parameter_correlation"].stack(sample=("chain", "draw"))
-    own = [name_own(str(label)) for label in drawn["own"].values]
-    prob = material.limits.ci_prob
-    tails = ((1 - prob) / 2, 0.5, (1 + prob) / 2)
-    low, middle, high = drawn.quantile(tails, "sample").transpose("quantile", "own", "other_own")
-    lower = zip(*np.tril_indices(len(own), -1), strict=True)
-    free = [at for at in lower if float(high[at]) > float(low[at])]
-    clear = sum(float(low[at]) > 0 or float(high[at]) < 0 for at in free)
-    free.sort(key=lambda at: -abs(float(middle[at])) / (float(high[at]) - float(low[at])))
+    shown, pairs, prob = found.isel(pair=slice(MOST_PAIRS)), found.sizes["pair"], material.ci_prob
     rows = tuple(
-        (
-            text(own[j]),
-            text(own[i]),
-            number(format_number(middle[i, j].item(), 2), middle[i, j].item()),
-            text(f"{format_number(low[i, j].item(), 2)} to {format_number(high[i, j].item(), 2)}"),
+        (text(name_own(str(one))), text(name_own(str(other))), *show_correlation(value))
+        for one, other, value in zip(
+            *(shown[name].values for name in ("one", "other", "correlation")), strict=True
         )
-        for i, j in free[:MOST_PAIRS]
     )
     sentence = (
-        f"The model lets {len(free)} pairs of a trial's parameters go together. At "
-        f"{100 * prob:g} %, {clear} of them do; chance alone would give about "
-        f"{format_number((1 - prob) * len(free), 2)}."
+        f"The model lets {pairs} pairs of a trial's parameters go together. At "
+        f"{100 * prob:g} %, {int(found['clear'].sum())} of them do; chance alone would give about "
+        f"{format_number(float(found['by_chance']), 2)}."
     )
     caption = (
-        f"The {len(rows)} of {len(free)} pairs whose correlation over trials is largest against "
+        f"The {len(rows)} of {pairs} pairs whose correlation over trials is largest against "
         f"its uncertainty: median and {100 * prob:g} % equal-tailed interval. "
         f"{capital(material.cite('posterior'))}."
     )
@@ -96,55 +80,55 @@ def show_correlations(material: Material) -> tuple[Block, ...]:
     )
 
 
+def show_correlation(quantiles: np.ndarray) -> tuple[Cell, Cell]:
+    """Show median and interval of a correlation."""
+    low, middle, high = (float(value) for value in quantiles)
+    interval = text(f"{format_number(low, 2)} to {format_number(high, 2)}")
+    return number(format_number(middle, 2), middle), interval
+
+
 def show_loo_pit(material: Material) -> tuple[Block, ...]:
-    """Say whether trials lie where the others predict them, at a few moments of every joint."""
-    found = find_group(material, "loo_pit")
-    if found is None or is_alone(material):
+    """Show whether trials lie where the others predict them, at a few moments of every joint."""
+    found = material.find("loo_pit")
+    if found is None:
         return ()
-    smallest, tests = float(found["smallest_p"]), found["p_value"].size
-    answer = "are not" if smallest < UNLIKELY else "are"
+    answer = "are not" if found["doubted"] else "are"
     sentence = (
         "Predicted by the other trials alone, the shares of predictions that lie below the "
-        f"recorded angles {answer} spread as evenly as they should: the smallest p of {tests} "
-        f"tests, corrected for their number, is {format_number(smallest)}."
+        f"recorded angles {answer} spread as evenly as they should: the smallest p of "
+        f"{found['p_value'].size} tests, corrected for their number, is "
+        f"{format_number(float(found['smallest_p']))}."
     )
     rows = []
     for joint, moment in np.ndindex(*found["p_value"].shape):
         here = found.isel(joint=joint, moment=moment)
-        time, p = float(here["pit_time"].median()), float(here["p_value"])
-        share = float(here["pit"].mean())
-        rows.append(
-            (
-                number(str(here["joint"].item()), here["joint"].item()),
-                number(format_number(time), time),
-                number(format_number(share), share),
-                number(format_number(p), p),
-            )
-        )
+        values = [float(here[name]) for name in ("time", "mean_share", "p_value")]
+        label = here["joint"].item()
+        cells = (number(format_number(value), value) for value in values)
+        rows.append((number(str(label), label), *cells))
     caption = (
-        f"Over n = {found['trial'].size} trials, each left out of what predicts it, its own "
-        "parameters drawn from the population: time (median over trials), mean share of "
+        f"Over n = {material.angles['trial'].size} trials, each left out of what predicts it, its "
+        "own parameters drawn from the population: time (median over trials), mean share of "
         "predictions below the recording (0.5 is even), p of uniformity (Kolmogorov and Smirnov). "
         f"{capital(material.cite('posterior'))}."
     )
     columns = ("joint", "time [s]", "mean share below", "p")
     title = "Where trials lie in what the others predict"
     return (
-        Paragraph(sentence, "note" if smallest < UNLIKELY else "plain"),
+        Paragraph(sentence, "note" if found["doubted"] else "plain"),
         Table("loo_pit", title, caption, columns, tuple(rows), folded=True),
     )
 
 
 def show_prior_sensitivity(material: Material) -> tuple[Block, ...]:
-    """Say which hyperparameters hang on their prior, and whether the data disagree with it."""
-    found = find_group(material, "prior_sensitivity")
+    """Show which hyperparameters depend on their prior, and where the data disagree with it."""
+    found = material.find("prior_sensitivity")
     if found is None:
         return ()
-    rows, said = [], []
-    for level, parameter, joint in np.ndindex(*found["prior"].shape):
-        here = found.isel(level=level, parameter=parameter, joint=joint)
+    rows = []
+    for place in np.ndindex(*found["prior"].shape):
+        here = found.isel(dict(zip(found["prior"].dims, place, strict=True)))
         prior, likelihood = float(here["prior"]), float(here["likelihood"])
-        said.append(judge_sensitivity(prior, likelihood))
         rows.append(
             (
                 text("centre" if here["level"] == "mu" else "spread"),
@@ -152,48 +136,27 @@ def show_prior_sensitivity(material: Material) -> tuple[Block, ...]:
                 number(str(here["joint"].item()), here["joint"].item()),
                 number(format_number(prior), prior),
                 number(format_number(likelihood), likelihood),
-                text(said[-1]),
+                text(here["reading"].item()),
             )
         )
+    said = [row[-1].text for row in rows]
+    disagree = said.count("prior and recordings may disagree")
     sentence = (
         f"Of the {len(said)} centres and spreads, prior and recordings may disagree on "
-        f"{said.count(DISAGREE)}, and {said.count(LITTLE)} rest on their prior because the "
-        "recordings say little."
+        f"{disagree}, and {said.count('the recordings determine little')} depend on their prior "
+        "because the recordings determine little."
     )
     caption = (
         "By how much the posterior moves when its prior, or the recordings' likelihood, counts a "
-        f"little more or less (power scaling, ArviZ's psense); above {SENSITIVE:g} is sensitive. "
+        "little more or less (power scaling, ArviZ's psense); above 0.05 is sensitive. "
         f"{capital(material.cite('posterior'))}."
     )
     columns = ("of", "parameter", "joint", "to the prior", "to the recordings", "reading")
-    title = "How far the parameters hang on their priors"
+    title = "How far the parameters depend on their priors"
     return (
-        Paragraph(sentence, "note" if DISAGREE in said else "plain"),
+        Paragraph(sentence, "note" if disagree else "plain"),
         Table("prior_sensitivity", title, caption, columns, tuple(rows), folded=True),
     )
-
-
-def judge_sensitivity(prior: float, likelihood: float) -> str:
-    """Read a pair of sensitivities as ArviZ does.
-
-    >>> judge_sensitivity(0.01, 0.3), judge_sensitivity(0.3, 0.01)
-    ('–', 'the recordings say little')
-    """
-    if not prior > SENSITIVE:
-        return "–"
-    return DISAGREE if likelihood > SENSITIVE else LITTLE
-
-
-def is_alone(material: Material) -> bool:
-    """Say whether there is but one trial, which nothing can be held against."""
-    return material.angles.sizes["trial"] < 2
-
-
-def find_group(material: Material, name: str) -> xr.Dataset | None:
-    """Return a group of the posterior; a fit with a model file has none of these."""
-    if "posterior" not in material or name not in material.artifacts["posterior"].children:
-        return None
-    return material.artifacts["posterior"][name].to_dataset()
 
 
 def name_own(label: str) -> str:

@@ -13,8 +13,8 @@ import jinja2
 from markupsafe import Markup, escape
 
 from softfinger.report.blocks import Section, Tile
-from softfinger.report.config import read_config
 from softfinger.report.material import Artifact, Material
+from softfinger.report.sections import overview
 from softfinger.report.sections.data import build_data
 from softfinger.report.sections.mismatch import build_mismatch
 from softfinger.report.sections.model import build_model
@@ -27,11 +27,19 @@ from softfinger.report.sections.quality import (
     build_predictive,
 )
 from softfinger.report.sections.sensitivity import build_sensitivity
-from softfinger.report.sections.summary import build_question, judge
+from softfinger.report.sections.tiles import judge
 
 HERE = Path(__file__).parent
-SECTIONS = (
-    build_question,
+OVERVIEW = (
+    overview.build_verdict,
+    overview.build_motion,
+    overview.build_spread,
+    overview.build_causes,
+    overview.build_measurement,
+    overview.build_next,
+)
+"""The first layer, for the head of a lab."""
+REFEREE = (
     build_data,
     build_model,
     build_computation,
@@ -43,6 +51,7 @@ SECTIONS = (
     build_outlook,
     build_origin,
 )
+"""The second layer, folded."""
 
 
 def write_report(
@@ -76,7 +85,7 @@ def write_report(
     ListedFault
         If the block `report` of the configuration has unknown keys or wrong values.
     """
-    material = Material(artifacts, read_config(config), config, commit)
+    material = Material(artifacts, config, commit)
     Path(path).write_text(render_report(material), encoding="utf-8")
 
 
@@ -86,10 +95,11 @@ def render_report(material: Material) -> str:
         title=material.campaign,
         kind="Soft finger report",
         ask="How do the joints of this finger move, how much do they vary from trial to trial, "
-        "which parameter causes it, and does the model hold?",
+        "which parameter causes it, and what physics is missing?",
         source=material.source,
         tiles=judge(material),
-        sections=[build(material) for build in SECTIONS],
+        sections=[build(material) for build in OVERVIEW],
+        folded=[build(material) for build in REFEREE],
         load_unit=material.load_unit,
     )
 
@@ -102,6 +112,7 @@ def render_page(
     source: str,
     tiles: Sequence[Tile],
     sections: Sequence[Section],
+    folded: Sequence[Section] = (),
     load_unit: str = "N m",
 ) -> str:
     """Render a page; every word that is not ours is escaped.
@@ -112,6 +123,8 @@ def render_page(
         What sort of page it is, and the question that it answers.
     source
         `synthetic` or `measured`.
+    folded
+        Sections of the second layer.
     """
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(HERE),
@@ -131,6 +144,7 @@ def render_page(
         load_unit=load_unit,
         tiles=tiles,
         sections=sections,
+        folded=folded,
         style=Markup((HERE / "report.css").read_text(encoding="utf-8")),
         script=Markup(script),
         script_hash=digest,

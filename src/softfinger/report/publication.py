@@ -11,7 +11,6 @@ from typing import Any
 from softfinger.faults import Fault
 from softfinger.figures.style import label_parameter_unit, save_figure
 from softfinger.report.blocks import Picture
-from softfinger.report.config import read_config
 from softfinger.report.formatting import format_measure, format_number, format_percent
 from softfinger.report.material import Artifact, Material
 from softfinger.report.pictures import fit, mismatch, population, recordings, spread
@@ -82,7 +81,7 @@ def build_picture(
     """
     if name not in PICTURES:
         raise Fault(f"there is no figure '{name}'; there are: {', '.join(PICTURES)}")
-    picture = PICTURES[name](Material(artifacts, read_config(config), config))
+    picture = PICTURES[name](Material(artifacts, config))
     if picture is None:
         raise Fault(
             f"figure '{name}' has nothing to show: its artifact is empty, or was not made; then "
@@ -119,23 +118,29 @@ def write_parameter_table(
     Fault
         If the posterior is missing.
     """
-    material = Material(artifacts, read_config(config), config)
+    material = Material(artifacts, config)
     Path(path).write_text(render_parameter_table(material), encoding="utf-8")
 
 
 def render_parameter_table(material: Material) -> str:
     """Render the paper's table."""
-    summary = material.hyperparameters
+    summary = material.find("population")
     if summary is None:
         raise Fault("the table of parameters needs the posterior; run the rule fit first")
     rivals = list_rivals(summary)
     rows = []
     for parameter, joint, here in each_parameter(summary):
-        cells = [parameter, str(joint), label_parameter_unit(parameter, material.load_unit)]
+        cells = [
+            parameter,
+            str(joint),
+            label_parameter_unit(parameter, material.load_unit, material.motion_unit),
+        ]
         for statistic in ("mu", "sigma"):
             one = here.sel(statistic=statistic)
             cells.append(format_measure(float(one["quantile_value"][2]), float(one["sd"])))
-            cells += [format_number(float(one[name]), 4) for name in rivals]
+            cells += [
+                format_number(float(one["rival_value"].sel(rival=name)), 4) for name in rivals
+            ]
         rows.append(" & ".join(escape_tex(cell) for cell in cells) + r" \\")
     heads = ["parameter", "joint", "unit"]
     for symbol in ("μ", "σ"):
@@ -174,11 +179,11 @@ def write_document(
     Fault
         As `build_picture`.
     """
-    material = Material(artifacts, read_config(config), config)
+    material = Material(artifacts, config)
     parts = [build_picture(name, artifacts, config) for name in names]
     body = [render_float(part) for part in parts]
     title = escape_tex(f"{material.campaign}: figures ({material.source} data)")
-    interval = format_percent(material.limits.ci_prob)
+    interval = format_percent(material.ci_prob)
     lines = [
         r"\documentclass[twocolumn]{article}",
         r"\usepackage[T1]{fontenc}",

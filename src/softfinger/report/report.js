@@ -27,7 +27,29 @@ const watcher = new IntersectionObserver((entries) => {
     links.get(entry.target.id).setAttribute("aria-current", "true");
   }
 }, { rootMargin: "-10% 0px -80% 0px" });
-document.querySelectorAll("main section").forEach((section) => watcher.observe(section));
+document.querySelectorAll("main section, details.part").forEach((part) => watcher.observe(part));
+
+// a link into a folded part opens it
+const reveal = () => {
+  const target = location.hash && document.getElementById(location.hash.slice(1));
+  if (!target) return;
+  for (let part = target; part; part = part.parentElement) if (part.tagName === "DETAILS") part.open = true;
+  target.scrollIntoView();
+};
+addEventListener("hashchange", reveal);
+document.querySelectorAll("a[href^='#']").forEach((link) => link.addEventListener("click", () => setTimeout(reveal)));
+reveal();
+
+// paper gets the first layer alone, unless all is opened by hand
+const parts = document.querySelectorAll("details");
+if (document.querySelector(".referee")) {
+  const all = make("button", { type: "button", className: "tool", textContent: "Open all parts, also to print" });
+  all.addEventListener("click", () => {
+    root.dataset.print = "all";
+    parts.forEach((part) => { part.open = true; });
+  });
+  document.querySelector("nav .tools").append(all);
+}
 
 // figures enlarge
 const view = make("div", { className: "view" });
@@ -112,9 +134,4 @@ document.querySelectorAll("table").forEach((table) => {
   table.parentElement.after(make("div", { className: "toolbar" },
     tool("Copy", (button) => copy(tableRows(table).map((row) => row.join("\t")).join("\n"), button)),
     tool("CSV", () => save(`${tableRows(table).map((row) => row.map(quote).join(",")).join("\r\n")}\r\n`, `${table.dataset.name}.csv`))));
-});
-
-// a folded table would be lost on paper
-addEventListener("beforeprint", () => {
-  document.querySelectorAll("details").forEach((details) => { details.open = true; });
 });

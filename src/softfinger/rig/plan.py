@@ -6,10 +6,10 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
-from ruamel.yaml import YAML, YAMLError
 
 from softfinger.campaign.description import Description
-from softfinger.faults import ListedFault
+from softfinger.faults import Fault, ListedFault
+from softfinger.gate import read_document
 from softfinger.rig.profiles import Count, NotNegative, Positive, Profile
 from softfinger.settings import Settings, read_settings
 
@@ -115,13 +115,9 @@ def read_plan(path: Path) -> Plan:
         The file is missing, no YAML, or says something that no rig can do; all faults are listed.
     """
     try:
-        content = YAML(typ="safe").load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ListedFault(str(path), [f"it cannot be read: {error.strerror}"]) from None
-    except (YAMLError, UnicodeDecodeError) as error:
-        raise ListedFault(str(path), [f"it is not YAML: {' '.join(str(error).split())}"]) from None
-    if not isinstance(content, dict):
-        raise ListedFault(str(path), ["it must hold keys and values, as in 'version: 1'"])
+        content = read_document(path).content
+    except Fault as fault:
+        raise ListedFault(str(path), [str(fault)]) from None
     try:
         return read_settings(Plan, content, "plan")
     except ListedFault as fault:

@@ -21,10 +21,9 @@ def angles(
     markers: Sequence[Path],
     angles: Path,
     config: Mapping[str, Any],
-    seed: int,
 ) -> None:
     """Write the joint angles of a campaign."""
-    provenance = describe_run("angles", {"tables": tables, "markers": markers}, config, seed)
+    provenance = describe_run("angles", {"tables": tables, "markers": markers}, config)
     tracked = [open_artifact(path, markers_spec.SPEC) for path in markers]
     found = assemble_angles(read_campaign(folder), tracked, config)
     save_artifact(found, angles_spec.SPEC, angles, provenance)

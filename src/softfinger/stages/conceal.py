@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from softfinger.concealed.generate import generate_campaign
+from softfinger.concealed.proof import draw_proof
 from softfinger.concealed.rig import Rig
 from softfinger.concealed.seal import seal_file
-from softfinger.concealed.suite import draw_proof
-from softfinger.config import read_config
 from softfinger.stages.linear_algebra import on_one_thread
 from softfinger.virtual_rig.film import film_trial
 
@@ -25,7 +26,8 @@ def conceal(
     salt: Path,
     seal: Path,
     place: int,
-    suite: Mapping[str, int],
+    suite: Mapping[str, Any],
+    config: Mapping[str, Any],
     seed: int,
 ) -> None:
     """Write a campaign, its truth beside it, and the truth's seal.
@@ -35,19 +37,20 @@ def conceal(
     place
         Which of the proof's cases, from 0.
     suite
-        How many `campaigns`, how many of them `filmed`, the `longest` in trials.
+        What `draw_proof` takes besides the seed.
+    config
+        What films depend on, of the `virtual_rig` block of the configuration.
     seed
         Of the suite.
     """
     spec = draw_proof(seed, **suite)[place]
-    generate_campaign(spec, Path(campaign), Path(truth), film)
+    generate_campaign(spec, Path(campaign), Path(truth), partial(film, config))
     digest = seal_file(Path(truth), Path(salt))
     Path(seal).write_text(digest + "\n", encoding="utf-8")
     print(f"sealed: SHA-256 of truth and salt is {digest}")
 
 
-def film(angle: np.ndarray, rig: Rig, path: Path, seed: int) -> None:
+def film(config: Mapping[str, Any], angle: np.ndarray, rig: Rig, path: Path, seed: int) -> None:
     """Film a trial (frame, joint) [rad] with the virtual rig's camera and its noise."""
-    config = read_config()["virtual_rig"] | {"fps": rig.fps}
     motion = xr.Dataset({"joint_angle": (("trial", "frame", "joint"), angle[None])})
-    film_trial(motion, config, 0, path, seed)
+    film_trial(motion, {**config, "fps": rig.fps}, 0, path, seed)

@@ -12,22 +12,34 @@ import numpy as np
 from softfinger.artifacts import open_artifact, save_artifact, write_atomically
 from softfinger.artifacts.specs import angles as angles_spec
 from softfinger.artifacts.specs import free_form as free_form_spec
+from softfinger.artifacts.specs import laws as laws_spec
 from softfinger.artifacts.specs import location as location_spec
 from softfinger.artifacts.specs import masking as masking_spec
+from softfinger.artifacts.specs import measurement as measurement_spec
 from softfinger.artifacts.specs import ranking as ranking_spec
 from softfinger.artifacts.specs import repair as repair_spec
+from softfinger.doubts import find_doubts
 from softfinger.mechanics.effects.model_file import FittedTo, read_model_file, write_model_file
 from softfinger.mismatch.diagnose import diagnose as find_left_out
-from softfinger.mismatch.next_experiment import propose_experiment
-from softfinger.mismatch.outcome import describe_repair, tabulate_diagnosis
-from softfinger.mismatch.refine import refine_verdict
-from softfinger.mismatch.verdict import write_verdict
+from softfinger.mismatch.experiment.next_experiment import propose_experiment
+from softfinger.mismatch.tables.outcome import describe_repair, tabulate_diagnosis
+from softfinger.mismatch.verdict.refine import refine_verdict
+from softfinger.mismatch.verdict.schema import Warned, write_verdict
+from softfinger.mismatch.verdict.sufferings import doubt_declared
 from softfinger.provenance import derive_seed, describe_run
 from softfinger.stages.linear_algebra import on_one_thread
 
 SPECS = {
     spec.SPEC.name: spec.SPEC
-    for spec in (ranking_spec, location_spec, masking_spec, repair_spec, free_form_spec)
+    for spec in (
+        ranking_spec,
+        location_spec,
+        masking_spec,
+        repair_spec,
+        free_form_spec,
+        laws_spec,
+        measurement_spec,
+    )
 }
 
 
@@ -60,6 +72,7 @@ def diagnose(
     **artifacts
         Name → file, for every name in ``SPECS``.
     """
+    Path(verdict).unlink(missing_ok=True)  # an older one would be of other artifacts
     roles = {"angles": angles} if model is None else {"angles": angles, "model": model}
     provenance = describe_run("diagnose", roles, config, seed)
     recorded = open_artifact(angles, angles_spec.SPEC)
@@ -77,10 +90,15 @@ def diagnose(
         write_model_file(describe_repair(found, fitted_to), temporary)
     said = found.verdict
     if config["sample_repaired"]:
-        said, r_hat = refine_verdict(found, np.random.default_rng(stream))
+        said, r_hat = refine_verdict(found, recorded, np.random.default_rng(stream))
         print(f"sampling the repaired model: largest R-hat {r_hat:.3f}")
     proposal = propose_experiment(found, recorded)
-    said = said.model_copy(update={"next_experiment": proposal})
+    warnings = [
+        Warned(id=doubt.id, trials=list(doubt.trials), statement=doubt.statement)
+        for doubt in find_doubts(recorded)
+    ]
+    warnings += doubt_declared(found.problem.noise)
+    said = said.model_copy(update={"next_experiment": proposal, "warnings": warnings})
     write_load_files(proposal, Path(next_experiment))  # Snakemake gives a str
     with write_atomically(verdict) as temporary:
         write_verdict(said, temporary)

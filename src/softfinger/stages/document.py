@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from softfinger.artifacts import write_atomically
 from softfinger.report.publication import write_document, write_parameter_table
-from softfinger.stages.report import open_artifacts
+from softfinger.stages.opening import open_stated
 
 
 def document(
@@ -17,12 +16,11 @@ def document(
     table: Path,
     document: Path,
     markers: Sequence[Path],
-    config: Mapping[str, Any],
     **artifacts: Path,
 ) -> None:
     """Write the table of parameters, and a document that holds it and the named figures."""
-    opened = open_artifacts(artifacts, markers)
+    opened = open_stated(artifacts, markers)
     with write_atomically(table) as temporary:
-        write_parameter_table(opened, config, temporary)
+        write_parameter_table(opened, {}, temporary)
     with write_atomically(document) as temporary:
-        write_document(names, opened, config, temporary)
+        write_document(names, opened, {}, temporary)

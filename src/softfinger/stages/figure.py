@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from softfinger.report.publication import write_figure
-from softfinger.stages.report import open_artifacts
+from softfinger.stages.opening import open_stated
 
 
 def figure(
@@ -15,8 +14,7 @@ def figure(
     name: str,
     figures: Sequence[Path],
     markers: Sequence[Path],
-    config: Mapping[str, Any],
     **artifacts: Path,
 ) -> None:
     """Draw one figure, once per file, in the form of its suffix."""
-    write_figure(name, open_artifacts(artifacts, markers), config, figures)
+    write_figure(name, open_stated(artifacts, markers), {}, figures)

@@ -1,4 +1,4 @@
-"""The forward model that propagation uses in place of the base: that of a model file."""
+"""The forward model that propagation moves new trials with."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from typing import Any
 import xarray as xr
 
 from softfinger.faults import Fault
+from softfinger.inference.mover import Move, build_mover, move_paper_joint
 from softfinger.mechanics.effects.model_file import read_model_file
-from softfinger.mismatch.forward import Move, build_mover
-from softfinger.propagation.hyperparameters import take_draws
+from softfinger.propagation.populations import take_draws
 
 
 def open_mover(
     angles: xr.Dataset, posterior: xr.DataTree, config: Mapping[str, Any], model: Path | None
-) -> Move | None:
-    """Open the forward model of a model file; None for the base model.
+) -> Move:
+    """Open the forward model of a model file; that of the paper's joint for None.
 
     Parameters
     ----------
@@ -31,15 +31,16 @@ def open_mover(
     Fault
         Posterior and model do not belong together.
     """
-    fitted = "effect" in posterior["posterior"].dataset
+    fitted = posterior["posterior"].sizes.get("effect_parameter", 0) > 0
     if model is None:
         if fitted:
             raise Fault(
-                "the posterior holds effects, and no model file was given: give the one that it "
+                "the posterior has effects, and no model file was given: give the one that it "
                 "was fitted with (--model, or `model` in the configuration)"
             )
-        return None
+        return move_paper_joint
     if not fitted:
         raise Fault(f"{model}: the posterior was fitted without it; fit again with this model file")
     effect = take_draws(posterior, ["effect"], config["draws"])["effect"]
-    return build_mover(angles, read_model_file(model), effect)
+    constant = posterior.get("constant_data", xr.DataTree()).to_dataset()
+    return build_mover(constant, read_model_file(model), effect, angles["trial"])

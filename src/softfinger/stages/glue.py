@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 import contextlib
+import inspect
+import signal
 import sys
-import traceback
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Protocol
 
-from softfinger.faults import Fault
+from softfinger.failure import describe_failure
 
 
 class Job(Protocol):
-    """What a Snakemake job gives to its script: named lists and a log file."""
+    """What a Snakemake job gives to its script: named lists, a log file, its share of cores."""
 
     input: Any
     output: Any
     params: Any
     log: Sequence[str]
+    threads: int
 
 
 def end_quietly(kind: type[BaseException], error: BaseException, trace: TracebackType) -> None:
@@ -29,16 +31,23 @@ def end_quietly(kind: type[BaseException], error: BaseException, trace: Tracebac
 
 
 sys.excepthook = end_quietly
+# What ends a job from outside lets it remove what it has half written.
+signal.signal(signal.SIGTERM, signal.default_int_handler)
 
 
 def run_stage(stage: Callable[..., None], job: Job) -> None:
     """Call a stage with a job's named inputs, outputs and parameters; what it says goes to the log.
 
-    The parameter ``code`` makes Snakemake rerun a job whose library code has changed; the stage
-    itself does not need it. A fault is printed as its sentence and ends the job with status 1.
+    The parameters ``code``, ``environment`` and ``settings`` make Snakemake rerun a job whose code,
+    libraries or defaults have changed; the stage itself does not need them. A stage that takes
+    ``cores`` gets the job's threads, which are no parameter: another number reruns nothing.
+    Whatever ends it is one sentence in the log, and exit status 1.
     """
     arguments = {**_named(job.input), **_named(job.output), **_named(job.params)}
-    arguments.pop("code", None)
+    for name in ("code", "environment", "settings"):
+        arguments.pop(name, None)
+    if "cores" in inspect.signature(stage).parameters:
+        arguments["cores"] = job.threads
     log = Path(job.log[0])
     with (
         log.open("w", encoding="utf-8") as stream,
@@ -47,12 +56,9 @@ def run_stage(stage: Callable[..., None], job: Job) -> None:
     ):
         try:
             stage(**arguments)
-        except Fault as fault:
-            print(fault, file=stream)
+        except Exception as error:
+            print(describe_failure(error), file=stream)
             sys.exit(1)
-        except Exception:
-            traceback.print_exc(file=stream)
-            raise
 
 
 def _named(items: Any) -> dict[str, Any]:  # noqa: ANN401 (Snakemake's own list with names)

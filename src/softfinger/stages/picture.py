@@ -20,11 +20,10 @@ def picture(
     videos: Sequence[Path],
     markers: Path,
     picture: Path,
-    seed: int,
 ) -> None:
     """Write the frame in which the finger of the first used trial is bent most."""
     inputs = {"tables": tables, "videos": videos, "markers": markers}
-    provenance = describe_run("picture", inputs, {}, seed)
+    provenance = describe_run("picture", inputs, {})
     found = open_artifact(markers, markers_spec.SPEC)
     save_artifact(
         take_picture(read_campaign(folder), found), picture_spec.SPEC, picture, provenance

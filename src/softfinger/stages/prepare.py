@@ -14,6 +14,7 @@ from softfinger.campaign import Campaign, Trial, list_tables, read_campaign
 from softfinger.faults import ArtifactFault
 from softfinger.provenance import Provenance, describe_run
 from softfinger.stages.angles import angles
+from softfinger.stages.keys import choose_settings
 from softfinger.stages.track import track
 
 
@@ -28,13 +29,11 @@ def prepare_angles(folder: Path, out: Path, settings: Mapping[str, Any]) -> Path
         The whole configuration.
     """
     markers = track_campaign(folder, out, settings)
-    config, seed, target = settings["tracking"], settings["seed"], out / "angles.nc"
+    config, target = choose_settings(settings, "angles"), out / "angles.nc"
     tables = list_tables(read_campaign(folder))
-    expected = describe_run("angles", {"tables": tables, "markers": markers}, config, seed)
+    expected = describe_run("angles", {"tables": tables, "markers": markers}, config)
     if not is_current(target, angles_spec.SPEC, expected):
-        angles(
-            folder=folder, tables=tables, markers=markers, angles=target, config=config, seed=seed
-        )
+        angles(folder=folder, tables=tables, markers=markers, angles=target, config=config)
     return target
 
 
@@ -47,16 +46,13 @@ def track_campaign(folder: Path, out: Path, settings: Mapping[str, Any]) -> list
         target = out / f"markers/{batch:04d}.nc"
         made.append(target)
         roles = {"tables": tables, "videos": videos}
-        if not is_current(
-            target, markers_spec.SPEC, describe_run("track", roles, {}, settings["seed"])
-        ):
+        if not is_current(target, markers_spec.SPEC, describe_run("track", roles, {})):
             track(
                 folder=folder,
                 trials=[trial.name for trial in trials],
                 tables=tables,
                 videos=videos,
                 markers=target,
-                seed=settings["seed"],
             )
     return made
 

@@ -50,5 +50,5 @@ def propagate(
     rng = np.random.default_rng(derive_seed(seed, "propagate"))
     move = open_mover(inputs[0], inputs[2], config, model)
     save_artifact(compute_bands(*inputs, config, rng, move), bands_spec.SPEC, bands, provenance)
-    found = compute_densities(*inputs, config, move)
+    found = compute_densities(*inputs, config, rng, move)
     save_artifact(found, densities_spec.SPEC, densities, provenance)

@@ -14,7 +14,7 @@ from softfinger.provenance import describe_run
 
 
 def recovery(
-    *, truth: Path, least_squares: Path, posterior: Path, recovery: Path, table: Path, seed: int
+    *, truth: Path, least_squares: Path, posterior: Path, recovery: Path, table: Path
 ) -> None:
     """Write the errors and the coverage of both ways, and the same as a CSV table."""
     roles = {"truth": truth, "least_squares": least_squares, "posterior": posterior}
@@ -23,6 +23,6 @@ def recovery(
         open_artifact(least_squares, least_squares_spec.SPEC),
         open_tree(posterior, posterior_spec.SPEC)["posterior"].to_dataset(),
     )
-    provenance = describe_run("recovery", roles, {}, seed)
+    provenance = describe_run("recovery", roles, {})
     save_artifact(measured, recovery_spec.SPEC, recovery, provenance)
     tabulate_recovery(measured).to_csv(table, index=False, float_format="%.4g")

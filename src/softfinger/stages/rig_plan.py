@@ -15,14 +15,14 @@ from softfinger.artifacts.specs import angles as angles_spec
 from softfinger.artifacts.specs import visibility as visibility_spec
 from softfinger.campaign import read_campaign
 from softfinger.faults import Fault
-from softfinger.mismatch.next_experiment import LEAST_GAIN
-from softfinger.mismatch.plan import (
+from softfinger.inference.problem import Candidate, pose_problem
+from softfinger.mismatch.experiment.next_experiment import LEAST_GAIN
+from softfinger.mismatch.experiment.plan import (
     Protocol,
     choose_protocol,
     measure_separation,
     plan_experiment,
 )
-from softfinger.mismatch.problem import Candidate, pose_problem
 from softfinger.provenance import describe_run
 from softfinger.rig.plan import Plan, read_plan
 from softfinger.rig.proposals import (

@@ -19,6 +19,7 @@ from softfinger.concealed.score import score as score_verdicts
 from softfinger.concealed.seal import open_seal
 from softfinger.concealed.table import tabulate_cases, tabulate_measured
 from softfinger.report.concealed import Proof, render_proof
+from softfinger.summary.buried import average_residual
 
 Paths = Sequence[Path]
 
@@ -59,7 +60,8 @@ def score(
     truths = [open_seal(Path(t), Path(s), d) for t, s, d in zip(truth, salt, seals, strict=True)]
     verdicts = [found["verdict"] for found in answers]
     weighed = [_read_json(path) for path in limits]
-    scored = _score(verdicts, truths, weighed, answers, seed)
+    curves = [_read_curves(Path(path) / "laws.nc") for path in diagnoses]
+    scored = _score(verdicts, truths, weighed, answers, curves, seed)
     cases = tabulate_cases(names, truths, answers, weighed)
     pd.DataFrame(cases).to_csv(table, index=False)
     found = collect_benchmarks(scored) | {"concealed_campaigns": len(cases)}
@@ -83,13 +85,19 @@ def _score(
     truths: Sequence[dict],
     weighed: Sequence[dict],
     answers: Sequence[dict],
+    curves: Sequence[xr.Dataset | None],
     seed: int,
 ) -> xr.Dataset:
     seconds = [found["seconds"] for found in answers]
-    scored = score_verdicts(verdicts, truths, weighed, seconds=seconds)
-    spent = ("case", [found["cpu_seconds"] for found in answers])
+    scored = score_verdicts(verdicts, truths, weighed, curves=curves, seconds=seconds)
+    spent = [found["cpu_seconds"] for found in answers]
+    cost = {
+        "seconds_median": float(np.median(seconds)),
+        "seconds_most": max(seconds),
+        "cpu_seconds_median": float(np.median(spent)),
+    }
     chance = shuffle_truths(verdicts, truths, np.random.default_rng(seed))
-    return scored.assign(cpu_seconds=spent).assign_attrs(source="synthetic", chance=chance)
+    return scored.assign_attrs(source="synthetic", chance=chance, **cost)
 
 
 def _score_rivals(
@@ -126,7 +134,12 @@ def _find_buried(
         f"swallowed the effect. The oracle gains {case['oracle_nats']:.0f} nats. The verdict: "
         f"{said}"
     )
-    return case["campaign"], sentence, open_artifact(Path(diagnoses[k]) / "repair.nc", REPAIR)
+    repair = open_artifact(Path(diagnoses[k]) / "repair.nc", REPAIR)
+    return case["campaign"], sentence, average_residual(repair)
+
+
+def _read_curves(path: Path) -> xr.Dataset | None:
+    return xr.load_dataset(path, engine="h5netcdf") if path.is_file() else None
 
 
 def _read_json(path: Path) -> dict:

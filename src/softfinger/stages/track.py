@@ -19,9 +19,8 @@ def track(
     tables: Sequence[Path],
     videos: Sequence[Path],
     markers: Path,
-    seed: int,
 ) -> None:
     """Write the marker positions of the named trials of a campaign."""
-    provenance = describe_run("track", {"tables": tables, "videos": videos}, {}, seed)
+    provenance = describe_run("track", {"tables": tables, "videos": videos}, {})
     found = track_trials(read_campaign(folder), trials)
     save_artifact(found, SPEC, markers, provenance)

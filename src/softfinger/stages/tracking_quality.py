@@ -14,8 +14,8 @@ from softfinger.provenance import describe_run
 from softfinger.tracking.quality import compute_quality
 
 
-def tracking_quality(*, markers: Sequence[Path], tracking_quality: Path, seed: int) -> None:
+def tracking_quality(*, markers: Sequence[Path], tracking_quality: Path) -> None:
     """Write the table of all filmed trials."""
-    provenance = describe_run("tracking_quality", {"markers": markers}, {}, seed)
+    provenance = describe_run("tracking_quality", {"markers": markers}, {})
     parts = [compute_quality(open_artifact(path, markers_spec.SPEC)) for path in markers]
     save_artifact(xr.concat(parts, dim="trial"), quality_spec.SPEC, tracking_quality, provenance)

@@ -15,13 +15,16 @@ from softfinger.campaign import (
     read_marker_table,
 )
 from softfinger.campaign.folder import Trial
+from softfinger.campaign.load_log import refuse_mixed_loads
 from softfinger.faults import CampaignFault, TrialFault
 from softfinger.tracking.angles import compute_joint_angles
+from softfinger.tracking.dots import measure_motion
 from softfinger.tracking.flags import JUMP, MISSING, STALE
 from softfinger.tracking.outliers import find_jumps_array, find_stale_array
 from softfinger.tracking.plausibility import flag_markers
 from softfinger.tracking.quality import LIMITS, compute_quality, list_poor
 from softfinger.tracking.sense import refuse_wrong_sign
+from softfinger.tracking.specimen import refuse_relaxation, scale_motion
 
 
 def assemble_angles(
@@ -43,12 +46,13 @@ def assemble_angles(
     Dataset
         The artifact `angles`; trials in the order of ``trials.csv``. A trial that cannot be used
         stands in ``set_aside_reason``. The attribute ``notes`` (JSON, trial → sentences) says what
-        is worth knowing of those that are used.
+        is worth knowing of those that are used. The motion of a specimen is an angle there, see
+        :func:`softfinger.tracking.specimen.scale_motion`.
 
     Raises
     ------
     CampaignFault
-        No trial can be used, or most trials move against the load.
+        No trial can be used, loads are of different kinds, or most trials move against the load.
     """
     filmed = {
         str(name): batch.sel(trial=name) for batch in markers for name in batch["trial"].to_numpy()
@@ -63,8 +67,13 @@ def assemble_angles(
     if not used:
         listed = [f"trial {name}: {reason}" for name, reason in reasons.items()]
         raise CampaignFault(campaign.name, ["no trial can be used", *listed])
+    refuse_mixed_loads(campaign.name, {t.name: one.attrs["load_kind"] for t, one in used})
     refuse_wrong_sign(campaign.name, [dataset for _, dataset in used])
-    return _gather(campaign, used, reasons)
+    if campaign.specimen is None:
+        return _gather(campaign, used, reasons)
+    scaled, attrs = scale_motion(campaign.specimen, [dataset for _, dataset in used])
+    trials = [trial for trial, _ in used]
+    return _gather(campaign, list(zip(trials, scaled, strict=True)), reasons).assign_attrs(attrs)
 
 
 def read_trial(
@@ -100,16 +109,19 @@ def read_trial(
         poor = list_poor(compute_quality(recording.expand_dims(trial=[trial.name])), limits)
         if poor:
             raise TrialFault(f"{trial.recording.name}: {poor[trial.name]}")
-        recording = compute_joint_angles(recording, campaign)
+        measure = measure_motion if campaign.specimen else compute_joint_angles
+        recording = measure(recording, campaign)
     if not np.isfinite(recording["joint_angle"]).any("frame").all():
         raise TrialFault(
             f"{trial.recording.name}: holds no usable frame of at least one joint; see that every "
             "link shows two markers"
         )
-    flagged = flag_frames(recording, jumps)
-    return flagged.assign(
+    flagged = flag_frames(recording, jumps).assign(
         load_time=("knot", load_time), load_torque=("knot", load_torque)
-    ).assign_attrs(load_kind=kind, notes=list_notes(flagged, load_time, kind))
+    )
+    if campaign.specimen is not None:
+        refuse_relaxation(trial.recording.name, flagged)
+    return flagged.assign_attrs(load_kind=kind, notes=list_notes(flagged, load_time, kind))
 
 
 def list_notes(angles: xr.Dataset, load_time: np.ndarray, kind: str) -> list[str]:
@@ -214,6 +226,7 @@ def _gather(
         .assign_attrs(
             campaign=campaign.name,
             source=campaign.source,
+            camera=int(campaign.camera is not None),
             noise_sd_rad=campaign.noise_sd_rad if campaign.noise_sd_rad is not None else np.nan,
             notes=json.dumps({t.name: one.attrs["notes"] for t, one in used if one.attrs["notes"]}),
         )

@@ -18,8 +18,9 @@ even exposure, a disc seen at a slant.
 import math
 
 import numpy as np
-from numba import njit
 from scipy.special import ndtr
+
+from softfinger.compiled import compiled
 
 #: A disc's parameters: centre, contrast, radius, edge spread S, level, slopes of the shade.
 PARAMETERS = ("x", "y", "contrast", "radius", "spread", "level", "slope_x", "slope_y")
@@ -36,7 +37,7 @@ _NORMAL_SHARE = ndtr(_NODES)
 _NORMAL_DENSITY = np.exp(-0.5 * _NODES**2) / np.sqrt(2.0 * np.pi)
 
 
-@njit(cache=True)
+@compiled
 def count_divisions(spread: float) -> int:
     """Sub-pixels along a side that keep the centre's bias far below its standard deviation."""
     if spread >= 0.5:
@@ -46,7 +47,7 @@ def count_divisions(spread: float) -> int:
     return 4 if spread >= 0.33 else 8
 
 
-@njit(cache=True)
+@compiled
 def compute_edge_array(
     depth: float, spread: float, pixel_variance: float, evenness: float
 ) -> tuple[float, float]:
@@ -93,7 +94,7 @@ def compute_edge_array(
     )
 
 
-@njit(cache=True)
+@compiled
 def compute_response_array(
     dx: float, dy: float, radius: float, spread: float, divisions: int
 ) -> tuple[float, float, float, float, float]:

@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from softfinger.compiled import compiled
 from softfinger.tracking.disc import (
     CONTRAST,
     LARGEST_SPREAD,
@@ -49,7 +49,7 @@ _MOST_GROWTH = 2.5  # radii of the start: what grows or strays further is no dis
 _FEWEST_RIM, _FEWEST_FLAT = 12, 8
 
 
-@njit(cache=True)
+@compiled
 def fit_disc_array(
     picture: np.ndarray,
     weight: np.ndarray,
@@ -126,7 +126,7 @@ def fit_disc_array(
     return False
 
 
-@njit(cache=True)
+@compiled
 def _take_step(p: np.ndarray, step: np.ndarray, share: float) -> None:
     for a in range(p.size):
         p[a] += share * step[a]
@@ -140,7 +140,7 @@ def _take_step(p: np.ndarray, step: np.ndarray, share: float) -> None:
     p[SPREAD] = min(max(p[SPREAD], SMALLEST_SPREAD), LARGEST_SPREAD)
 
 
-@njit(cache=True)
+@compiled
 def _hold_spread(products: np.ndarray) -> None:
     """Take the spread out of the parameters: at the pixel's own sharpness it cannot shrink."""
     for k in range(_SIZE + 1):
@@ -148,7 +148,7 @@ def _hold_spread(products: np.ndarray) -> None:
     products[SPREAD, SPREAD] = 1.0
 
 
-@njit(cache=True)
+@compiled
 def _measure_residuals(
     rows: np.ndarray, side: np.ndarray, step: np.ndarray, count: int, quality: np.ndarray
 ) -> bool:

@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from softfinger.compiled import compiled
 from softfinger.tracking.disc import CONTRAST, RADIUS, SPREAD, X, Y
 from softfinger.tracking.fit import (
     FIT_QUALITY,
@@ -26,7 +26,7 @@ _LARGEST_RISE = 1.5  # of the noise variance, where a wider margin holds nothing
 _ROUNDING = 0.5  # of the light, squared: below it a rise means nothing
 
 
-@njit(cache=True)
+@compiled
 def looks_alike_array(found: np.ndarray, known: np.ndarray) -> bool:
     """Whether a fitted disc may be the known one: contrast of its sign and size, its radius."""
     contrast = found[CONTRAST] / known[CONTRAST]
@@ -37,7 +37,7 @@ def looks_alike_array(found: np.ndarray, known: np.ndarray) -> bool:
     )
 
 
-@njit(cache=True)
+@compiled
 def is_certain_array(found: np.ndarray, quality: np.ndarray) -> bool:
     """Whether a fit places a disc, and what it leaves on the rim is small against the contrast."""
     variance = max(quality[UNIT_XX], quality[UNIT_YY]) * quality[NOISE_VARIANCE]
@@ -48,7 +48,7 @@ def is_certain_array(found: np.ndarray, quality: np.ndarray) -> bool:
     )
 
 
-@njit(cache=True)
+@compiled
 def follow_discs_array(
     picture: np.ndarray,
     weight: np.ndarray,

@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from numba import njit
 
+from softfinger.compiled import compiled
 from softfinger.tracking.disc import (
     CONTRAST,
     LEVEL,
@@ -23,13 +23,13 @@ OUTSIDE, INSIDE, RIM = range(3)
 _RIM_WIDTH = 3.5  # half width of the rim in edge spreads
 
 
-@njit(cache=True)
+@compiled
 def _compute_rim_width(spread: float) -> float:
     # Below the pixel's own width the edge spreads are no measure of the pixel's corners.
     return _RIM_WIDTH * spread + 0.5 * (spread < 0.5)
 
 
-@njit(cache=True)
+@compiled
 def linearise_window_array(
     picture: np.ndarray,
     weight: np.ndarray,
@@ -111,7 +111,7 @@ def linearise_window_array(
     return count
 
 
-@njit(cache=True)
+@compiled
 def _has_neighbours(x: float, y: float, reach: float, others: np.ndarray, own: int) -> bool:
     for k in range(others.shape[0]):
         if k != own and math.hypot(x - others[k, 0], y - others[k, 1]) < reach + others[k, 2]:
@@ -119,7 +119,7 @@ def _has_neighbours(x: float, y: float, reach: float, others: np.ndarray, own: i
     return False
 
 
-@njit(cache=True)
+@compiled
 def _is_taken(column: int, row: int, others: np.ndarray, own: int) -> bool:
     for k in range(others.shape[0]):
         if k != own:
@@ -129,7 +129,7 @@ def _is_taken(column: int, row: int, others: np.ndarray, own: int) -> bool:
     return False
 
 
-@njit(cache=True)
+@compiled
 def multiply_rows_array(rows: np.ndarray, count: int, products: np.ndarray) -> None:
     """Scalar products of the rows over their first `count` columns, the lower triangle.
 
@@ -156,7 +156,7 @@ def multiply_rows_array(rows: np.ndarray, count: int, products: np.ndarray) -> N
             products[a, b] = (s0 + s1) + (s2 + s3)
 
 
-@njit(cache=True)
+@compiled
 def invert_symmetric_array(normal: np.ndarray, low: np.ndarray, inverse: np.ndarray) -> bool:
     """Inverse of the positive matrix whose lower triangle is given, by Cholesky.
 

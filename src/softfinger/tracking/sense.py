@@ -7,10 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from softfinger.doubts.features import measure_noise, measure_unexplained, thin
+from softfinger.doubts.response import choose_times, compute_terms, fit_response
 from softfinger.faults import CampaignFault
 from softfinger.tracking.flags import JUMP, MISSING
 
-_ABOVE_NOISE = 5.0  # frame-to-frame noise sd: what moves less has no sense
+_ABOVE_NOISE = 5.0  # sd of the noise: what moves less has no sense
+_UNEXPLAINED = 0.9  # of the motion: what its load explains less of has no sense
 
 
 def refuse_wrong_sign(name: str, trials: Sequence[xr.Dataset]) -> None:
@@ -46,24 +49,26 @@ def refuse_wrong_sign(name: str, trials: Sequence[xr.Dataset]) -> None:
 def find_sense(trial: xr.Dataset) -> int:
     """Whether a trial moves with its load (+1), against it (−1), or too little to say (0).
 
-    Compares the summed joint angles of the tenth of frames under the strongest load, late ones
-    before early ones, with those of the first frames.
+    The sign is that of the causal creep response of the summed joint angles to the load, whatever
+    the load's history; see :mod:`softfinger.doubts.response`.
     """
     time = trial["time"].to_numpy()
     good = (trial["angle_flag"] & (MISSING | JUMP)) == 0
     total = trial["joint_angle"].where(good).sum("joint", skipna=False).to_numpy()
     seen = np.isfinite(total)
-    load = np.interp(time, trial["load_time"], trial["load_torque"], left=0.0)
-    if seen.sum() < 4 or not np.any(load[seen]):
+    load_time, load = trial["load_time"].to_numpy(), trial["load_torque"].to_numpy()
+    if seen.sum() < 4 or not np.any(load):
         return 0
-    time, total, load = time[seen], total[seen], load[seen]
-    count = max(1, seen.sum() // 10)
-    strongest = np.lexsort((time, np.abs(load)))[-count:]
-    first = np.flatnonzero(load == load[0])[: min(count, 3)]
-    moved = np.median(total[strongest]) - np.median(total[first])
-    # A load that stands from the first frame on began at zero.
-    before = load[0] if np.ptp(load) > 0.0 else 0.0
-    noise = 1.4826 * np.median(np.abs(np.diff(total))) / np.sqrt(2.0)
-    if abs(moved) <= _ABOVE_NOISE * noise:
+    time, total = time[seen], total[seen][None]
+    chosen = thin(time, load_time)
+    times = choose_times(float(np.ptp(time)), float(np.median(np.diff(time))))
+    terms = compute_terms(time[chosen], load_time, load, times)
+    response = fit_response(terms, total[:, chosen], times)
+    moved = float(np.ptp(total[:, chosen] - response.residual))
+    noise = float(np.nan_to_num(measure_noise(total)[0][0]))
+    if (
+        moved <= _ABOVE_NOISE * noise
+        or measure_unexplained(response, total[:, chosen]) > _UNEXPLAINED
+    ):
         return 0
-    return int(np.sign(moved * (np.median(load[strongest]) - before)))
+    return int(np.sign(response.amplitude.sum()))

@@ -84,19 +84,19 @@ def find_start(
     )
 
 
-def start_at_points(picture: np.ndarray, places: np.ndarray, radius: float) -> Tracker:
+def start_at_points(picture: np.ndarray, places: np.ndarray, radius: float | np.ndarray) -> Tracker:
     """Tracker of discs near given places, each on its own: no geometry binds them.
 
     Parameters
     ----------
     picture : (row, column, channel)
     places : (marker, 2) [px]
-    radius : float [px]
+    radius : float or (marker,) [px]
         About the discs' radius.
     """
     rough = np.zeros((len(places), len(PARAMETERS)))
     rough[:, [X, Y]] = places
-    rough[:, RADIUS], rough[:, SPREAD] = radius, 0.1 * radius
+    rough[:, RADIUS], rough[:, SPREAD] = radius, 0.1 * np.asarray(radius)
     weight = np.full(picture.shape[2], 1.0 / picture.shape[2])
     known = measure_light(picture, weight, rough)
     links = [[k] for k in range(len(places))]
@@ -105,7 +105,14 @@ def start_at_points(picture: np.ndarray, places: np.ndarray, radius: float) -> T
 
 
 def locate_discs(picture: np.ndarray, radius: float, colour: str | None = None) -> np.ndarray:
-    """Find discs of a radius and colour in a single picture.
+    """Find discs of a radius and colour in a single picture; see :func:`measure_discs`."""
+    return measure_discs(picture, radius, colour)[0]
+
+
+def measure_discs(
+    picture: np.ndarray, radius: float, colour: str | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Find discs of a radius and colour in a single picture, and how well each is fitted.
 
     Parameters
     ----------
@@ -116,9 +123,11 @@ def locate_discs(picture: np.ndarray, radius: float, colour: str | None = None) 
 
     Returns
     -------
-    numpy.ndarray (disc, 8)
+    discs : numpy.ndarray (disc, 8)
         Parameters of :data:`softfinger.tracking.disc.PARAMETERS`, in the mix of channels in which
         the discs stand out most.
+    quality : numpy.ndarray (disc, 5)
+        As :data:`softfinger.tracking.fit.FIT_QUALITY`.
     """
     coloured = (colour or "").startswith("#") and picture.shape[2] == 3
     view = draw_closeness(picture, str(colour)) if coloured else picture
@@ -133,7 +142,8 @@ def locate_discs(picture: np.ndarray, radius: float, colour: str | None = None) 
     margin, wanted = choose_margins_array(picture, weight, known), np.ones(len(known), bool)
     places = known[:, :2].copy()
     follow_discs_array(picture, weight, known, margin, wanted, places, refined, quality)
-    return refined[np.isfinite(refined[:, X])]
+    found = np.isfinite(refined[:, X])
+    return refined[found], quality[found]
 
 
 def list_sightings(

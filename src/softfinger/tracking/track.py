@@ -14,6 +14,7 @@ from softfinger.faults import TrialFault
 from softfinger.progress import track_progress
 from softfinger.tracking.body import Body
 from softfinger.tracking.disc import RADIUS, X, Y
+from softfinger.tracking.dots import start_dots
 from softfinger.tracking.fit import FIT_QUALITY
 from softfinger.tracking.flags import JUMP, MISSING, STALE
 from softfinger.tracking.start import find_start
@@ -23,7 +24,9 @@ from softfinger.tracking.video import read_frames
 _SUSPECT_EXCESS = 4.0  # residual over the typical one: something else is in the window
 
 
-def track_video(path: Path, camera: Camera, link_length: Sequence[float]) -> xr.Dataset:
+def track_video(
+    path: Path, camera: Camera, link_length: Sequence[float] | None = None
+) -> xr.Dataset:
     """Track the declared markers through one trial's video.
 
     Parameters
@@ -32,8 +35,8 @@ def track_video(path: Path, camera: Camera, link_length: Sequence[float]) -> xr.
         The video; frames are streamed.
     camera : Camera
         Frame rate, scale, and the markers' places, size and colour.
-    link_length : sequence [m]
-        Joint centre to joint centre, base to tip.
+    link_length : sequence [m], optional
+        Joint centre to joint centre, base to tip; free dots need none.
 
     Returns
     -------
@@ -48,7 +51,10 @@ def track_video(path: Path, camera: Camera, link_length: Sequence[float]) -> xr.
         markers are never found.
     """
     frames = read_frames(path, camera.fps)
-    before, first, tracker = find_start(path, frames, camera, link_length)
+    if camera.dots:
+        before, first, tracker = start_dots(frames, camera.dots)
+    else:
+        before, first, tracker = find_start(path, frames, camera, link_length or ())
     times = list(before)
     fits = [np.full((len(tracker.known), 2 + len(FIT_QUALITY)), np.nan) for _ in before]
     stale = [False for _ in before]

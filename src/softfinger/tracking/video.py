@@ -16,6 +16,7 @@ from softfinger.faults import TrialFault
 
 LARGEST_RATE_ERROR = 0.01
 _PLAUSIBLE_COUNT = 10_000_000
+_NARROWEST_PX, _LARGEST_PX = 16, 100_000_000
 _GREY = cv2.VideoWriter.fourcc(*"Y800")
 
 
@@ -95,6 +96,15 @@ def _open(path: Path) -> cv2.VideoCapture:
         raise TrialFault(
             f"{path.name}: cannot be decoded; it is cut off, no video, or in a codec that OpenCV "
             "does not know; convert it to Motion JPEG or FFV1"
+        )
+    width, height = (
+        int(capture.get(key)) for key in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT)
+    )
+    if min(width, height) < _NARROWEST_PX or width * height > _LARGEST_PX:
+        capture.release()
+        raise TrialFault(
+            f"{path.name}: its pictures have {width} × {height} px; expected at least "
+            f"{_NARROWEST_PX} px on a side and at most {_LARGEST_PX:g} px in all"
         )
     if int(capture.get(cv2.CAP_PROP_CODEC_PIXEL_FORMAT)) == _GREY:
         capture.set(cv2.CAP_PROP_CONVERT_RGB, 0)  # three equal channels would cost a third more

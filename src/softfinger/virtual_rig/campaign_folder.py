@@ -9,7 +9,7 @@ import xarray as xr
 from ruamel.yaml import YAML
 from scipy.signal import lfilter
 
-from softfinger.virtual_rig.config import VirtualRigConfig, read_config
+from softfinger.virtual_rig.config import RigConfig, read_rig_config
 from softfinger.virtual_rig.scene import build_marker_places
 from softfinger.virtual_rig.streams import Purpose, build_generator
 
@@ -30,13 +30,13 @@ def write_campaign_folder(truth: xr.Dataset, config: dict, folder: Path, seed: i
     truth : Dataset
         As from `draw_motion`. Its true parameters and angles do not go into the folder.
     config
-        The virtual rig's block of the configuration.
+        The virtual rig's block of the configuration; what only pictures depend on may be absent.
     folder
         Made when absent.
     seed
         Root of the trials' streams.
     """
-    rig, folder = read_config(config), Path(folder)
+    rig, folder = read_rig_config(config), Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     names = [str(name) for name in truth.trial.values]
     with (folder / "campaign.yaml").open("w", encoding="utf-8", newline="\n") as file:
@@ -49,7 +49,7 @@ def write_campaign_folder(truth: xr.Dataset, config: dict, folder: Path, seed: i
             _write_angles(truth, rig, index, folder / RECORDINGS["angles"].format(name), seed)
 
 
-def describe_campaign(config: VirtualRigConfig) -> dict:
+def describe_campaign(config: RigConfig) -> dict:
     """Build the contents of ``campaign.yaml``."""
     camera = {
         "fps": config.fps,
@@ -108,7 +108,7 @@ def draw_temperature(room: np.random.Generator) -> float:
 
 
 def _build_trial_table(
-    names: list[str], config: VirtualRigConfig, seed: int
+    names: list[str], config: RigConfig, seed: int
 ) -> tuple[list[str], list[list[str]]]:
     rows, started_at = [], FIRST_TRIAL_AT
     for index, name in enumerate(names):
@@ -122,9 +122,7 @@ def _build_trial_table(
     return ["trial", "started_at", config.level, "load", "temperature_c"], rows
 
 
-def _write_angles(
-    truth: xr.Dataset, config: VirtualRigConfig, index: int, path: Path, seed: int
-) -> None:
+def _write_angles(truth: xr.Dataset, config: RigConfig, index: int, path: Path, seed: int) -> None:
     angle = truth.joint_angle.isel(trial=index).transpose("joint", "frame").values
     noise = draw_angle_noise_array(
         angle.shape,

@@ -11,13 +11,13 @@ from softfinger.mechanics.forward.slots import SlotArrays, build_slots
 from softfinger.mechanics.geometry import FingerGeometry
 from softfinger.mechanics.three_element import compute_elastic_basis_array
 from softfinger.virtual_rig.campaign_folder import draw_temperature
-from softfinger.virtual_rig.config import VirtualRigConfig
+from softfinger.virtual_rig.config import RigConfig
 from softfinger.virtual_rig.population import PARAMETERS
 from softfinger.virtual_rig.streams import Purpose, build_generator
 
 
 def move_with_effects(
-    content: ModelFile, rig: VirtualRigConfig, drawn: xr.Dataset, time: NDArray, seed: int
+    content: ModelFile, rig: RigConfig, drawn: xr.Dataset, time: NDArray, seed: int
 ) -> xr.DataArray:
     """Simulate drawn trials with the effects of a model file and the links' inertia.
 
@@ -55,7 +55,7 @@ def move_with_effects(
 
 
 def describe_setting(
-    rig: VirtualRigConfig, own: NDArray, load: tuple[NDArray, NDArray], seed: int
+    rig: RigConfig, own: NDArray, load: tuple[NDArray, NDArray], seed: int
 ) -> Setting:
     """Describe the campaign that a rig is about to record, before it moves.
 
@@ -97,4 +97,5 @@ def describe_setting(
         covariates={"temperature_c": np.array([draw_temperature(room) for room in rooms])},
         geometry=True,
         masses=True,
+        camera=True,
     )

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import xarray as xr
 
-from softfinger.virtual_rig.config import VirtualRigConfig, read_config
+from softfinger.virtual_rig.config import FilmConfig, read_film_config
 from softfinger.virtual_rig.render import (
     build_canvas,
     build_noise_table,
@@ -36,7 +36,7 @@ def film_trial(truth: xr.Dataset, config: dict, trial_index: int, path: Path, se
     truth : Dataset
         joint_angle (trial, joint, frame) [rad], as from `draw_motion`.
     config
-        The virtual rig's block of the configuration.
+        The virtual rig's block of the configuration, or what of it pictures depend on.
     trial_index
         Place of the trial in the truth, from 0.
     path
@@ -44,7 +44,7 @@ def film_trial(truth: xr.Dataset, config: dict, trial_index: int, path: Path, se
     seed
         Root of the trials' streams.
     """
-    rig = read_config(config)
+    rig = read_film_config(config)
     frames = render_frames(truth.joint_angle.isel(trial=trial_index), rig, seed, trial_index)
     with open_video(path, rig.fps, rig.video_quality) as write:
         for frame in frames:
@@ -52,7 +52,7 @@ def film_trial(truth: xr.Dataset, config: dict, trial_index: int, path: Path, se
 
 
 def render_frames(
-    joint_angle: xr.DataArray, config: VirtualRigConfig, seed: int, trial_index: int
+    joint_angle: xr.DataArray, config: FilmConfig, seed: int, trial_index: int
 ) -> Iterator[np.ndarray]:
     """Render a trial's frames one by one; the same array is written over each time.
 

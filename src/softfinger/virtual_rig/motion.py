@@ -6,7 +6,7 @@ import xarray as xr
 from softfinger.mechanics.dynamics import simulate_full_dynamics
 from softfinger.mechanics.effects.model_file import ModelFile
 from softfinger.mechanics.geometry import FingerGeometry
-from softfinger.virtual_rig.config import read_config
+from softfinger.virtual_rig.config import read_rig_config
 from softfinger.virtual_rig.effects import move_with_effects
 from softfinger.virtual_rig.population import draw_parameters
 
@@ -17,7 +17,7 @@ def draw_motion(config: dict, seed: int, model: ModelFile | None = None) -> xr.D
     Parameters
     ----------
     config
-        The virtual rig's block of the configuration.
+        The virtual rig's block of the configuration; what only pictures depend on may be absent.
     seed
         Root of the trials' streams; trial k is the same however many trials follow.
     model
@@ -30,7 +30,7 @@ def draw_motion(config: dict, seed: int, model: ModelFile | None = None) -> xr.D
         (trial, joint, frame) [rad], with time (frame) [s]; load_time [s], load_tension [N] (knot);
         population_mean, population_sd (joint, parameter), of the logarithm except for q_ini.
     """
-    rig = read_config(config)
+    rig = read_rig_config(config)
     drawn = draw_parameters(rig.n_trials, seed)
     time = np.arange(rig.n_frames) / rig.fps
     load_time, load_tension = np.array(rig.load_time_s), np.array(rig.load_tension_n)

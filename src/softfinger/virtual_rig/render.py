@@ -9,10 +9,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from scipy.special import chndtr, ndtri
 
-from softfinger.virtual_rig.config import VirtualRigConfig
+from softfinger.compiled import compiled
+from softfinger.virtual_rig.config import FilmConfig
 from softfinger.virtual_rig.scene import FRAME_HEIGHT_PX, FRAME_WIDTH_PX
 
 BACKGROUND_GREY = 150.0
@@ -85,7 +85,7 @@ def build_light(unevenness: float) -> np.ndarray:
     return (1 - unevenness * distance2 / distance2.max()).astype(np.float32)
 
 
-def build_canvas(config: VirtualRigConfig, base: np.ndarray) -> Canvas:
+def build_canvas(config: FilmConfig, base: np.ndarray) -> Canvas:
     """Build what all pictures share, with the base (capsule, 5) [px] drawn on it."""
     disc_radius = config.marker_diameter_m / config.metres_per_pixel / 2
     light = build_light(config.light_unevenness)
@@ -113,7 +113,7 @@ def draw_finger(
         _draw_disc_array(picture, canvas.light, x, y, canvas.disc_radius, canvas.disc, dark)
 
 
-@njit(cache=True)
+@compiled
 def _draw_capsule_array(
     picture: np.ndarray, light: np.ndarray, capsule: np.ndarray, edge_sd: float, grey: float
 ) -> None:
@@ -139,7 +139,7 @@ def _draw_capsule_array(
             picture[row, column] += (grey * light[row, column] - picture[row, column]) * cover
 
 
-@njit(cache=True)
+@compiled
 def _draw_disc_array(
     picture: np.ndarray,
     light: np.ndarray,
@@ -163,7 +163,7 @@ def _draw_disc_array(
             picture[row, column] += (grey * light[row, column] - picture[row, column]) * cover
 
 
-@njit(cache=True)
+@compiled
 def _average_over_pixel_array(dx: float, dy: float, disc: np.ndarray) -> float:
     total = 0.0
     for i in range(-1, 2):
@@ -190,7 +190,7 @@ def build_noise_table(noise_sd: float) -> np.ndarray:
     return (noise_sd * quantile / quantile.std()).astype(np.float32)
 
 
-@njit(cache=True)
+@compiled
 def expose_array(
     picture: np.ndarray, noise_table: np.ndarray, key: np.uint64, frame: np.ndarray
 ) -> None:

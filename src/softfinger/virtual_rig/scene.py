@@ -8,7 +8,7 @@ rows. The centre of the top-left pixel is (0, 0).
 import numpy as np
 import xarray as xr
 
-from softfinger.virtual_rig.config import VirtualRigConfig
+from softfinger.virtual_rig.config import SceneConfig
 
 FRAME_WIDTH_PX = 640
 FRAME_HEIGHT_PX = 480
@@ -20,7 +20,7 @@ BASE_HALF_WIDTH_M = 0.0055
 LINK_MARKERS = (0.24, 0.76)  # shares of the link's length
 
 
-def build_marker_places(config: VirtualRigConfig) -> dict[str, list[float]]:
+def build_marker_places(config: SceneConfig) -> dict[str, list[float]]:
     """Build the places of the marks [m] along each link from its proximal joint, base first.
 
     The base's are measured from the first joint, so they are negative.
@@ -87,7 +87,7 @@ def convert_to_pixels_array(position: np.ndarray, metres_per_pixel: float) -> np
     return np.array(FIRST_JOINT_PX) + position * np.array([1.0, -1.0]) / metres_per_pixel
 
 
-def compute_marker_position(joint_angle: xr.DataArray, config: VirtualRigConfig) -> xr.DataArray:
+def compute_marker_position(joint_angle: xr.DataArray, config: SceneConfig) -> xr.DataArray:
     """Compute where the marks' centres are in the picture.
 
     Parameters
@@ -124,7 +124,7 @@ def compute_marker_position(joint_angle: xr.DataArray, config: VirtualRigConfig)
     )
 
 
-def compute_capsules(joint_angle: np.ndarray, config: VirtualRigConfig) -> np.ndarray:
+def compute_capsules(joint_angle: np.ndarray, config: SceneConfig) -> np.ndarray:
     """Compute the finger's outline as thick lines with round ends.
 
     A slender one through each joint (the constriction) and a stout one along each link.
@@ -158,7 +158,7 @@ def compute_capsules(joint_angle: np.ndarray, config: VirtualRigConfig) -> np.nd
     )
 
 
-def compute_base_capsule(config: VirtualRigConfig) -> np.ndarray:
+def compute_base_capsule(config: SceneConfig) -> np.ndarray:
     """Compute the base's outline (1, 5) [px]: one capsule under its marks."""
     ends = np.array([[[[place, 0.0] for place in BASE_BODY_M]]])
     half_thickness = BASE_HALF_WIDTH_M / config.metres_per_pixel

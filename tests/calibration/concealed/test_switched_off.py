@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from softfinger.concealed.effects import EFFECTS
 from softfinger.concealed.oracle import compute_gain
 from softfinger.concealed.protocols import PROTOCOLS
+from softfinger.concealed.registry import EFFECTS
 from softfinger.concealed.setting import draw_setting, record_cleanly, set_strengths
 from softfinger.concealed.suite import CaseSpec
 

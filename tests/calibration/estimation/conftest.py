@@ -7,16 +7,15 @@ import pytest
 from numpy.typing import NDArray
 from scipy.stats import kstest
 
-from softfinger.estimation.posterior import compile_fit, prepare_fit, sample_posterior
-from softfinger.estimation.predictive import draw_prior
-from softfinger.population.frames import select_frames
-from softfinger.population.priors import build_prior
-from softfinger.population.simulate import (
+from softfinger.inference.posterior import compile_fit, prepare_fit, sample_posterior
+from softfinger.inference.priors import build_prior
+from softfinger.inference.simulate import (
     build_recording,
     describe_noise,
     draw_angles,
     draw_parameters,
 )
+from softfinger.measurement.frames import select_frames
 
 SIZE = {
     "chains": 2,
@@ -29,10 +28,10 @@ SIZE = {
     "covariance": "independent",
 }
 THIN = 8
-TRIALS, FRAMES = 5, 60
+TRIALS, FRAMES, NOISE_RAD = 5, 60, 0.004
 QUANTITIES = (
     *(f"{level}_{name}" for level in ("mu", "sigma") for name in ("log_k_v", "log_c_v", "log_c_p")),
-    "mu_q_ini", "sigma_q_ini", "noise_sd", "noise_autocorrelation", "log_k_v", "log_c_p",
+    "mu_q_ini", "sigma_q_ini", "log_k_v", "log_c_p",
 )  # fmt: skip
 
 
@@ -49,16 +48,16 @@ def draw_ranks(replicates: int, seed: int, wrong: float = 1.0) -> NDArray[np.flo
     density, ranks = None, []
     for replicate in range(replicates):
         rng = np.random.default_rng([seed, replicate])
-        true = {name: values[0, 0] for name, values in draw_prior(prior, 1, rng).items()}
-        own = draw_parameters(true["mu"], true["sigma"], blank, rng)
-        noise = describe_noise(true["noise_sd"], true["noise_autocorrelation"])
+        mu = rng.normal(prior.mu_mean, prior.mu_sd, (1, 4))
+        sigma = np.exp(rng.normal(np.log(prior.sigma_median), prior.sigma_log_sd, (1, 4)))
+        own = draw_parameters(mu, sigma, blank, rng)
+        noise = describe_noise(np.array([NOISE_RAD]), rng.uniform(0.0, 0.9, 1))
         angles = draw_angles(blank, own, noise, rng)
         prepared = prepare_fit(angles.assign(load_torque=wrong * angles["load_torque"]))
-        prepared = prepared._replace(prior=prior)
+        prepared = prepared._replace(given=prepared.given._replace(prior=prior))
         density = compile_fit(prepared, SIZE) if density is None else density
         draws, _ = sample_posterior(prepared, SIZE, rng, density)
-        truth = [*true["mu"][:3], *true["sigma"][:3], true["mu"][3], true["sigma"][3]]
-        truth += [true["noise_sd"][0], true["noise_autocorrelation"][0]]
+        truth = [*mu[0, :3], *sigma[0, :3], mu[0, 3], sigma[0, 3]]
         truth += [np.log(own[name].values[0, 0]) for name in ("k_v", "c_p")]
         ranks.append(
             [_rank(draws[q].values, x, rng) for q, x in zip(QUANTITIES, truth, strict=True)]

@@ -20,6 +20,8 @@ NOISE_SD = 0.001
 N_TRIAL, N_FRAME, N_DRAW = 6, 40, 400
 CONFIG = {
     "draws": N_DRAW,
+    "sampled_draws": 8,
+    "draw_samples": 64,
     "band_samples": 2048,
     "band_times": 40,
     "sobol_time_step_s": 0.5,
@@ -69,6 +71,7 @@ def draw_posterior(eta, coords, rng):
     mu = eta.mean(axis=0) + sigma / np.sqrt(N_TRIAL) * rng.standard_normal((N_DRAW, 1, 4))
     dims = ("chain", "draw", "joint")
     data = {"noise_sd": (dims, np.full((1, N_DRAW, 1), NOISE_SD))}
+    data["noise_autocorrelation"] = (dims, np.zeros((1, N_DRAW, 1)))
     for place, name in enumerate(("log_k_v", "log_c_v", "log_c_p", "q_ini")):
         data[f"mu_{name}"] = (dims, mu[None, ..., place])
         data[f"sigma_{name}"] = (dims, sigma[None, ..., place])

@@ -2,9 +2,12 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import quad, solve_ivp
+from scipy.interpolate import BSpline
 
+from softfinger.faults import Fault
 from softfinger.mechanics.dynamics import simulate_full_dynamics
+from softfinger.mechanics.forward.curve import KNOTS
 from softfinger.mechanics.forward.simulate import (
     describe_finger,
     describe_unknown_finger,
@@ -37,14 +40,43 @@ def natural(parameters):
 def test_without_left_out_physics_it_is_the_papers_joint_to_rounding(parameters):
     time = np.linspace(-1.0, 30.0, 400)
     angle, gradient = simulate_joint_angle_array(
-        natural(parameters), build_slots(5, 3, {}), [], describe_unknown_finger(3), time, *LOAD
-    )
+        natural(parameters), build_slots(5, 3, {}), [], describe_unknown_finger(3), time, *LOAD,
+        route="general",
+    )  # fmt: skip
     values = [parameters[name].to_numpy() for name in NAMES]
     exact, exact_gradient = compute_joint_angle_gradient_array(*values, time, *LOAD)
     np.testing.assert_allclose(angle, exact, rtol=0, atol=1e-14)
     for joint in range(3):
         own = gradient[:, joint, :, 4 * joint : 4 * joint + 4]
         np.testing.assert_allclose(own, exact_gradient[:, joint], rtol=0, atol=1e-13)
+
+
+def test_the_closed_form_is_the_general_kernel_without_effects(parameters):
+    """Also along directions that move the joints' own parameters, and where times are missing."""
+    time = np.tile(np.linspace(0.0, 9.0, 31), (5, 1))
+    time[2, 20:] = np.nan
+    slots = build_slots(5, 3, {"log_k_v": np.full((5, 3), 0.1)})
+    rng = np.random.default_rng(2)
+    ways = [build_tangent(5, 3, {name: rng.normal(size=(5, 3))}) for name in ("log_c_p", "log_c_v")]
+    finger = describe_unknown_finger(3)
+    for by_own in (True, False):
+        general, closed = (
+            simulate_joint_angle_array(
+                natural(parameters), slots, ways, finger, time, *LOAD, by_own=by_own, route=route
+            )
+            for route in ("general", "closed_form")
+        )
+        for one, other in zip(general, closed, strict=True):
+            np.testing.assert_allclose(one, other, rtol=0, atol=1e-13)
+
+
+def test_a_closed_form_that_does_not_apply_is_refused(parameters):
+    slots = build_slots(5, 3, {"second_compliance": np.full((5, 3), 0.5)})
+    with pytest.raises(Fault, match="the closed form has no second_compliance"):
+        simulate_joint_angle_array(
+            natural(parameters), slots, [], describe_unknown_finger(3), np.ones(1), *LOAD,
+            route="closed_form",
+        )  # fmt: skip
 
 
 def test_linear_extensions_are_exact_too(parameters):
@@ -98,20 +130,67 @@ def softplus(x, width):
     return width * np.logaddexp(0.0, x / width)
 
 
+BUMPY = 0.3 * np.sin(1.7 * np.arange(KNOTS))  # coefficients of a law that is no textbook's
+BUMPY[:3] = 0.0
+
+
+def evaluate_bumpy(x):
+    """That law by another library; inside its reach only."""
+    knots = np.arange(-3, KNOTS + 1) / (KNOTS - 3)
+    return BSpline(knots, BUMPY, 3)(x)
+
+
+def follow_slowly(load, rate):
+    """A log that is followed no faster than a rate, in very short steps."""
+    step = 2e-5
+    time = step * np.arange(610_000) + 1e-12
+    jump = np.searchsorted(load[0], time, side="right") - 1
+    ahead = np.minimum(jump + 1, load[0].size - 1)
+    span = np.where(ahead > jump, load[0][ahead] - load[0][jump], 1.0)
+    share = np.where(ahead > jump, (time - load[0][jump]) / np.where(span > 0, span, 1.0), 0.0)
+    goal = load[1][jump] + share * (load[1][ahead] - load[1][jump])
+    value, most = [0.0], rate * step
+    for wanted in goal[:-1].tolist():
+        value.append(value[-1] + min(max(wanted - value[-1], -most), most))
+    return time, np.array(value)
+
+
 def integrate(parameters, slots, load):
     """The same physics, written out anew, stepped by Radau with a tight tolerance."""
     k_v, c_v, c_p, q_ini = (parameters[name].to_numpy()[0] for name in NAMES)
     get = {
         "stiff": 0.0, "stop": 0.0, "sinh": 0.0, "arm": 0.0, "along": 0.0, "across": 0.0,
-        "couple": 0.0, "lag": 0.0, "second": 0.0, "friction": 0.0, "held": 0.0, **slots,
+        "couple": 0.0, "lag": 0.0, "second": 0.0, "friction": 0.0, "held": 0.0,
+        "spring_law": 0.0, "arm_law": 0.0, "flow_law": 0.0, "stop_law": 0.0, "friction_law": 0.0,
+        "damper": 0.0, "damper_law": 0.0, "softer": 0.0, "thinner": 0.0, "play": 0.0,
+        "membrane": 0.0, "share": 0.0, "saturation": 0.0, "load_law": 0.0, "payload": 0.0,
+        "slow": 0.0, **slots,
     }  # fmt: skip
     moment = 0.005 * np.array([0.0125 + 0.05, 0.0125 + 0.025, 0.0125])
+    moment = moment * (1 + get["payload"] * np.array([0.2, 0.5, 1.0]))
+    mean = np.sqrt(k_v[:-1] * k_v[1:])
+    slowly = follow_slowly(load, get["slow"]) if get["slow"] else None
+
+    def soften(t):
+        return 1 - np.exp(-max(t, 0.0) / 3.0)
+
+    def limit(force):
+        x = abs(force) / 0.05
+        force = force * (1 + get["saturation"] * x**8) ** -0.125
+        return force * (1 + (evaluate_bumpy(x) if get["load_law"] else 0.0))
 
     def statics(q, force, way):
         arm = 1 + get["arm"] * (np.cos(q / 2) + 0.8 * np.sin(q / 2) - 1)
+        arm += evaluate_bumpy(q / 2.0) if get["arm_law"] else 0.0
         passed = np.cumsum(np.abs(q)) - np.abs(q) / 2
-        torque = force * np.exp(-way * get["friction"] * passed) * arm
-        torque -= get["stop"] * softplus(q - 0.3, 0.02)
+        exponent = get["friction"] * passed
+        exponent += (
+            get["friction_law"] * evaluate_bumpy(passed / 4.0) if get["friction_law"] else 0.0
+        )
+        torque = force * np.exp(-way * exponent) * arm
+        depth = softplus(q - 0.3, 0.02)
+        harder = 1 + (evaluate_bumpy(depth / 1.0) if get["stop_law"] else 0.0)
+        torque -= get["stop"] * depth * harder
         direction = np.cumsum(q)
         weight = (
             9.80665
@@ -120,21 +199,30 @@ def integrate(parameters, slots, load):
         )
         torque += np.cumsum(weight[::-1])[::-1]
         torque += get["couple"] * np.r_[0.0, (q - q_ini)[:-1]]
-        return torque
+        pull = (get["membrane"] + get["share"] * mean) * np.diff(q - q_ini)
+        return torque + np.r_[pull, 0.0] - np.r_[0.0, pull]
 
-    def spring(x):
-        return k_v * x * (1 + get["stiff"] * x**2)
+    def spring(x, t):
+        taut = softplus(x - get["play"], 0.01) - softplus(-x - get["play"], 0.01)
+        law = evaluate_bumpy(np.abs(x) / 1.5) if get["spring_law"] else 0.0
+        return k_v * taut * (1 + get["stiff"] * x**2 + law) * (1 - get["softer"] * soften(t))
 
     rest, q_rest = statics(q_ini, 0.0, 0.0), np.zeros(3)
     for _ in range(60):
-        q_rest -= (spring(q_rest) - rest) / (k_v * (1 + 3 * get["stiff"] * q_rest**2))
+        q_rest -= (spring(q_rest, 0.0) - rest) / (k_v * (1 + 3 * get["stiff"] * q_rest**2))
 
     def rate(t, state, log):
         q_v, q_p, acting, way = state[:3], state[3:6], state[6], state[7]
-        force = acting if get["lag"] else log(t)
+        force = limit(acting if get["lag"] else np.interp(t, *slowly) if get["slow"] else log(t))
         torque = statics(q_ini + q_v - q_rest + q_p, force, way)
         flow = np.sinh(get["sinh"] * torque) / get["sinh"] if get["sinh"] else torque
-        moves = (torque - spring(q_v)) / c_v, flow / c_p
+        flow = flow * np.exp(evaluate_bumpy(np.abs(torque) / 0.1) if get["flow_law"] else 0.0)
+        flow = flow / (1 - get["thinner"] * soften(t))
+        damper = torque - spring(q_v, t)
+        damper = damper * (1 + (damper / 0.02) ** 2) ** (get["damper"] / 2)
+        if get["damper_law"]:
+            damper = damper * np.exp(evaluate_bumpy(np.abs(torque - spring(q_v, t)) / 0.1))
+        moves = damper / c_v, flow / c_p
         wire = sum(moves).sum()
         before = state[8] if get["second"] else log(t)  # of the last stage
         slow = (before - acting) / (get["second"] or get["lag"]) if get["lag"] else 0.0
@@ -172,6 +260,36 @@ PHYSICS = {
     "lag": ({"lag": 0.3}, {"lag": 0.3}),
     "two_lags": ({"lag": 0.3, "lag_second_share": 0.2}, {"lag": 0.3, "second": 0.06}),
     "friction": ({"friction_bend": 0.4, "friction_width": 0.05}, {"friction": 0.4}),
+    "spring_law": ({"spring_law": BUMPY, "spring_reach": 1.5}, {"spring_law": 1.0}),
+    "arm_law": ({"arm_law": BUMPY, "arm_reach": 2.0}, {"arm_law": 1.0}),
+    "flow_law": ({"flow_law": BUMPY, "flow_reach": 0.1}, {"flow_law": 1.0}),
+    "stop_law": (
+        {"stop_angle": 0.3, "stop_stiffness": 0.5, "stop_width": 0.02, "stop_law": BUMPY},
+        {"stop": 0.5, "stop_law": 1.0},
+    ),
+    "friction_law": (
+        {"friction_law": 0.2 * BUMPY, "friction_reach": 4.0, "friction_width": 0.05},
+        {"friction_law": 0.2},
+    ),
+    "thinning": ({"damper_power": 0.8, "damper_reference": 0.02}, {"damper": 0.8}),
+    "damper_law": ({"damper_law": BUMPY, "damper_reference": 0.1}, {"damper_law": 1.0}),
+    "softening": ({"softening_elastic": 0.3, "softening_time": 3.0}, {"softer": 0.3}),
+    "softening_flow": ({"softening_flow": 0.5, "softening_time": 3.0}, {"thinner": 0.5}),
+    "play": ({"play": 0.05, "play_width": 0.01}, {"play": 0.05}),
+    "membrane": (
+        {
+            "membrane_stiffness": 0.02 * (np.eye(3, k=1) + np.eye(3, k=-1)),
+            "membrane_share": 0.1 * (np.eye(3, k=1) + np.eye(3, k=-1)),
+        },
+        {"membrane": 0.02, "share": 0.1},
+    ),
+    "saturation": ({"load_saturation": 3.0, "load_reference": 0.05}, {"saturation": 3.0}),
+    "load_law": ({"load_law": BUMPY, "load_reference": 0.05}, {"load_law": 1.0}),
+    "slow": ({"load_slowness": 20.0}, {"slow": 0.05}),
+    "payload": (
+        {"tilt_along": 0.2, "tilt_across": -0.3, "moment_share": np.array([0.2, 0.5, 1.0])},
+        {"along": 0.2, "across": -0.3, "payload": 1.0},
+    ),
 }
 PAIRS = [
     ("moment_arm", "friction"),
@@ -181,6 +299,10 @@ PAIRS = [
     ("flow", "coupling"),
     ("friction", "lag"),
     ("preload", "stiffening"),
+    ("arm_law", "thinning"),
+    ("damper_law", "play"),
+    ("softening", "spring_law"),
+    ("slow", "saturation"),
 ]
 
 
@@ -193,6 +315,29 @@ def test_left_out_physics_agrees_with_an_independent_integrator(parameters, geom
         plain |= PHYSICS[name][1]
     angles = simulate_joint_angle(one, describe_finger(geometry), TIME, *LOAD, slots).joint_angle
     np.testing.assert_allclose(angles[0], integrate(one, plain, LOAD), rtol=0, atol=1e-5)
+
+
+def test_a_spectrum_of_retardation_times_creeps_as_its_integral(parameters):
+    one = parameters.isel(trial=[0], joint=[0])
+    time = np.geomspace(0.05, 100.0, 20)
+    law = 0.1 * np.exp(-(((np.arange(KNOTS) - 7.5) / 2.5) ** 2))
+    reach = {"spectrum_shortest": 0.05, "spectrum_longest": 50.0}
+    load, knots = ([0.0], [0.04]), np.arange(-3, KNOTS + 1) / (KNOTS - 3)
+    finger = describe_unknown_finger(1)
+    values = [
+        simulate_joint_angle(one, finger, time, *load, slots).joint_angle.to_numpy()[0, 0]
+        for slots in ({}, {"spectrum": law, **reach})
+    ]
+    curve = BSpline(knots, law, 3)
+
+    def creep(t):
+        def rate(x):
+            return curve(x) * -np.expm1(-t / (0.05 * 1000.0**x))
+
+        return np.log(1000.0) * quad(rate, 0.0, 1.0)[0]
+
+    expected = 0.04 / float(one.k_v[0, 0]) * np.array([creep(t) for t in time])
+    np.testing.assert_allclose(values[1] - values[0], expected, rtol=0, atol=2e-3 * expected.max())
 
 
 @pytest.mark.parametrize(("arm", "wires"), [(0.0, "constant_arm"), (1.0, "paper")])

@@ -5,8 +5,9 @@ import pytest
 from scipy.integrate import dblquad
 from scipy.stats import lognorm
 
-from softfinger.propagation.indices import compute_sobol_array, split_elastic_variance_array
+from softfinger.propagation.independent import share_variance_array, split_elastic_variance_array
 from softfinger.propagation.moments import compute_inverse_moments, compute_moments_array
+from softfinger.propagation.subsets import compute_sobol_indices
 
 # the paper's table, joints 1 to 3: k_v, c_v, c_p (of the logs), q_ini as the brief takes it
 MU = np.array(
@@ -25,6 +26,10 @@ SIGMA = np.array(
 )
 TIME = np.arange(301) * 0.1
 STEP = ([0.0], [0.04])
+
+
+def compute_indices(*arguments):
+    return compute_sobol_indices(share_variance_array(*arguments))
 
 
 def split_by_gauss_hermite(mu, sigma, n):
@@ -49,7 +54,7 @@ def test_indices_equal_a_high_order_tensor_rule(joint):
         mu[2], sigma[2] = 3.3, 0.9
     inverse = lognorm(sigma[2], scale=np.exp(-mu[2])).var()
     total = elastic.sum(axis=0) + (0.04 * TIME) ** 2 * inverse + sigma[3] ** 2
-    indices = compute_sobol_array(mu, sigma, TIME, *STEP)
+    indices = compute_indices(mu, sigma, TIME, *STEP)
     np.testing.assert_allclose(indices.first_order[:, 0], elastic[0] / total, atol=1e-9)
     np.testing.assert_allclose(indices.first_order[:, 1], elastic[1] / total, atol=1e-9)
     np.testing.assert_allclose(indices.second_order[:, 0], elastic[2] / total, atol=1e-9)
@@ -61,16 +66,16 @@ def test_indices_equal_a_high_order_tensor_rule(joint):
 @pytest.mark.parametrize(("joint", "lowest"), [(0, 0.94), (1, 0.93)])
 def test_first_order_indices_do_not_sum_to_one(joint, lowest):
     """The paper says that they do; k_v and c_v interact near 0.5 s."""
-    total = compute_sobol_array(MU[joint], SIGMA[joint], TIME, *STEP).first_order.sum(axis=-1)
+    total = compute_indices(MU[joint], SIGMA[joint], TIME, *STEP).first_order.sum(axis=-1)
     assert total.min() == pytest.approx(lowest, abs=0.005)
     assert 0.3 < TIME[total.argmin()] < 0.7
 
 
 def test_joint_3_interaction_depends_on_the_tail_of_c_p():
     mu, sigma = MU[2].copy(), SIGMA[2].copy()
-    assert compute_sobol_array(mu, sigma, TIME, *STEP).first_order.sum(-1).min() > 0.9999
+    assert compute_indices(mu, sigma, TIME, *STEP).first_order.sum(-1).min() > 0.9999
     mu[2], sigma[2] = 3.3, 0.9
-    lowest = compute_sobol_array(mu, sigma, TIME, *STEP).first_order.sum(-1).min()
+    lowest = compute_indices(mu, sigma, TIME, *STEP).first_order.sum(-1).min()
     assert lowest == pytest.approx(0.86, abs=0.001)
 
 
@@ -105,7 +110,7 @@ def test_moments_and_indices_agree_on_the_variance_also_when_hardly_identified(s
     time = np.linspace(0.0, 12.0, 25)
     elastic = split_elastic_variance_array(mu, sigma, time, *load).sum(axis=0)
     variance = compute_moments_array(mu, sigma, time, *load)[1]
-    share = compute_sobol_array(mu, sigma, time, *load).first_order[:, 3]
+    share = compute_indices(mu, sigma, time, *load).first_order[:, 3]
     np.testing.assert_allclose(share, sigma[3] ** 2 / variance, rtol=1e-8)
     assert elastic[0] == 0.0
 

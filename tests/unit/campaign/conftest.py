@@ -30,7 +30,7 @@ def folder(tmp_path: Path) -> Path:
         "trial,started_at,angles,markers,load,temperature_c\n"
         "first,2026-03-01T10:00:00,angles/first.csv,,load/first.csv,21.5\n"
         "second,2026-03-01T10:02:00,,markers/second.csv,load/first.csv,\n"
-        "third,,angles/first.csv,,,22.0\n"
+        "third,,angles/first.csv,,load/first.csv,22.0\n"
     )
     for name in ("angles", "markers", "load"):
         (tmp_path / name).mkdir()

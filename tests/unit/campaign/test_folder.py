@@ -12,7 +12,6 @@ def test_a_whole_campaign_is_read(folder):
     assert campaign.finger.wire_offset_m == 0.005
     assert campaign.trials[0].covariates == {"temperature_c": 21.5}
     assert np.isnan(campaign.trials[1].covariates["temperature_c"])
-    assert campaign.trials[2].load is None
     assert (campaign.trials[1].started_at - campaign.trials[0].started_at).seconds == 120
     assert check_campaign(folder) == {}
 
@@ -130,3 +129,36 @@ def test_a_heading_without_end_is_refused_at_once(folder):
     (folder / "trials.csv").write_text("trial,angles" + ",0" * 600_000 + "\n")
     with pytest.raises(CampaignFault, match="its first line has more than 20000 bytes"):
         read_campaign(folder)
+
+
+def test_a_trial_without_a_log_is_set_aside_where_others_have_one(folder, damage):
+    damage("trials.csv", "load/first.csv,22.0", ",22.0")
+    campaign = read_campaign(folder)
+    assert [t.name for t in campaign.trials] == ["first", "second"]
+    assert "row 4 (trial third): its load is not logged" in campaign.set_aside["third"]
+
+
+def test_different_kinds_of_load_are_refused_with_their_trials(folder, damage):
+    (folder / "load/third.csv").write_text("time_s,torque_nm\n0.0,0\n0.1,0.04\n")
+    damage("trials.csv", "load/first.csv,22.0", "load/third.csv,22.0")
+    with pytest.raises(CampaignFault) as fault:
+        check_campaign(folder)
+    assert "tension_n in first, second; torque_nm in third" in str(fault.value)
+
+
+@pytest.mark.parametrize(
+    ("camera", "said"),
+    [
+        ("metres_per_pixel: 0.0000001", "would have 4e+04 px"),
+        ("intrinsics: {matrix: [[0, 0, 0], [0, 0, 0], [0, 0, 0]]}", "matrix must be"),
+        (
+            "intrinsics: {matrix: [[900, 0, 3], [0, 900, 2], [0, 0, 1]], distortion: [1, 0, 0]}",
+            "distortion has 3 coefficients; OpenCV knows 0, 4, 5",
+        ),
+    ],
+)
+def test_a_camera_that_cannot_be_is_refused(folder, damage, camera, said):
+    damage("campaign.yaml", "metres_per_pixel: 0.0002", camera)
+    with pytest.raises(CampaignFault) as fault:
+        read_campaign(folder)
+    assert said in str(fault.value)

@@ -44,7 +44,7 @@ def test_a_missing_trial_is_listed(tmp_path):
     assert "3 of 4 trials can be used" in done.stdout
 
 
-@pytest.mark.parametrize("verb", ["fit", "propagate", "sobol", "report"])
+@pytest.mark.parametrize("verb", ["fit", "propagate", "sobol", "summarise", "report"])
 def test_a_verb_without_its_predecessor_says_what_is_missing(verb, tmp_path):
     done = softfinger(verb, str(EXAMPLE), "--out", str(tmp_path))
     assert done.returncode == 1

@@ -61,7 +61,7 @@ def test_ctrl_c_keeps_what_a_verb_has_finished(tmp_path):
     before = (tmp_path / "out/angles.nc").read_bytes()
     done = interrupt(tmp_path, "os.rename", "least_squares.nc", "fit", EXAMPLE, "--out", "out")
     assert (done.returncode, done.stderr) == (130, SENTENCE)
-    assert list_files(tmp_path) == ["out/angles.nc"]
+    assert list_files(tmp_path) == ["out/angles.nc", "out/doubts.nc"]
     assert (tmp_path / "out/angles.nc").read_bytes() == before
 
 

@@ -3,9 +3,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from softfinger.concealed.effects import EFFECTS, LISTED, OUTSIDE, Dose
+from softfinger.concealed.effects import CATALOGUES, OUTSIDERS, Dose
 from softfinger.concealed.forward import simulate_trial
 from softfinger.concealed.protocols import Load
+from softfinger.concealed.registry import EFFECTS
 
 CATALOGUE = """second_retardation fractional_creep strain_stiffening wire_friction moment_arm
 actuator_lag fatigue_softening temperature preload_memory contact_stop yield_threshold
@@ -29,9 +30,11 @@ def move(individual, rig, circumstances, time):
 
 
 def test_every_id_of_the_catalogue_is_there_and_some_from_outside():
-    assert set(LISTED) == set(CATALOGUE.split())
-    assert len(OUTSIDE) >= 6
-    assert not set(OUTSIDE) & set(CATALOGUE.split())
+    assert set(CATALOGUES["first"]) == set(CATALOGUE.split())
+    for name, listed in CATALOGUES.items():
+        assert set(listed) <= set(EFFECTS)
+        assert set(OUTSIDERS[name]) <= set(EFFECTS)
+        assert not set(OUTSIDERS[name]) & set(listed)
 
 
 @pytest.mark.parametrize("name", EFFECTS)
@@ -194,3 +197,67 @@ def test_two_effects_act_at_once(move):
 def test_what_a_truth_tells_is_finite(name, circumstances):
     told = EFFECTS[name].tell(_dose(name, EFFECTS[name].typical)[name], [circumstances])
     assert all(np.isfinite(value) for value in told.values())
+
+
+def test_friction_by_a_table_of_the_bend_is_the_capstans(individual, rig, circumstances):
+    individual[2] = 30.0  # no flow: at rest a spring tells the tension
+    dose = {"wire_friction/edge": Dose(0.2, {"width_rad": 0.001}, ())}
+    step = replace(circumstances, load=Load(np.zeros(2), np.array([0.0, 8.0])))
+    angle = simulate_trial(individual, dose, step, rig, np.array([200.0]))[0]
+    tension = (angle - individual[3]) * np.exp(individual[0]) / 0.005
+    left = 8.0 * np.exp(-0.2 * np.cumsum(0.1 + 4.0 * angle**2))
+    assert tension[0] == pytest.approx(left[0], rel=2e-4)
+    assert tension[1] == pytest.approx(left[1], rel=3e-3)  # there the wire slides back a little
+
+
+def test_a_ratchet_rubs_less_when_the_wire_is_let_go(move, time):
+    pulled = move({"wire_friction/ratchet": Dose(0.2, {"width_rad": 0.005}, ())})
+    unloading = time.searchsorted(8.9)
+    shape = {"pressure_power": 0.999999, "width_rad": 0.005}
+    both = move({"wire_friction": Dose(0.2, shape, ())})
+    assert np.all(pulled[unloading] < both[unloading] - 0.005)
+
+
+def test_a_slipping_clamp_loses_tension_from_then_on(move, time, circumstances):
+    slips = (0.15 + 0.7 * 0.2) * 12.0
+    moved, plain = move(_dose("clamp_slip", 0.2)), move({})
+    early = time < slips - 0.01
+    np.testing.assert_allclose(moved[early], plain[early], atol=1e-8)
+    assert np.all(moved[time > slips + 1.0].max(axis=0) < plain[time > slips + 1.0].max(axis=0))
+    np.testing.assert_allclose(move(_dose("clamp_slip", 0.2), luck=(0.9, 0.2, 0.1)), plain)
+
+
+def test_a_set_stays_when_the_load_is_gone(individual, rig, circumstances):
+    individual[2] = 30.0
+    rest = simulate_trial(
+        individual, _dose("plastic_set", 0.4), circumstances, rig, np.array([60.0])
+    )[0]
+    largest = 0.04 / np.exp(individual[0])  # at 8 N, what was strained before the set
+    beyond = np.maximum(largest - np.sqrt(0.1 * 0.25), 0.0)
+    assert np.all(rest - individual[3] > 0.35 * beyond)
+
+
+def test_a_pause_between_sessions_undoes_a_part_of_the_ageing(move):
+    dose = _dose("ageing_with_recovery", 0.15)
+    reach = [move(dose, number=k, count=12).max() for k in range(12)]
+    assert reach[3] > reach[0]
+    assert reach[3] > reach[4]  # the second session begins
+    assert reach[4] > reach[0]
+
+
+def test_a_load_cells_gain_scales_every_deflection(move, individual):
+    dose = _dose("load_gain", 0.1)
+    plain = move({}) - individual[3]
+    np.testing.assert_allclose(move(dose, number=0) - individual[3], plain, atol=1e-8)
+    gained = 1.0 + 0.1 * np.sqrt(0.9)
+    np.testing.assert_allclose(
+        move(dose, number=9) - individual[3], gained * plain, rtol=1e-5, atol=1e-7
+    )
+
+
+def test_a_sticking_joint_shows_nothing_until_it_comes_off(move, time, individual):
+    plain, stuck = move({}), move({"sticky_start": Dose(0.1, {}, (1,))})
+    first = np.argmax(plain[:, 1] - individual[3, 1] >= 0.1)
+    np.testing.assert_allclose(stuck[:first, 1], individual[3, 1], atol=1e-9)
+    late = time > time[first] + 2.0
+    np.testing.assert_allclose(stuck[late], plain[late], atol=1e-8)

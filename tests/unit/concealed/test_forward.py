@@ -85,10 +85,12 @@ def test_one_heavy_stiffening_joint_follows_its_equation_of_motion():
     assert np.abs(simulate_angles(plain, time, 5e-9)[:, 0] - exact).max() > 0.005
 
 
-def _place_centres(angle, length):
+def _place_rods(angle, length, centre):
+    """Centres of the rods, at a share of half their length, and the tip."""
     heading = np.cumsum(angle)
     links = length[:, None] * np.column_stack([np.cos(heading), np.sin(heading)])
-    return np.cumsum(links, axis=0) - 0.5 * links
+    ends = np.cumsum(links, axis=0)
+    return ends - links + 0.5 * centre * links, ends[-1]
 
 
 def _describe_chain(rig, **changes):
@@ -104,13 +106,21 @@ def _describe_chain(rig, **changes):
     return plain._replace(**changes)
 
 
-def test_weight_is_the_slope_of_the_potential(rig):
+@pytest.mark.parametrize(("payload", "centre"), [(0.0, 1.0), (0.008, 1.0), (0.003, 1.6)])
+def test_weight_is_the_slope_of_the_potential(rig, payload, centre):
     pull = np.array([0.7, -1.3])
-    chain = _describe_chain(rig, gravity_x=pull[0], gravity_y=pull[1])
+    chain = _describe_chain(
+        rig,
+        gravity_x=pull[0],
+        gravity_y=pull[1],
+        payload=payload,
+        rod_centre=np.full(3, centre),
+    )
     angle, nudge = np.array([0.3, 0.5, -0.2]), 1e-6
 
     def potential(angle):
-        return -rig.link_mass @ _place_centres(angle, rig.link_length) @ pull
+        centres, tip = _place_rods(angle, rig.link_length, centre)
+        return -(rig.link_mass @ centres + payload * tip) @ pull
 
     expected = [
         -(potential(angle + h) - potential(angle - h)) / (2 * nudge) for h in nudge * np.eye(3)
@@ -120,17 +130,25 @@ def test_weight_is_the_slope_of_the_potential(rig):
     np.testing.assert_allclose(torque, expected, rtol=1e-6)
 
 
+@pytest.mark.parametrize(("payload", "centre", "rotor"), [(0.0, 1.0, 0.0), (0.008, 1.6, 2e-6)])
 @pytest.mark.parametrize("speed", [np.zeros(3), np.array([2.0, -3.0, 5.0])])
-def test_acceleration_feeds_the_power_into_kinetic_energy(rig, speed):
+def test_acceleration_feeds_the_power_into_kinetic_energy(rig, speed, payload, centre, rotor):
     scale, angle = 2.0, np.array([0.3, 0.5, -0.2])
-    chain = _describe_chain(rig, inertia_scale=scale)
+    chain = _describe_chain(
+        rig,
+        inertia_scale=scale,
+        payload=payload,
+        rod_centre=np.full(3, centre),
+        rotor=np.full(3, rotor),
+    )
 
     def energy(angle, speed):
         h = 1e-5
-        ends = [_place_centres(angle + s * h * speed, rig.link_length) for s in (1, -1)]
-        velocity = (ends[0] - ends[1]) / (2 * h)
+        ends = [_place_rods(angle + s * h * speed, rig.link_length, centre) for s in (1, -1)]
+        velocity, tip = ((a - b) / (2 * h) for a, b in zip(*ends, strict=True))
         spin = np.cumsum(speed) ** 2 * rig.link_length**2 / 12.0
-        return 0.5 * scale * rig.link_mass @ ((velocity**2).sum(axis=1) + spin)
+        rods = rig.link_mass @ ((velocity**2).sum(axis=1) + spin)
+        return 0.5 * scale * (rods + payload * tip @ tip + rotor * speed @ speed)
 
     torque = np.array([0.02, -0.01, 0.015])
     acceleration = torque.copy()

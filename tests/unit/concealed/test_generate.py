@@ -1,3 +1,4 @@
+import hashlib
 import json
 from dataclasses import replace
 
@@ -6,9 +7,9 @@ import pytest
 
 from softfinger.campaign import read_angle_table, read_campaign, read_load
 from softfinger.concealed import CaseSpec, build_paper_case, generate_campaign
-from softfinger.concealed.effects import EFFECTS
 from softfinger.concealed.protocols import PROTOCOLS, Load, draw_loads, write_rows
-from softfinger.concealed.setting import draw_setting
+from softfinger.concealed.registry import EFFECTS
+from softfinger.concealed.setting import disturb, draw_setting, record_cleanly, set_strengths
 
 SPEC = CaseSpec(5, ("gravity",), ((),), (0.6,), "staircase", 4, "gappy")
 
@@ -148,3 +149,54 @@ def test_a_jump_becomes_two_close_rows():
     np.testing.assert_allclose(rows, [[0, 0], [0.49999, 0], [0.5, 6], [3, 7]])
     at_once = write_rows(Load(np.zeros(2), np.array([0.0, 6.0])))
     np.testing.assert_allclose(at_once, [[0.0, 6.0]])
+
+
+def test_numbers_of_earlier_versions_are_what_they_were():
+    spec = CaseSpec(
+        5, ("gravity", "fatigue_softening"), ((), (0, 1, 2)), (0.6, 0.5), "staircase", 10, "gappy"
+    )
+    setting = draw_setting(spec)
+    doses = set_strengths(setting.doses, {"gravity": 0.2, "fatigue_softening": 0.2})
+    first = disturb(setting, record_cleanly(setting, doses, np.arange(2)), 5)
+    numbers = [setting.individuals.ravel(), *(r.angle.ravel() for r in first), setting.humidity]
+    digest = hashlib.sha256(np.round(np.concatenate(numbers), 6).tobytes()).hexdigest()
+    assert digest[:16] == "b9785d2461acfab3"
+
+
+@pytest.fixture(scope="module")
+def twins(tmp_path_factory):
+    """The same campaign twice, once with two nuisances."""
+    place = tmp_path_factory.mktemp("twins")
+    plain = replace(SPEC, noise="white", duration_s=12.0)
+    spoilt = replace(plain, nuisances=("noisy_load", "lost_frames"))
+    return place, [
+        generate_campaign(spec, place / name, place / f"{name}.json")
+        for name, spec in (("plain", plain), ("spoilt", spoilt))
+    ]
+
+
+def test_twins_differ_by_their_nuisances_alone(twins):
+    place, (plain, spoilt) = twins
+    assert plain["individuals"] == spoilt["individuals"]
+    assert plain["effects"][0]["strength"] == spoilt["effects"][0]["strength"]
+    assert plain["faults"] == []
+    plain_load, spoilt_load = (place / name / "load/trial_001.csv" for name in ("plain", "spoilt"))
+    assert plain_load.read_bytes() != spoilt_load.read_bytes()
+    assert spoilt["case"]["seed"] == plain["case"]["seed"]
+
+
+def test_the_truth_tells_of_the_faults_and_how_plain_they_are(twins):
+    place, (_, spoilt) = twins
+    faults = {fault["id"]: fault for fault in spoilt["faults"]}
+    assert faults["noisy_load"]["finding"] == "noisy_load"
+    assert faults["noisy_load"]["nats"] > 15.0
+    assert faults["lost_frames"]["nats"] > 15.0
+    assert 0.003 <= faults["noisy_load"]["size"] <= 0.01
+    assert spoilt["misfit"]["true"] == pytest.approx(1.0, abs=0.06)
+    assert not read_campaign(place / "spoilt").set_aside
+
+
+def test_a_trial_may_be_short(twins):
+    place, _ = twins
+    table = read_campaign(place / "plain")
+    assert read_angle_table(table, table.trials[0]).time.max() == pytest.approx(12.0, abs=0.1)

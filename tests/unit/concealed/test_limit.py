@@ -5,8 +5,9 @@ import json
 import pytest
 
 from softfinger.concealed import limit
-from softfinger.concealed.effects import EFFECTS, Dose
+from softfinger.concealed.effects import Dose
 from softfinger.concealed.limit import compute_limit, list_doses, read_spec, weigh_stand_ins
+from softfinger.concealed.registry import EFFECTS
 from softfinger.concealed.setting import draw_setting
 from softfinger.concealed.strength import expect_effect_gain
 from softfinger.concealed.suite import CaseSpec, draw_suite
@@ -23,7 +24,7 @@ def _conceal(name, strength):
 def few(monkeypatch):
     """A catalogue of four, so that a test ends soon."""
     names = ("camera_delay", "actuator_lag", "strain_stiffening", "moment_arm")
-    monkeypatch.setattr(limit, "LISTED", names)
+    monkeypatch.setitem(limit.CATALOGUES, "first", names)
 
 
 def test_a_short_delay_is_visible_but_a_lag_does_the_same(few):
@@ -50,8 +51,8 @@ def test_what_is_not_visible_is_not_weighed():
 
 def test_without_stand_ins_the_base_model_is_the_rival():
     effect = {"id": "gravity", "gain_nats": 0.0}
-    assert compute_limit({"gain_nats": 0.0, "effects": [effect]}, {}) < 0.1
-    assert compute_limit({"gain_nats": 30.0, "effects": [effect]}, {}) > 0.99
+    assert compute_limit({"case": {}, "gain_nats": 0.0, "effects": [effect]}, {}) < 0.1
+    assert compute_limit({"case": {}, "gain_nats": 30.0, "effects": [effect]}, {}) > 0.99
 
 
 def test_an_effect_is_tried_wherever_it_may_act():

@@ -3,10 +3,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from softfinger.concealed.effects import EFFECTS
 from softfinger.concealed.kernel import RunawayError
 from softfinger.concealed.knobs import Knobs
 from softfinger.concealed.oracle import Line, compute_gain
+from softfinger.concealed.registry import EFFECTS
 from softfinger.concealed.setting import disturb, draw_setting, record_cleanly, set_strengths
 from softfinger.concealed.strength import (
     MOST_NATS,

@@ -7,7 +7,8 @@ import xarray as xr
 from softfinger.concealed.score import score
 from softfinger.concealed.table import describe_answer, tabulate_cases, tabulate_measured
 from softfinger.report.concealed import Proof, render_proof
-from softfinger.report.concealed_protocols import build_protocols
+from softfinger.report.concealed_protocols import build_conditions, build_protocols
+from softfinger.summary.buried import average_residual
 
 
 def _effect(name, **more):
@@ -66,8 +67,8 @@ LIMITS = [
 def scored():
     verdicts = [answer["verdict"] for answer in ANSWERS]
     found = score(verdicts, TRUTHS, LIMITS, seconds=[31.0] * 4)
-    spent = ("case", [12.5] * 4)
-    return found.assign(cpu_seconds=spent).assign_attrs(source="synthetic", chance=0.25)
+    cost = {"seconds_median": 31.0, "seconds_most": 31.0, "cpu_seconds_median": 12.5}
+    return found.assign_attrs(source="synthetic", chance=0.25, **cost)
 
 
 @pytest.fixture
@@ -108,7 +109,7 @@ def test_one_of_hundreds_does_not_read_as_none(scored):
 
 
 def test_the_page_shows_scores_digests_and_crashes(scored, repair):
-    page = _render(scored, buried=("aaaa000001", "It concealed gravity.", repair))
+    page = _render(scored, buried=("aaaa000001", "It concealed gravity.", average_residual(repair)))
     assert "The proof, seed 7: 4 concealed campaigns" in page
     assert page.count("f00d" * 16) == 4
     assert page.count("beef" * 16) == 4
@@ -180,3 +181,19 @@ def test_an_answer_is_told_in_a_line():
     assert describe_answer(verdict) == "ambiguous: gravity or none"
     named = _answer("named", "gravity")["verdict"]
     assert describe_answer(named) == "named: gravity (joint 2)"
+
+
+def test_the_page_counts_alarms_by_condition():
+    truths = [TRUTHS[1], TRUTHS[1] | {"faults": [{"id": "clock_rate"}]}, TRUTHS[0]]
+    answers = [ANSWERS[1], ANSWERS[2], ANSWERS[0]]
+    table = build_conditions(tabulate_cases(NAMES[:3], truths, answers, [{}] * 3))
+    assert [[cell.text for cell in row] for row in table.rows] == [
+        ["clock rate", "1 of 1"],
+        ["none", "0 of 1"],
+    ]
+
+
+def test_the_page_tells_what_nuisances_cost_and_how_foreign_laws_fare(scored):
+    laws = scored.assign_attrs(laws={"law_named_share_single": 0.42})
+    assert "Foreign laws: right name of a single effect: 42 %" in _render(laws)
+    assert "Foreign laws" not in _render(scored)

@@ -5,7 +5,7 @@ import copy
 import numpy as np
 import pytest
 
-from softfinger.concealed.effects import LISTED
+from softfinger.concealed.effects import CATALOGUES
 from softfinger.concealed.judge import judge
 from softfinger.concealed.score import (
     collect_benchmarks,
@@ -21,7 +21,7 @@ def _truth(*effects, gain=40.0, misfit=1.2, elpd=50.0):
         "effects": [
             {
                 "id": name,
-                "listed": name in LISTED,
+                "listed": name in CATALOGUES["first"],
                 "level": "within_trial",
                 "covariate": None,
                 "joints": [2],
@@ -263,7 +263,7 @@ def test_nothing_to_score_gives_nothing():
 
 
 def test_shuffled_answers_fall_to_chance():
-    names = list(LISTED[:10])
+    names = list(CATALOGUES["first"][:10])
     truths = [_truth((name, 100.0), gain=100.0) for name in names for _ in range(3)]
     verdicts = [_verdict("named", name) for name in names for _ in range(3)]
     assert float(score(verdicts, truths).share.sel(statistic="named")) == 1.0

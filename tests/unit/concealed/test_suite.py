@@ -1,12 +1,17 @@
+import hashlib
 import json
 from collections import Counter
 
 import pytest
 
-from softfinger.concealed.effects import EFFECTS, LISTED, OUTSIDE
+from softfinger.concealed.effects import CATALOGUES, OUTSIDERS
 from softfinger.concealed.noise import NOISE_KINDS
+from softfinger.concealed.proof import draw_proof
 from softfinger.concealed.protocols import PROTOCOLS
-from softfinger.concealed.suite import PLAIN, draw_catalogue, draw_proof, draw_suite
+from softfinger.concealed.registry import EFFECTS
+from softfinger.concealed.suite import PLAIN, draw_catalogue, draw_suite
+
+LISTED, OUTSIDE = CATALOGUES["first"], OUTSIDERS["first"]
 
 
 @pytest.fixture(scope="module")
@@ -99,3 +104,20 @@ def test_the_catalogues_suite_has_every_effect_under_every_protocol_plainly_visi
     assert all(PLAIN <= place <= 1.0 for s in suite for place in s.quantiles)
     assert all(s.even for s in pairs)
     assert draw_proof(5, campaigns=92, filmed=0, longest=40, kind="catalogue")[:92] == suite
+
+
+DRAWN = ("seed", "effects", "joints", "quantiles", "protocol", "trials", "noise", "filmed", "even")
+
+
+def _digest(suite):
+    rows = [{key: spec.to_json()[key] for key in (*DRAWN, "strengths")} for spec in suite]
+    return hashlib.sha256(json.dumps(rows).encode()).hexdigest()[:16]
+
+
+def test_draws_of_earlier_versions_are_what_they_were():
+    assert _digest(draw_suite(1, 24)) == "150646448f0c8e08"
+    assert _digest(draw_suite(7, 200)) == "fd4ab57a046de29b"
+    assert _digest(draw_catalogue(5, 92, longest=40)) == "01ddea8e1a247461"
+    proof = draw_proof(5, campaigns=24, filmed=1, longest=20)
+    assert _digest(proof) == "882fe2d8b6a0daee"
+    assert not any(spec.nuisances for spec in proof)

@@ -104,8 +104,8 @@ def test_trials_set_aside_and_the_order_of_trials_do_not_matter():
 
 
 @pytest.fixture(scope="module")
-def recovered(campaign, tree):
-    angles, own = campaign
+def recovered(known_campaign, tree):
+    angles, own = known_campaign
     dims = ("joint", "parameter")
     population = {"population_mean": (dims, MEAN), "population_sd": (dims, SD)}
     truth = own.assign(population).assign_coords(parameter=NATURAL)

@@ -9,8 +9,8 @@ def found(artifacts):
     return artifacts["assumptions"]
 
 
-def test_panels_hold_the_gaps_the_growth_and_the_changes(found):
-    figure = draw_assumptions(found)
+def test_panels_hold_the_gaps_the_growth_and_the_changes(found, find):
+    figure = draw_assumptions(found, find("assumptions"))
     assert [ax.get_title(loc="left") for ax in figure.axes[:3]] == ["joint 1", "joint 2", "joint 3"]
     gaps = {line.get_label(): line for line in figure.axes[1].get_lines()}
     expected = found["gap_rms_at"].sel(joint=2, cause="moment_arm")

@@ -16,6 +16,7 @@ from softfinger.figures.sampling import draw_sampling
 from softfinger.figures.sketches import draw_finger_sketch, draw_joint_model_sketch
 from softfinger.figures.style import render_figure
 from softfinger.figures.tracking import draw_tracking
+from softfinger.summary.histograms import compute_histograms
 
 JOINTS = [1, 2, 5]
 SOURCE = {"source": "measured"}
@@ -56,10 +57,14 @@ def test_a_load_starts_from_rest_and_holds_to_the_end():
     assert path[-1].tolist() == [30.0, 0.04]
 
 
+def draw_last(markers, place):
+    return draw_tracking(markers.isel(trial=place), markers.sizes["frame"] - 1)
+
+
 def test_tracking_marks_flagged_markers_and_points_y_downwards(artifacts):
     markers = artifacts["markers"].copy(deep=True)
     markers["marker_flag"][0, -1, 2] = 4
-    ax = draw_tracking(markers).axes[0]
+    ax = draw_last(markers, 0).axes[0]
     crosses = [line for line in ax.get_lines() if line.get_marker() == "x"]
     place = markers["marker_position"].values[0, -1, 2]
     assert [tuple(line.get_xydata()[0]) for line in crosses if len(line.get_xydata())] == [
@@ -70,26 +75,12 @@ def test_tracking_marks_flagged_markers_and_points_y_downwards(artifacts):
 
 
 def test_tracking_shows_the_picture_of_the_frame_it_is_of(artifacts):
-    picture = xr.DataArray(
-        np.arange(12.0).reshape(3, 4),
-        dims=("row", "column"),
-        coords={"trial": "trial_002", "frame": 7},
-    )
-    ax = draw_tracking(artifacts["markers"], picture).axes[0]
+    picture = xr.DataArray(np.arange(12.0).reshape(3, 4), dims=("row", "column"))
+    ax = draw_tracking(artifacts["markers"].isel(trial=1), 7, picture).axes[0]
     assert ax.get_images()[0].get_array().shape == (3, 4)
     ring = next(line for line in ax.get_lines() if line.get_label() == "base")
     expected = artifacts["markers"]["marker_position"].values[1, 7, 0]
     assert ring.get_xydata()[0].tolist() == expected.tolist()
-
-
-def test_tracking_skips_trials_that_are_set_aside(artifacts):
-    markers = artifacts["markers"].copy(deep=True)
-    markers["marker_position"] = markers["marker_position"] + xr.DataArray(
-        [0.0, 50.0], dims="trial"
-    )
-    markers["set_aside_reason"] = ("trial", ["too short", ""])
-    ring = find_line(draw_tracking(markers).axes[0], "base")
-    assert ring.get_xydata()[0].tolist() == markers["marker_position"].values[1, -1, 0].tolist()
 
 
 @pytest.fixture
@@ -122,9 +113,13 @@ def test_residuals_are_drawn_in_mrad_and_a_ring_is_named(residuals):
     assert [text.get_text() for text in right.texts] == ["3.4 Hz"]
 
 
+def count_protocols(bands):
+    return bands.assign(protocol_trials=("protocol", np.full(bands.sizes["protocol"], 5)))
+
+
 @pytest.mark.parametrize("n_joint", JOINTS)
 def test_bands_draw_the_posteriors_median(n_joint):
-    bands = make_bands(make_angles(n_joint=n_joint)).assign_attrs(SOURCE)
+    bands = count_protocols(make_bands(make_angles(n_joint=n_joint)).assign_attrs(SOURCE))
     figure = draw_bands(bands)
     assert len(titles(figure)) == n_joint
     drawn = find_line(figure.axes[0], "posterior")
@@ -133,7 +128,7 @@ def test_bands_draw_the_posteriors_median(n_joint):
 
 
 def test_bands_of_the_first_second_end_there(artifacts):
-    figure = draw_bands(artifacts["bands"], 1.0)
+    figure = draw_bands(count_protocols(artifacts["bands"]), 1.0)
     drawn = find_line(figure.axes[0], "recorded").get_xdata()
     assert drawn.size > 3
     assert drawn.max() <= 1.0
@@ -142,15 +137,15 @@ def test_bands_of_the_first_second_end_there(artifacts):
 def test_the_protocols_of_most_trials_are_shown():
     count = 3 + 2 * MOST_PROTOCOLS
     bands = xr.Dataset(
-        {"recorded_n": (("protocol", "time"), np.arange(count)[:, None] * np.ones(4))},
+        {"protocol_trials": ("protocol", np.arange(count))},
         coords={"protocol": [f"p{i}" for i in range(count)]},
     )
     shown = choose_protocols(bands)
     assert shown.tolist() == [f"p{i}" for i in range(count - MOST_PROTOCOLS, count)]
 
 
-def test_histograms_are_densities_of_the_kept_trials(artifacts):
-    figure = draw_parameter_histograms(artifacts["least_squares"], "N m")
+def test_histograms_are_densities_of_the_kept_trials(find):
+    figure = draw_parameter_histograms(find("histograms"), "N m")
     assert [ax.get_xlabel() for ax in figure.axes[::3]] == [
         "$k_v$ [N m/rad]",
         "$c_v$ [N m s/rad]",
@@ -168,14 +163,15 @@ def test_dropped_estimates_are_drawn_apart_and_negative_ones_survive(artifacts):
     population = artifacts["least_squares"].copy(deep=True)
     population["estimate"][2, 0, 1] = -1.0
     population["kept"][2, 0, 1] = False
-    figure = draw_parameter_histograms(population, "command")
+    drawn = compute_histograms(population, None).assign_attrs(SOURCE)
+    figure = draw_parameter_histograms(drawn, "command")
     labels = [c.get_label() for c in figure.axes[6].containers]  # c_p at joint 1
     assert labels == ["trials kept", "dropped"]
     assert render_figure(figure).startswith(b"<?xml")
 
 
-def test_initial_angles_are_on_a_straight_axis(artifacts):
-    figure = draw_initial_angles(artifacts["least_squares"])
+def test_initial_angles_are_on_a_straight_axis(find):
+    figure = draw_initial_angles(find("histograms"))
     assert {ax.get_xscale() for ax in figure.axes} == {"linear"}
     assert figure.axes[0].get_xlabel().endswith("[rad]")
 
@@ -185,9 +181,10 @@ def test_hyperparameters_stand_where_the_summary_says():
     summary = xr.Dataset(
         {
             "quantile_value": (("quantile", "statistic", "parameter", "joint"), values),
-            "truth": (("statistic", "parameter", "joint"), values[2] + 1),
+            "rival_value": (("rival", "statistic", "parameter", "joint"), values[2:3] + 1),
         },
         coords={
+            "rival": ["two_stage"],
             "quantile": [0.05, 0.25, 0.5, 0.75, 0.95],
             "statistic": ["mu", "sigma"],
             "parameter": ["k_v", "c_v", "c_p", "q_ini"],
@@ -200,8 +197,8 @@ def test_hyperparameters_stand_where_the_summary_says():
     assert spread_of_c_p.get_xlabel() == "spread of ln $c_p$"
     drawn = find_line(spread_of_c_p, "posterior").get_xdata()
     np.testing.assert_allclose(drawn, summary["quantile_value"].values[2, 1, 2])
-    truth = find_line(spread_of_c_p, "truth of the simulation").get_xdata()
-    np.testing.assert_allclose(truth, drawn + 1)
+    rival = find_line(spread_of_c_p, "two-stage").get_xdata()
+    np.testing.assert_allclose(rival, drawn + 1)
 
 
 @pytest.mark.parametrize("n_joint", JOINTS)
@@ -266,11 +263,13 @@ def test_sampling_draws_sorted_values_and_both_limits():
             "r_hat": ("quantity", [1.02, 1.0, 1.005]),
             "ess_bulk": ("quantity", [300.0, 900.0, 700.0]),
             "ess_tail": ("quantity", [350.0, 800.0, 600.0]),
-            "worst_draws": (("chain", "draw"), np.random.default_rng(0).normal(size=(2, 30))),
         },
         attrs={**SOURCE, "r_hat_max": 1.01, "ess_min": 400.0},
     )
-    left, middle, _ = draw_sampling(sampling).axes
+    draws = (("chain", "draw"), np.random.default_rng(0).normal(size=(2, 30)))
+    worst = xr.Dataset({"worst_draws": draws, "running_mean": draws})
+    left, middle, right = draw_sampling(sampling, worst).axes
+    np.testing.assert_array_equal(right.get_lines()[0].get_ydata(), draws[1][0])
     assert left.get_lines()[0].get_ydata().tolist() == [1.0, 1.005, 1.02]
     assert left.get_lines()[1].get_ydata() == [1.01, 1.01]
     assert middle.get_lines()[2].get_ydata() == [400.0, 400.0]

@@ -65,7 +65,7 @@ def test_a_model_file_says_which_physics_and_how_strong(write):
 def test_a_fitted_model_returns_from_its_file(write, tmp_path):
     model = build_model(read_model_file(write(TEXT)), SETTING)
     mean, sd = np.array([0.1, 0.3, np.log(5.0), 0.01]), np.array([0.01, 0.02, 0.1, 0.004])
-    content = describe_model(model, mean, sd, FittedTo(campaign="b", sha256="0" * 64))
+    content = describe_model(model, mean, np.diag(sd**2), FittedTo(campaign="b", sha256="0" * 64))
     write_model_file(content, tmp_path / "one.yaml")
     again = read_model_file(tmp_path / "one.yaml")
     assert again == content
@@ -99,7 +99,7 @@ def test_every_fault_of_a_file_is_listed(write, tmp_path):
         read_model_file(write(broken))
     with pytest.raises(Fault, match="it is not YAML"):
         read_model_file(write("effects: [}"))
-    with pytest.raises(Fault, match="cannot be read"):
+    with pytest.raises(Fault, match="does not exist"):
         read_model_file(tmp_path / "absent.yaml")
 
 

@@ -3,9 +3,11 @@ import pytest
 import xarray as xr
 from scipy.integrate import solve_ivp
 
+from softfinger.inference.simulate import build_recording, draw_noise_array
+from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.three_element import compute_joint_angle_array
 from softfinger.mismatch import diagnose
-from softfinger.population.simulate import build_recording, draw_noise_array
+from softfinger.mismatch.candidates import rank
 
 TRIALS, FRAMES = 7, 160
 CONFIG = {
@@ -84,7 +86,7 @@ def draw_campaign():
             joint_length=np.nan,
             wire_offset=np.nan,
             **unknown,
-        ).assign_attrs(campaign="drawn")
+        ).assign_attrs(campaign="drawn", camera=1)
 
     return draw
 
@@ -106,6 +108,15 @@ def clean(draw_campaign):
 
 
 @pytest.fixture(scope="session")
-def thinned(draw_campaign):
-    """Diagnose a campaign whose damper thins: no effect of the list, but several take its part."""
-    return diagnose(draw_campaign(2, 0.0, thinning=0.3), CONFIG, 5, quiet)
+def recorded_thinning(draw_campaign):
+    """A campaign whose damper thins."""
+    return draw_campaign(2, 0.0, thinning=0.3)
+
+
+@pytest.fixture(scope="session")
+def thinned(recorded_thinning):
+    """Diagnose it by a list that lacks the effect, though several take its part."""
+    known = {name: e for name, e in list_effects().items() if name != "thinning_damper"}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(rank, "list_effects", lambda: known)
+        return diagnose(recorded_thinning, CONFIG, 5, quiet)

@@ -4,8 +4,8 @@ import pytest
 from softfinger.faults import ListedFault
 from softfinger.mechanics.effects.model import EffectModel
 from softfinger.mismatch import diagnose
-from softfinger.mismatch.conclude import conclude
-from softfinger.mismatch.rank import list_pieces
+from softfinger.mismatch.candidates.rank import list_pieces
+from softfinger.mismatch.verdict.conclude import conclude
 
 CONFIG = {
     "bootstrap_replicates": 99,

@@ -5,14 +5,14 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from softfinger.inference.mover import build_mover
+from softfinger.inference.posterior import fit_posterior, prepare_candidate, sample_posterior
+from softfinger.inference.setting_table import tabulate_setting
 from softfinger.mechanics.effects.model_file import FittedTo
 from softfinger.mismatch import diagnose
-from softfinger.mismatch.fit import fit_effects
-from softfinger.mismatch.forward import build_mover
-from softfinger.mismatch.mcmc import Size, sample_effects
-from softfinger.mismatch.outcome import describe_repair
-from softfinger.mismatch.predict import list_levels
-from softfinger.mismatch.refine import refine_verdict
+from softfinger.mismatch.tables.outcome import describe_repair
+from softfinger.mismatch.tables.predict import list_levels
+from softfinger.mismatch.verdict.refine import refine_verdict
 
 CONFIG = {
     "bootstrap_replicates": 99,
@@ -39,36 +39,54 @@ def test_a_repaired_model_is_adequate_when_it_is_diagnosed_again(recorded, conte
     assert after.baseline == pytest.approx(before.final, rel=0.01)
 
 
-def test_sampling_agrees_with_the_fit(named, monkeypatch):
-    monkeypatch.setattr("softfinger.mismatch.mcmc.DISPERSION", 0.3)  # few draws: start close
-    best = named.search.best
-    rng = np.random.default_rng(4)
-    draws, accepted = sample_effects(named.problem, best, Size(2, 30, 60), rng, quiet)
-    for name, middle, covariance in (
-        ("effect", best.fit.shared, best.fit.shared_covariance),
-        ("mean", best.fit.mean, best.fit.mean_covariance),
-    ):
-        sd = np.sqrt(np.diag(covariance))
-        away = (draws[name].mean((0, 1)) - middle) / sd
-        assert (np.abs(away) < 2.0).all()
-        assert ((draws[name].std((0, 1)) / sd > 0.4) & (draws[name].std((0, 1)) / sd < 2.0)).all()
-    assert 0.3 < accepted.mean() < 1.0
-    assert draws["scale"].mean() == pytest.approx(1.0, abs=0.05)
-    effect = xr.DataArray(draws["effect"], dims=("chain", "draw", "k"))
-    assert float(az.rhat(effect.to_dataset(name="x"))["x"].max()) < 1.3
+SAMPLING = {
+    "sampler": "nuts", "chains": 2, "tune": 200, "draws": 200, "cores": 1, "target_accept": 0.8,
+    "max_depth": 8, "covariance": "independent", "predictive_draws": 20,
+}  # fmt: skip
 
 
-def test_the_fit_names_its_draws_and_keeps_them_for_a_seed(recorded, content):
-    config = {"chains": 2, "tune": 6, "draws": 5}
-    one, two = (fit_effects(recorded, content, config, 7, priors=True) for _ in range(2))
-    xr.testing.assert_identical(one["posterior"].dataset, two["posterior"].dataset)
+@pytest.fixture(scope="module")
+def sampled(recorded, named):
+    prepared = prepare_candidate(recorded, named.problem, named.search.best)
+    return sample_posterior(prepared, SAMPLING, np.random.default_rng(4))[0]
+
+
+def test_sampling_agrees_with_the_fit(named, sampled):
+    fit = named.search.best.fit
+    draws = sampled["effect_internal"].transpose("chain", "draw", "effect_parameter").values
+    sd = np.sqrt(np.diag(fit.shared_covariance))
+    assert (np.abs((draws.mean((0, 1)) - fit.shared) / sd) < 0.5).all()
+    np.testing.assert_allclose(draws.std((0, 1)) / sd, 1.0, atol=0.3)
+    mean = sampled["mu_log_k_v"].mean().item()
+    assert abs(mean - fit.mean[0]) < 0.5 * np.sqrt(fit.mean_covariance[0, 0])
+    assert sampled["noise_scale"].mean() == pytest.approx(1.0, abs=0.05)
+    assert float(az.rhat(sampled["effect"].to_dataset(name="x"))["x"].max()) < 1.05
+
+
+def test_both_samplers_draw_the_effects_of_one_posterior(recorded, named, sampled):
+    prepared = prepare_candidate(recorded, named.problem, named.search.best)
+    config = SAMPLING | {"sampler": "gibbs", "tune": 200, "draws": 1500}
+    drawn, _ = sample_posterior(prepared, config, np.random.default_rng(5))
+    for name in ("effect_internal", "mu_log_c_p"):
+        x, y = (draws[name].stack(sample=("chain", "draw")) for draws in (sampled, drawn))
+        away = (y.mean("sample") - x.mean("sample")) / x.std("sample")
+        assert float(abs(away).max()) < 0.35, name
+        assert float(abs(np.log(y.std("sample") / x.std("sample"))).max()) < 0.35, name
+
+
+@pytest.mark.parametrize("sampler", ["nuts", "gibbs"])
+def test_a_fit_with_effects_has_every_group_of_the_base_s(recorded, content, sampler):
+    config = SAMPLING | {"sampler": sampler, "tune": 100, "draws": 100}
+    base = fit_posterior(recorded, config, 7)
+    one = fit_posterior(recorded, config, 7, content)
+    assert set(one.children) == set(base.children)
+    for name, group in base.children.items():
+        assert set(one[name].data_vars) == set(group.data_vars), name
     effect = one["posterior"]["effect"]
-    names = effect["effect_parameter"].values.tolist()
-    assert sorted(names) == [
+    assert sorted(effect["effect_parameter"].values.tolist()) == [
         "second_retardation.compliance_share_1",
         "second_retardation.retardation_time_s",
     ]
-    assert effect.sizes["draw"] == 5
     time = effect.sel(effect_parameter="second_retardation.retardation_time_s")
     assert abs(float(time.mean()) - 1.5) < 0.5
 
@@ -79,7 +97,8 @@ def test_a_mover_gives_the_fitted_motion(recorded, content, named):
     physical = [np.exp(v) if e.parameter.log else v
                 for v, e in zip(fit.shared, entries, strict=True)]  # fmt: skip
     effect = xr.DataArray([physical, physical], dims=("draw", "effect_parameter"))
-    move = build_mover(recorded, content, effect)
+    constant = tabulate_setting(problem.setting, problem.finger, problem.trials.name)
+    move = build_mover(constant, content, effect, recorded["trial"])
     own = fit.own[[2, 4]].reshape(2, 1, 4)
     node = problem.trials.node[2].ravel()
     load = problem.trials.load_time[2], problem.trials.load_torque[2]
@@ -95,17 +114,15 @@ def test_levels_are_told_apart(named):
     assert sum(chosen.sum() for chosen in levels.values()) == 7
 
 
-def test_sampling_refines_the_parameters_of_a_verdict(named, monkeypatch):
-    monkeypatch.setattr("softfinger.mismatch.refine.R_HAT_MAX", 1.5)
-    size = Size(2, 20, 40)
-    refined, r_hat = refine_verdict(named, np.random.default_rng(3), size, quiet)
-    assert 0.9 < r_hat < 1.5
+def test_sampling_refines_the_parameters_of_a_verdict(named, recorded):
+    refined, r_hat = refine_verdict(named, recorded, np.random.default_rng(3))
+    assert 0.9 < r_hat < 1.01
     before, after = named.verdict.effects[0], refined.effects[0]
     assert set(after.parameters) == set(before.parameters)
     for name, value in after.parameters.items():
         rough = before.parameters[name]
         assert value != rough
-        assert abs(value.mean - rough.mean) < 2 * rough.sd
+        assert abs(value.mean - rough.mean) < rough.sd
         assert value.q05 < value.mean < value.q95
     assert after.probability == before.probability
     assert refined.model_copy(update={"effects": []}) == named.verdict.model_copy(
@@ -113,13 +130,13 @@ def test_sampling_refines_the_parameters_of_a_verdict(named, monkeypatch):
     )
 
 
-def test_chains_that_do_not_agree_refine_nothing(named, monkeypatch):
-    monkeypatch.setattr("softfinger.mismatch.refine.R_HAT_MAX", 0.1)
-    refined, _ = refine_verdict(named, np.random.default_rng(3), Size(2, 6, 8), quiet)
+def test_chains_that_do_not_agree_refine_nothing(named, recorded, monkeypatch):
+    monkeypatch.setattr("softfinger.mismatch.verdict.refine.R_HAT_MAX", 0.1)
+    refined, _ = refine_verdict(named, recorded, np.random.default_rng(3))
     assert refined == named.verdict
 
 
-def test_nothing_is_sampled_where_nothing_was_left_out(clean):
-    refined, r_hat = refine_verdict(clean, np.random.default_rng(3))
+def test_nothing_is_sampled_where_nothing_was_left_out(clean, recorded):
+    refined, r_hat = refine_verdict(clean, recorded, np.random.default_rng(3))
     assert refined is clean.verdict
     assert np.isnan(r_hat)

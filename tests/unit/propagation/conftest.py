@@ -12,6 +12,8 @@ SIGMA = np.array([[0.1973, 0.5232, 0.7011, 0.01], [0.3957, 0.8223, 0.9, 0.02]])
 NOISE_SD = 0.003
 CONFIG = {
     "draws": 11,
+    "sampled_draws": 5,
+    "draw_samples": 256,
     "band_samples": 512,
     "band_times": 61,
     "sobol_time_step_s": 0.5,
@@ -87,6 +89,7 @@ def posterior():
     dims = ("chain", "draw", "joint")
     shape = (3, 17, 2)
     data = {"noise_sd": (dims, np.full(shape, NOISE_SD))}
+    data["noise_autocorrelation"] = (dims, np.full(shape, 0.3))
     for place, name in enumerate(names):
         jitter = 0.1 * SIGMA[:, place] * rng.standard_normal(shape)
         data[f"mu_{name}"] = (dims, MU[:, place] + jitter)

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from softfinger.inference.mover import move_paper_joint
 from softfinger.propagation.bands import compute_bands
 
 
@@ -80,3 +81,43 @@ def test_a_trial_order_changes_no_score(angles, least_squares, posterior, config
 def test_same_generator_gives_the_same_bands(angles, least_squares, posterior, config, bands):
     again = compute_bands(angles, least_squares, posterior, config, np.random.default_rng(3))
     xr.testing.assert_identical(again, bands)
+
+
+def test_correlated_parameters_make_the_bands_of_brute_force(
+    angles, least_squares, posterior, config
+):
+    """Stiff joints flow less, so that the angle spreads more; every draw is the same."""
+    group = posterior["posterior"].to_dataset()
+    names = ("log_k_v", "log_c_v", "log_c_p", "q_ini")
+    for name in names:
+        group[f"mu_{name}"][:] = group[f"mu_{name}"][0, 0]
+        group[f"sigma_{name}"][:] = group[f"sigma_{name}"][0, 0]
+    config |= {"band_samples": 4096, "c_p_truncation_sd": None}
+    alone = compute_bands(angles, least_squares, posterior, config, np.random.default_rng(3))
+    block = np.eye(4)
+    block[0, 2] = block[2, 0] = 0.9  # log k_v with log c_p
+    block[1, 3] = block[3, 1] = 0.4  # log c_v with q_ini
+    matrix = np.broadcast_to(np.kron(np.eye(2), block), (3, 17, 8, 8))
+    group["parameter_correlation"] = (("chain", "draw", "own", "other_own"), matrix)
+    posterior["posterior"] = group
+    found = compute_bands(angles, least_squares, posterior, config, np.random.default_rng(3))
+
+    mu, sigma = (
+        np.stack([group[f"{kind}_{name}"].values[0, 0] for name in names], axis=-1)
+        for kind in ("mu", "sigma")
+    )
+    z = np.random.default_rng(8).multivariate_normal(np.zeros(4), block, (50000, 2))
+    time = found["time"].values[1::20]
+    moved = move_paper_joint(mu + sigma * z, None, None, time, np.array([0.0]), np.array([0.04]))
+    noise = 0.003 * np.random.default_rng(9).standard_normal(moved.shape)
+    chosen = {"estimate": "posterior", "protocol": "protocol_1", "time": time}
+    ours, independent = (bands.sel(chosen) for bands in (found, alone))
+    np.testing.assert_allclose(ours["joint_angle_mean"], moved.mean(axis=0), rtol=0.01)
+    np.testing.assert_allclose(ours["joint_angle_sd"], moved.std(axis=0), rtol=0.02)
+    quantile = np.moveaxis(np.quantile(moved, ours["quantile"], axis=0), 0, -1)
+    np.testing.assert_allclose(ours["joint_angle_quantile"], quantile, rtol=0.02, atol=1e-3)
+    quantile = np.moveaxis(np.quantile(moved + noise, ours["quantile"], axis=0), 0, -1)
+    np.testing.assert_allclose(ours["predicted_quantile"], quantile, rtol=0.02, atol=1e-3)
+    ratio = (ours["joint_angle_sd"] / independent["joint_angle_sd"]).sel(joint=1).values
+    assert ratio[0] < 0.95
+    assert ratio[-1] > 1.05

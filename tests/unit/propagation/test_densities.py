@@ -7,7 +7,7 @@ from softfinger.propagation.densities import compute_densities
 
 @pytest.fixture
 def densities(angles, least_squares, posterior, config):
-    return compute_densities(angles, least_squares, posterior, config)
+    return compute_densities(angles, least_squares, posterior, config, np.random.default_rng(3))
 
 
 def test_sizes(densities):
@@ -42,7 +42,7 @@ def test_bounds_hold_the_posterior_density(densities):
 
 def test_a_heavy_tail_is_cut_from_the_picture_and_said(angles, least_squares, posterior, config):
     least_squares["population_sd"].loc[{"joint": 2, "parameter": "c_p"}] = 3.2316
-    heavy = compute_densities(angles, least_squares, posterior, config)
+    heavy = compute_densities(angles, least_squares, posterior, config, np.random.default_rng(3))
     shown = heavy["probability_shown"].sel(joint=2, time=6.0)
     assert shown.sel(estimate="two_stage") < 0.96
     assert shown.sel(estimate="posterior") > 0.98
@@ -50,7 +50,9 @@ def test_a_heavy_tail_is_cut_from_the_picture_and_said(angles, least_squares, po
 
 def test_unknown_population_gives_nan_and_not_a_guess(angles, least_squares, posterior, config):
     least_squares["population_mean"].loc[{"joint": 1, "parameter": "k_v"}] = np.nan
-    densities = compute_densities(angles, least_squares, posterior, config)
+    densities = compute_densities(
+        angles, least_squares, posterior, config, np.random.default_rng(3)
+    )
     assert np.isnan(densities["density"].sel(joint=1, estimate="two_stage")).all()
     assert np.isnan(densities["density_error"].sel(joint=1)).all()
     assert np.isfinite(densities["density"].sel(joint=1, estimate="posterior")).all()

@@ -1,15 +1,16 @@
 """Importance weights against what they stand for: estimates made without the trial."""
 
 import numpy as np
+import pytest
 import xarray as xr
 
-from softfinger.propagation.hyperparameters import select_posterior
 from softfinger.propagation.left_out import build_posterior_weights, build_two_stage_weights
-from softfinger.propagation.predictions import (
+from softfinger.propagation.new_trials import (
     NewTrials,
     order_samples_array,
     take_quantiles_array,
 )
+from softfinger.propagation.populations import select_posterior
 
 NAMES = ("log_k_v", "log_c_v", "log_c_p", "q_ini")
 
@@ -48,31 +49,43 @@ def test_too_few_others_predict_nothing(least_squares):
     assert np.isnan(weigh(0, 0, make_samples(np.zeros((8, 4)), np.zeros(8, int)))).all()
 
 
-def test_posterior_weights_take_a_trial_out_of_a_conjugate_posterior():
-    """Known parameters, known sd, flat prior: μ | x ~ N(mean, σ²/n), and so without the trial."""
+def correlate_two(one, other, by):
+    matrix = np.eye(8)
+    matrix[one, other] = matrix[other, one] = by
+    return matrix
+
+
+@pytest.mark.parametrize(
+    "correlation", [np.eye(8), correlate_two(0, 2, 0.8), correlate_two(1, 6, 0.8)]
+)
+def test_posterior_weights_take_a_trial_out_of_a_conjugate_posterior(correlation):
+    """Known parameters, known Ω, flat prior: μ | x ~ N(mean, Ω/n), and so without the trial."""
     rng = np.random.default_rng(4)
-    n, draws, sigma = 6, 100000, np.array([0.2, 0.5, 0.7, 0.01])
-    own = 1.0 + sigma * rng.standard_normal((n, 4))
-    mu = own.mean(axis=0) + sigma / np.sqrt(n) * rng.standard_normal((draws, 4))
+    n, draws, sigma = 8, 100000, np.tile([0.2, 0.5, 0.7, 0.01], 2)
+    root = sigma[:, None] * np.linalg.cholesky(correlation)
+    own = 1.0 + rng.standard_normal((n, 8)) @ root.T
+    mu = own.mean(axis=0) + rng.standard_normal((draws, 8)) @ root.T / np.sqrt(n)
     dims = ("chain", "draw", "joint")
-    data = {"noise_sd": (dims, np.ones((1, draws, 1)))}
+    data = dict.fromkeys(["noise_sd", "noise_autocorrelation"], (dims, np.ones((1, draws, 2))))
     for place, name in enumerate(NAMES):
-        data[f"mu_{name}"] = (dims, mu[None, :, None, place])
-        data[f"sigma_{name}"] = (dims, np.full((1, draws, 1), sigma[place]))
-        value = np.broadcast_to(own[:, None, place], (1, draws, n, 1))
+        data[f"mu_{name}"] = (dims, mu[None, :, place::4])
+        data[f"sigma_{name}"] = (dims, np.full((1, draws, 2), sigma[place]))
+        value = np.broadcast_to(own[:, place::4], (1, draws, n, 2))
         data[name] = (("chain", "draw", "trial", "joint"), value)
+    whole = np.broadcast_to(correlation, (1, draws, 8, 8))
+    data["parameter_correlation"] = (("chain", "draw", "own", "other_own"), whole)
     trial = [f"trial_{i}" for i in range(n)]
     tree = xr.DataTree.from_dict({"posterior": xr.Dataset(data, coords={"trial": trial})})
     population = select_posterior(tree, draws)
     names = xr.DataArray([*trial, "unknown"], dims="trial")
     weigh = build_posterior_weights(tree, population, names)
     samples = make_samples(np.zeros((draws, 4)), np.arange(draws))
-    weight = weigh(1, 0, samples)
-    found = weight @ population["mu"].to_numpy()[:, 0]
-    np.testing.assert_allclose(
-        (found - np.delete(own, 1, axis=0).mean(axis=0)) / sigma, 0, atol=0.02
-    )
-    np.testing.assert_allclose(weigh(n, 0, samples), 1 / draws, rtol=1e-12)
+    expected = np.delete(own, 1, axis=0).mean(axis=0)
+    for joint in (0, 1):
+        block = slice(4 * joint, 4 * joint + 4)
+        found = weigh(1, joint, samples) @ population["mu"].to_numpy()[:, joint]
+        np.testing.assert_allclose((found - expected[block]) / sigma[block], 0, atol=0.03)
+        np.testing.assert_allclose(weigh(n, joint, samples), 1 / draws, rtol=1e-12)
 
 
 def test_even_weights_give_plain_quantiles():

@@ -7,7 +7,7 @@ from softfinger.propagation.sobol import compute_sobol
 
 @pytest.fixture
 def sobol(angles, least_squares, posterior, config):
-    return compute_sobol(angles, least_squares, posterior, config)
+    return compute_sobol(angles, least_squares, posterior, config, np.random.default_rng(3))
 
 
 def test_sizes(sobol):
@@ -19,8 +19,8 @@ def test_sizes(sobol):
 
 def test_indices_are_shares_and_sum_to_one(sobol):
     for name in ("first_order", "second_order", "total", "first_order_quantile"):
-        assert (sobol[name] >= 0).all()
-        assert (sobol[name] <= 1).all()
+        assert (sobol[name] >= -1e-15).all()
+        assert (sobol[name] <= 1 + 1e-15).all()
     whole = sobol["first_order"].sum("parameter") + sobol["second_order"].sum("pair")
     np.testing.assert_allclose(whole, 1.0, rtol=1e-13)
 
@@ -28,9 +28,9 @@ def test_indices_are_shares_and_sum_to_one(sobol):
 def test_total_adds_the_only_interaction(sobol):
     rest = (sobol["total"] - sobol["first_order"]).transpose("parameter", ...)
     interaction = sobol["second_order"].sel(pair="k_v:c_v").values
-    np.testing.assert_allclose(rest.sel(parameter="k_v"), interaction, atol=1e-15)
-    np.testing.assert_allclose(rest.sel(parameter="c_v"), interaction, atol=1e-15)
-    assert (rest.sel(parameter=["c_p", "q_ini"]) == 0).all()
+    np.testing.assert_allclose(rest.sel(parameter="k_v"), interaction, atol=1e-14)
+    np.testing.assert_allclose(rest.sel(parameter="c_v"), interaction, atol=1e-14)
+    np.testing.assert_allclose(rest.sel(parameter=["c_p", "q_ini"]), 0.0, atol=1e-14)
 
 
 def test_only_the_initial_angle_matters_at_the_start(sobol):
@@ -67,10 +67,10 @@ def test_a_posterior_without_a_hyperparameter_is_refused(angles, least_squares, 
     group = posterior["posterior"].to_dataset().drop_vars("sigma_log_c_p")
     posterior["posterior"] = group
     with pytest.raises(Fault, match="sigma_log_c_p"):
-        compute_sobol(angles, least_squares, posterior, config)
+        compute_sobol(angles, least_squares, posterior, config, np.random.default_rng(3))
 
 
 def test_a_wrong_knob_is_named(angles, least_squares, posterior, config):
     config["drawz"] = config.pop("draws")
     with pytest.raises(ListedFault, match=r"draws: .*\n.*drawz: .*got 11"):
-        compute_sobol(angles, least_squares, posterior, config)
+        compute_sobol(angles, least_squares, posterior, config, np.random.default_rng(3))

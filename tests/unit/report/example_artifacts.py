@@ -3,6 +3,10 @@
 import numpy as np
 import xarray as xr
 
+from softfinger.report.material import Material
+from softfinger.summary import judge_run, summarise
+from softfinger.summary.config import read_config
+
 PARAMETERS = ["k_v", "c_v", "c_p", "q_ini"]
 CENTRE = np.array([-2.4, -3.6, 3.0, 0.02])
 SPREAD = np.array([0.2, 0.5, 0.7, 0.01])
@@ -366,3 +370,22 @@ def make_artifacts(**options):
             "seed": 7,
         }
     return artifacts
+
+
+def sum_up(artifacts):
+    """The artifacts with those that the rule `summarise` makes of them."""
+    rest = {name: part for name, part in artifacts.items() if name not in ("checks", "summary")}
+    limits, attrs = read_config(CONFIG["report"]), artifacts["angles"].attrs
+    made = {
+        "checks": judge_run(rest, limits, np.random.default_rng(1)),
+        "summary": summarise(rest, limits, {"wire_friction": "the wire rubs"}),
+    }
+    for tree in made.values():
+        tree.attrs |= {key: attrs[key] for key in ("campaign", "source")}
+        tree.attrs |= {"ci_prob": limits.ci_prob, "stage": "summarise"}
+    return rest | made
+
+
+def gather(artifacts):
+    """What the report is written from."""
+    return Material(sum_up(artifacts), CONFIG)

@@ -1,7 +1,5 @@
-from example_artifacts import CONFIG
+from example_artifacts import gather
 
-from softfinger.report.config import read_config
-from softfinger.report.material import Material
 from softfinger.report.sections.outlook import build_outlook
 
 
@@ -14,6 +12,6 @@ def test_the_report_says_and_shows_where_the_assumptions_hold(material):
 
 def test_without_the_check_the_report_says_nothing_of_it(artifacts):
     few = {name: part for name, part in artifacts.items() if name != "assumptions"}
-    section = build_outlook(Material(few, read_config(CONFIG), CONFIG))
+    section = build_outlook(gather(few))
     assert len(section.blocks) == 2
     assert not any("imulated fingers" in item for item in section.blocks[1].items)

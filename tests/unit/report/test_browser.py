@@ -11,7 +11,6 @@ from itertools import pairwise
 import pytest
 
 from softfinger.provenance import PROJECT
-from softfinger.report.config import read_config
 from softfinger.report.material import Material
 from softfinger.report.page import render_report
 
@@ -20,7 +19,7 @@ sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not 
 BROWSER = next((path for name in ("chromium", "google-chrome") if (path := shutil.which(name))), "")
 PICTURES = PROJECT / "results/browser"
 FLAGS = ["--no-sandbox", "--disable-quic", "--disable-background-networking", "--disable-sync"]
-WIDTHS = {"phone": 390, "screen": 1280}
+WIDTHS = {"phone": 360, "screen": 1400}
 
 pytestmark = [
     pytest.mark.slow,
@@ -33,7 +32,7 @@ def address(diagnosed, tmp_path_factory):
     from example_artifacts import CONFIG
 
     path = tmp_path_factory.mktemp("browser") / "report.html"
-    path.write_text(render_report(Material(diagnosed, read_config(CONFIG), CONFIG)), "utf-8")
+    path.write_text(render_report(Material(diagnosed, CONFIG)), "utf-8")
     return path.as_uri()
 
 

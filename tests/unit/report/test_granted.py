@@ -1,11 +1,9 @@
 import numpy as np
 import pytest
 import xarray as xr
-from example_artifacts import CONFIG
+from example_artifacts import gather
 
-from softfinger.report.config import read_config
 from softfinger.report.granted import show_independence, show_loo_pit, show_prior_sensitivity
-from softfinger.report.material import Material
 from softfinger.report.page import render_report
 
 OWN = ["log_k_v[1]", "log_c_v[1]", "q_ini[1]", "log_k_v[2]", "log_c_v[2]", "q_ini[2]", "q_ini[3]"]
@@ -41,7 +39,7 @@ def asked(artifacts):
         "smallest_p": ((), 0.12),
     }
     tree["loo_pit"] = xr.Dataset(pit, {"trial": list("abcde"), "joint": [1, 2, 3]})
-    return Material(artifacts | {"posterior": tree}, read_config(CONFIG), CONFIG)
+    return gather(artifacts | {"posterior": tree})
 
 
 def test_the_worst_pair_stands_first(asked):
@@ -54,9 +52,9 @@ def test_the_worst_pair_stands_first(asked):
 
 def test_sensitive_spreads_are_counted_and_read(asked):
     sentence, table = show_prior_sensitivity(asked)
-    assert "may disagree on 1, and 2 rest on their prior" in sentence.text
+    assert "may disagree on 1, and 2 depend on their prior" in sentence.text
     readings = {tuple(cell.text for cell in row[:3]): row[-1].text for row in table.rows}
-    assert readings["spread", "c_p", "1"] == "the recordings say little"
+    assert readings["spread", "c_p", "1"] == "the recordings determine little"
     assert readings["spread", "c_p", "3"] == "prior and recordings may disagree"
     assert readings["centre", "c_p", "3"] == "–"
 
@@ -71,7 +69,7 @@ def test_a_fit_without_these_groups_shows_no_table(asked, page):
     shown = render_report(asked)
     for title in (
         "Whether parameters go together",
-        "How far the parameters hang on their priors",
+        "How far the parameters depend on their priors",
         "Where trials lie in what the others predict",
     ):
         assert title in shown
@@ -90,7 +88,7 @@ def test_fitted_correlations_take_the_place_of_the_question(asked):
     tree["posterior"] = posterior.assign(parameter_correlation=variable).assign_coords(
         own=OWN, other_own=OWN
     )
-    material = Material(asked.artifacts | {"posterior": tree}, read_config(CONFIG), CONFIG)
+    material = gather(asked.artifacts | {"posterior": tree})
     sentence, table = show_independence(material)
     assert "lets 2 pairs of a trial's parameters go together" in sentence.text
     assert ", 1 of them do" in sentence.text

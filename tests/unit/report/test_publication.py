@@ -3,7 +3,7 @@ import shutil
 import subprocess
 
 import pytest
-from example_artifacts import CONFIG, make_angles
+from example_artifacts import CONFIG, make_angles, sum_up
 
 from softfinger.faults import Fault
 from softfinger.provenance import PROJECT
@@ -34,7 +34,7 @@ def test_every_figure_has_its_name_and_its_stamp(diagnosed, name):
 
 
 def test_an_unknown_figure_and_a_missing_artifact_are_faults():
-    angles = {"angles": make_angles()}
+    angles = sum_up({"angles": make_angles()})
     with pytest.raises(Fault, match="there is no figure 'sobl'"):
         build_picture("sobl", angles, CONFIG)
     with pytest.raises(Fault, match="'sobol'"):

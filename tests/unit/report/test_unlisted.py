@@ -1,10 +1,9 @@
 import pytest
-from example_artifacts import CONFIG
+from example_artifacts import gather, make_angles
 
-from softfinger.report.config import read_config
-from softfinger.report.material import Material
 from softfinger.report.sections.mismatch import build_mismatch
 from softfinger.report.sections.unlisted import describe_unlisted, state_location
+from softfinger.summary.diagnosis import summarise_location
 
 LOCATION = {
     "level": "within_trial",
@@ -15,8 +14,9 @@ LOCATION = {
 }
 
 
-def gather(artifacts):
-    return Material(artifacts, read_config(CONFIG), CONFIG)
+def say(location):
+    found = summarise_location(make_angles(), {"location": location}, None)
+    return state_location(location, found)
 
 
 @pytest.fixture
@@ -57,10 +57,10 @@ def test_what_is_listed_needs_no_shape(diagnosed):
 
 def test_a_misfit_between_trials_or_of_jumps_is_located_as_such():
     between = {**LOCATION, "level": "between_trials", "covariate": "largest_load"}
-    assert state_location(between) == (
+    assert say(between) == (
         "It shows between trials in joints 1 and 2, with the trial's largest load."
     )
     slipped = {**LOCATION, "level": "measurement", "trials": ["t3", "t5"], "joints": {"2": 0.001}}
-    assert state_location(slipped) == (
+    assert say(slipped) == (
         "It shows as jumps of the recording in joint 2, in 2 trials: t3 and t5."
     )

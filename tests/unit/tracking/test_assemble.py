@@ -34,7 +34,7 @@ TABLE = """\
 trial,started_at,video,markers,angles,load,temperature_c
 filmed,2026-03-01T10:00:00,video/filmed.avi,,,load.csv,22.5
 pixels,2026-03-01T10:02:00,,markers.csv,,load.csv,23
-angles,,,,angles.csv,,
+angles,,,,angles.csv,load.csv,
 cut,2026-03-01T10:06:00,video/cut.avi,,,load.csv,24
 nowhere,2026-03-01T10:08:00,,,none.csv,load.csv,24
 """
@@ -114,9 +114,9 @@ def test_trials_that_fail_are_set_aside_with_their_reasons(folder):
 
 def test_loads_starts_covariates_and_geometry_are_carried(folder):
     angles = assemble(folder)
-    np.testing.assert_array_equal(angles["load_kind"], ["tension_n", "tension_n", "assumed"])
-    np.testing.assert_allclose(angles["load_torque"], [[0, 0.04, 0.04], [0, 0.04, 0.04], [0, 1, 1]])
-    np.testing.assert_allclose(angles["load_time"], [[0, 0, 2], [0, 0, 2], [0, 0, 0]])
+    np.testing.assert_array_equal(angles["load_kind"], ["tension_n", "tension_n", "tension_n"])
+    np.testing.assert_allclose(angles["load_torque"], [[0, 0.04, 0.04]] * 3)
+    np.testing.assert_allclose(angles["load_time"], [[0, 0, 2]] * 3)
     np.testing.assert_array_equal(angles["started_at"], [0.0, 120.0, np.nan])
     np.testing.assert_array_equal(angles["covariate_value"], [[22.5], [23.0], [np.nan]])
     np.testing.assert_allclose(angles["link_inertia"], [0.005 * 9e-4 / 12, 0.004 * 7.84e-4 / 12])
@@ -137,7 +137,6 @@ def test_flags_and_notes_say_what_happened(folder):
     assert np.count_nonzero(flag) == 3
     notes = json.loads(angles.attrs["notes"])
     assert "the recording ends at 0.967 s, the load log at 2 s" in " ".join(notes["filmed"])
-    assert "assumed" in notes["angles"][0]
     assert notes["angles"][1:] == [
         "1 of 40 frames repeat the one before",
         "1 of 40 frames hold a jump of the tracker and are masked",
@@ -174,3 +173,21 @@ def test_no_usable_trial_stops_the_campaign_and_lists_why(folder):
         assemble(folder)
     assert "no trial can be used" in str(caught.value)
     assert all(name in str(caught.value) for name in ("filmed", "pixels", "angles", "cut"))
+
+
+def test_different_kinds_of_load_stop_the_campaign(folder):
+    write_table(folder / "command.csv", "time_s,command", [(0, 8), (2, 8)])
+    path = folder / "trials.csv"
+    path.write_text(path.read_text().replace("angles.csv,load.csv", "angles.csv,command.csv"))
+    with pytest.raises(CampaignFault, match="tension_n in filmed, pixels; command in angles"):
+        assemble(folder)
+    write_table(folder / "angles.csv", "time_s,q1_rad,q2_rad", [(0, "nan", "nan")])
+    assert "angles" in assemble(folder)["set_aside_trial"].values
+
+
+def test_without_any_log_a_command_is_assumed_and_noted(folder):
+    path = folder / "trials.csv"
+    path.write_text(path.read_text().replace(",load.csv", ","))
+    angles = assemble(folder)
+    np.testing.assert_array_equal(angles["load_kind"], ["assumed"] * 3)
+    assert "assumed" in json.loads(angles.attrs["notes"])["angles"][0]

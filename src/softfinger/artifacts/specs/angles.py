@@ -14,6 +14,15 @@ SPEC = ArtifactSpec(
     title="Relative joint angles and loads of a campaign",
     rule="angles",
     attrs=("campaign", "source", "noise_sd_rad"),
+    # Of a specimen: its declared units, and what is one radian and zero in that of the motion.
+    optional_attrs=(
+        "motion_quantity",
+        "motion_unit",
+        "motion_per_rad",
+        "motion_zero",
+        "load_quantity",
+        "load_unit",
+    ),
     coords={
         "trial": Variable(("trial",), "1", "name of the trial", "text"),
         "joint": Variable(("joint",), "1", "number of the joint, base to tip", "whole number"),

@@ -57,6 +57,12 @@ SPEC = ArtifactSpec(
             "diverging": Variable(
                 ("chain", "draw"), "1", "whether the trajectory diverged", "truth value"
             ),
+            "expansion_pareto_k": Variable(
+                (), "1", "Pareto k of the weights by the full model", optional=True
+            ),
+            "expansion_error": Variable(
+                (), "1", "sd of what the expansion leaves out of a trial [nats]", optional=True
+            ),
         },
         "loo_pit": {
             "pit": Variable(

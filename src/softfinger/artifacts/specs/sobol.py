@@ -8,8 +8,11 @@ _DESIGN = ("change", "joint", "running_time", "parameter")
 _SHARE = {"at_least": -1e-9, "at_most": 1.0 + 1e-9}
 
 
-def _index(dims: tuple[str, ...], long_name: str) -> Variable:
-    return Variable(dims, "1", long_name, compress=True, **_SHARE)
+_DIFFERENCE = {**_SHARE, "at_least": -1.0 - 1e-9}  # negative where two parameters say the same
+
+
+def _index(dims: tuple[str, ...], long_name: str, within: dict[str, float] = _SHARE) -> Variable:
+    return Variable(dims, "1", long_name, compress=True, **within)
 
 
 SPEC = ArtifactSpec(
@@ -30,10 +33,12 @@ SPEC = ArtifactSpec(
     variables={
         "first_order": _index(("estimate", *_SERIES, "parameter"), "first-order index"),
         "total": _index(("estimate", *_SERIES, "parameter"), "total index"),
-        "second_order": _index(("estimate", *_SERIES, "pair"), "second-order index"),
+        "second_order": _index(("estimate", *_SERIES, "pair"), "second-order index", _DIFFERENCE),
         "first_order_quantile": _index((*_SERIES, "parameter", "quantile"), "its quantile"),
         "total_quantile": _index((*_SERIES, "parameter", "quantile"), "its quantile"),
-        "second_order_quantile": _index((*_SERIES, "pair", "quantile"), "its quantile"),
+        "second_order_quantile": _index(
+            (*_SERIES, "pair", "quantile"), "its quantile", _DIFFERENCE
+        ),
         "angle_sd": Variable(
             ("estimate", *_SERIES), "rad", "standard deviation of the angle", at_least=0.0
         ),

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect
 from softfinger.concealed.physics import Physics
 
+STAGES = np.array([0.7, 0.2, 0.1])
+LAST = np.array([0.0, 0.0, 1.0])
+
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    return physics._replace(lag=dose.strength)
+    if dose.strength == 0.0:
+        return physics
+    return physics._replace(lag_times=dose.strength * STAGES, lag_mix=LAST)
 
 
 EFFECT = Effect(

@@ -24,5 +24,4 @@ EFFECT = Effect(
     largest=0.06,
     shape={"period_s": Shape(6.0, 14.0)},
     record=_record,
-    listed=False,
 )

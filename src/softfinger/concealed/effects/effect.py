@@ -23,6 +23,7 @@ class Dose:
     strength: float  # 0: absent
     shape: dict[str, float] = field(default_factory=dict)
     joints: tuple[int, ...] = ()  # from 0; empty where the effect is not tied to joints
+    scatter: float = 0.0  # sd of the strength's logarithm between trials
 
     def spread(self, joints: int) -> Array:
         """Strength (joint,), zero where the effect does not act."""
@@ -62,6 +63,10 @@ class Shape:
         return float(np.exp(rng.uniform(np.log(self.low), np.log(self.high))))
 
 
+Move = Callable[[Physics, Dose, Circumstances], Physics]
+Record = Callable[[Array, Array, Dose, Circumstances, Rig], Array]
+
+
 @dataclass(frozen=True)
 class Effect:
     """One piece of left-out physics.
@@ -69,7 +74,7 @@ class Effect:
     Attributes
     ----------
     id, sentence
-        Name (one of the catalogue's where `listed`) and what it is.
+        Name and what it is.
     level
         Where it shows: within a trial, between trials, or in the measurement.
     joints
@@ -86,6 +91,11 @@ class Effect:
         Keys and values of the verdict's effect parameters.
     trials
         Fewest trials in which it can show.
+    law, why
+        Of a foreign law: its name, and why no textbook form of the catalogue contains it.
+    argument, curve
+        Of a law that is a factor 1 + s · curve(argument, trials in the campaign): what it depends
+        on, its unit as suffix, and the curve.
     """
 
     id: str
@@ -95,10 +105,13 @@ class Effect:
     typical: float
     largest: float
     shape: dict[str, Shape] = field(default_factory=dict)
-    move: Callable[[Physics, Dose, Circumstances], Physics] | None = None
+    move: Move | None = None
     clock: Callable[[Array, Dose, Circumstances], Array] | None = None
-    record: Callable[[Array, Array, Dose, Circumstances, Rig], Array] | None = None
+    record: Record | None = None
     tell: Callable[[Dose, list[Circumstances]], dict[str, float]] = lambda dose, trials: {}
     covariate: str | None = None
     trials: int = 1
-    listed: bool = True
+    law: str = ""
+    why: str = ""
+    argument: str = ""
+    curve: Callable[[Array, int], Array] | None = None

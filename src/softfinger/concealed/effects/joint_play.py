@@ -23,5 +23,5 @@ EFFECT = Effect(
     typical=0.015,
     largest=0.08,
     record=_record,
-    listed=False,
+    tell=lambda dose, trials: {f"play_rad_{j + 1}": dose.strength for j in dose.joints},
 )

@@ -26,5 +26,4 @@ EFFECT = Effect(
     typical=0.015,
     largest=0.08,
     record=_record,
-    listed=False,
 )

@@ -18,5 +18,4 @@ EFFECT = Effect(
     typical=0.1,
     largest=0.5,
     move=_move,
-    listed=False,
 )

@@ -24,5 +24,4 @@ EFFECT = Effect(
     typical=0.03,
     largest=0.2,
     record=_record,
-    listed=False,
 )

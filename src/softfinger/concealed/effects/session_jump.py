@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect, Shape
 from softfinger.concealed.physics import Physics
 
@@ -24,5 +26,7 @@ EFFECT = Effect(
     move=_move,
     covariate="trial_number",
     trials=10,
-    listed=False,
+    tell=lambda dose, trials: {
+        "at_trial": float(np.ceil(dose.shape["first_share"] * len(trials))) + 1
+    },
 )

@@ -25,5 +25,4 @@ EFFECT = Effect(
     largest=0.15,
     shape={"frequency_hz": Shape(0.3, 3.0)},
     move=_move,
-    listed=False,
 )

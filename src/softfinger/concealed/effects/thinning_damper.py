@@ -19,5 +19,4 @@ EFFECT = Effect(
     typical=0.3,
     largest=3.0,
     move=_move,
-    listed=False,
 )

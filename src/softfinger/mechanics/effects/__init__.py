@@ -16,13 +16,19 @@ from softfinger.mechanics.effects import (
     gravity,
     inertia,
     joint_coupling,
+    joint_play,
     lens_distortion,
+    load_gain,
+    load_limit,
     moment_arm,
     preload_memory,
     second_retardation,
+    session_jump,
+    softening_within_trial,
     strain_stiffening,
     stress_nonlinear_flow,
     temperature,
+    thinning_damper,
     wire_friction,
     yield_threshold,
 )
@@ -46,6 +52,12 @@ MODULES = (
     inertia,
     camera_delay,
     lens_distortion,
+    session_jump,
+    load_limit,
+    load_gain,
+    joint_play,
+    thinning_damper,
+    softening_within_trial,
 )
 
 

@@ -1,8 +1,9 @@
-"""A joint that meets a stop: a spring that acts beyond an angle, hard or soft."""
+"""A joint that meets a stop: a spring that acts beyond an angle, hard, soft or hardening."""
 
 import numpy as np
 
 from softfinger.mechanics.effects.effect import Effect, Form, Parameter, Setting, Values, positive
+from softfinger.mechanics.effects.law import Law, free_form
 
 WIDTHS_RAD = {"hard": 0.01, "soft": 0.05}
 
@@ -37,7 +38,10 @@ def _build_form(kind: str, setting: Setting) -> Form:
 
 
 def _build_forms(setting: Setting) -> list[Form]:
-    return [_build_form(kind, setting) for kind in WIDTHS_RAD]
+    forms = {kind: _build_form(kind, setting) for kind in WIDTHS_RAD}
+    reach = 0.4 * setting.reach
+    law = Law("stop_law", "depth_rad", reach, 0.7, terms=3, per="joint")
+    return [*forms.values(), free_form(law, {"stop_reach": reach}, forms["soft"])]
 
 
 EFFECT = Effect("contact_stop", "the joint meets a stop", "within_trial", _build_forms)

@@ -7,11 +7,16 @@ the bounds.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+if TYPE_CHECKING:
+    from softfinger.mechanics.effects.law import Law
+
+FREE = "free"
+"""First word of the name of a free form."""
 SMALL = 0.01  # of the prior sd: amplitudes start almost absent, where the fit is nearly linear
 
 Values = Mapping[str, NDArray[np.float64]]
@@ -44,6 +49,8 @@ class Parameter:
     report
         Names under which a verdict gives it, each with its value there from the physical one and
         the joint (0-based; −1 for the chain); empty: as it is.
+    term
+        It is a term of a free law, of which the curve is the result and not the number.
     """
 
     name: str
@@ -57,6 +64,7 @@ class Parameter:
     floor: float = 0.0
     starts: tuple[float, ...] = ()
     report: Mapping[str, Callable[[float, int], float]] = field(default_factory=dict)
+    term: bool = False
 
 
 def positive(name: str, sd: float, **more: object) -> Parameter:
@@ -115,6 +123,13 @@ class Setting:
     step_gap
         [s], the widest gap between the two rows of the load log that state a step: when within it
         the load changed is not known.
+    camera
+        Whether the motion was filmed, or a camera is declared.
+    drift
+        (trial, joint, 3) log k_v, c_v, c_p of the base model in each trial; None before it is
+        fitted.
+    specimen
+        Whether it is a specimen, without wire, links, lens or plane.
     """
 
     trials: int
@@ -136,6 +151,9 @@ class Setting:
     geometry: bool = False
     masses: bool = False
     step_gap: float = 0.0
+    camera: bool = False
+    drift: NDArray[np.float64] | None = None
+    specimen: bool = False
 
     @property
     def time_floor(self) -> float:
@@ -145,7 +163,7 @@ class Setting:
 
 @dataclass(frozen=True)
 class Form:
-    """One textbook form of an effect.
+    """One form of an effect: a textbook one, or the free one.
 
     Attributes
     ----------
@@ -161,6 +179,8 @@ class Form:
         The covariate it depends on.
     local
         Chain parameters that may act on a single joint instead of all alike.
+    law
+        The free law among its parameters.
     """
 
     name: str
@@ -168,6 +188,12 @@ class Form:
     slots: Callable[[Values], dict[str, NDArray[np.float64]]]
     covariate: str | None = None
     local: bool = False
+    law: "Law | None" = None
+
+    @property
+    def is_free(self) -> bool:
+        """Whether it is the effect's free law, and not a textbook's."""
+        return self.name.split("_")[0] == FREE
 
 
 @dataclass(frozen=True)
@@ -185,9 +211,18 @@ class Effect:
     build_forms
         The forms that a campaign allows; a sentence that says why it cannot show the effect at
         all, instead.
+    part
+        The part of a finger that it needs and a specimen lacks; empty where it needs none.
     """
 
     id: str
     sentence: str
     level: Literal["within_trial", "between_trials", "measurement"]
     build_forms: Callable[[Setting], list[Form] | str]
+    part: str = ""
+
+    def list_forms(self, setting: Setting) -> list[Form] | str:
+        """Forms that a campaign allows, or why it cannot show the effect."""
+        if setting.specimen and self.part:
+            return f"the campaign is of a specimen, which has no {self.part}"
+        return self.build_forms(setting)

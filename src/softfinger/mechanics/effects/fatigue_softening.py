@@ -1,8 +1,9 @@
-"""Parameters that drift with the number of trials done: linear, logarithmic or exponential."""
+"""Parameters that drift with the number of trials done: linear, logarithmic, exponential, free."""
 
 import numpy as np
 
 from softfinger.mechanics.effects.effect import (
+    FREE,
     Effect,
     Form,
     Setting,
@@ -10,6 +11,7 @@ from softfinger.mechanics.effects.effect import (
     positive,
     time_constant,
 )
+from softfinger.mechanics.effects.law import Law
 
 LEAST_TRIALS = 4
 TARGETS = {
@@ -41,11 +43,22 @@ def _build_form(law: str, target: str, setting: Setting) -> Form:
     return Form(f"{law}_{target}", parameters, slots)
 
 
+def _build_free_form(target: str, setting: Setting) -> Form:
+    last = float(setting.number.max())
+    law = Law("drift", "trial_number", last, 0.15, terms=5, per="joint", kind="exponential")
+
+    def slots(values: Values) -> dict:
+        return dict.fromkeys(TARGETS[target], law.evaluate(values, setting.number).T)
+
+    return Form(f"{FREE}_{target}", law.parameters, slots, law=law)
+
+
 def _build_forms(setting: Setting) -> list[Form] | str:
     if setting.trials < LEAST_TRIALS:
         return "a drift over trials needs several trials"
     laws = ("linear", "exponential", "logarithmic")
-    return [_build_form(law, target, setting) for target in TARGETS for law in laws]
+    forms = [_build_form(law, target, setting) for target in TARGETS for law in laws]
+    return [*forms, *(_build_free_form(target, setting) for target in TARGETS)]
 
 
 EFFECT = Effect(

@@ -1,8 +1,19 @@
-"""A plane that is not horizontal: torque that depends on the configuration."""
+"""A plane that is not horizontal: torque that depends on the configuration.
+
+Free: what the links weigh beyond each joint is not what their masses say, as with a payload.
+"""
 
 from dataclasses import replace
 
-from softfinger.mechanics.effects.effect import Effect, Form, Parameter, Setting, Values, signed
+from softfinger.mechanics.effects.effect import (
+    FREE,
+    Effect,
+    Form,
+    Parameter,
+    Setting,
+    Values,
+    signed,
+)
 
 
 def _build_forms(setting: Setting) -> list[Form] | str:
@@ -18,11 +29,20 @@ def _build_forms(setting: Setting) -> list[Form] | str:
         """Give the angle between plane and horizon, and beside it the way it tilts."""
         return (replace(tilt, report={"tilt_rad": lambda x, _: abs(x), tilt.name: lambda x, _: x}),)
 
+    ratio = Parameter("moment_ratio", 0.0, 0.7, per="joint", log=True, low=-2.0, high=2.5)
+
+    def loaded(values: Values) -> dict:
+        tilt = {f"tilt_{way}": values[f"tilt_{way}_rad"] for way in ("across", "along")}
+        return {**tilt, "moment_share": values["moment_ratio"] - 1.0}
+
     return [
         Form("across", alone(across), slots),
         Form("along", alone(along), slots),
         Form("both", (across, along), slots),
+        Form(FREE, (across, along, ratio), loaded),
     ]
 
 
-EFFECT = Effect("gravity", "gravity pulls: the plane is tilted", "within_trial", _build_forms)
+EFFECT = Effect(
+    "gravity", "gravity pulls: the plane is tilted", "within_trial", _build_forms, "plane"
+)

@@ -1,4 +1,4 @@
-"""One joint's deflection that feeds its neighbour's, through torque or through kinematics."""
+"""One joint's deflection that feeds its neighbour's: by torque, a membrane or kinematics."""
 
 import numpy as np
 
@@ -29,11 +29,19 @@ def _build_forms(setting: Setting) -> list[Form] | str:
         both = values["coupling"] + values["coupling"].T
         return {"coupling_stiffness": both * stiffness}
 
+    def membrane(values: Values) -> dict:
+        return {"membrane_stiffness": (values["coupling"] + values["coupling"].T) * stiffness}
+
+    def membrane_share(values: Values) -> dict:
+        return {"membrane_share": values["coupling"] + values["coupling"].T}
+
     def slackening(values: Values) -> dict:
         return {**mutual_torque(values), "coupling_saturation": values["saturation_per_rad"]}
 
     return [
         Form("mutual_torque", (mutual,), mutual_torque),
+        Form("membrane", (mutual,), membrane),
+        Form("membrane_share", (mutual,), membrane_share),
         Form("slackening_torque", (mutual, saturation), slackening),
         Form("torque", (share,), torque),
         Form("share_of_stiffness", (share,), own_share),
@@ -42,5 +50,9 @@ def _build_forms(setting: Setting) -> list[Form] | str:
 
 
 EFFECT = Effect(
-    "joint_coupling", "one joint's deflection feeds its neighbour's", "within_trial", _build_forms
+    "joint_coupling",
+    "one joint's deflection feeds its neighbour's",
+    "within_trial",
+    _build_forms,
+    "second joint",
 )

@@ -6,7 +6,9 @@ AXES = ("along", "across")
 CENTRE_SD_M = 0.015  # how far from the middle of the straight finger a camera may look
 
 
-def _build_forms(setting: Setting) -> list[Form]:
+def _build_forms(setting: Setting) -> list[Form] | str:
+    if not setting.camera:
+        return "nothing was filmed, and no camera is declared"
     cubic = signed("angle_cubic_per_rad2", 0.1, per="joint", floor=1e-4)
     radial = signed("lens_radial_per_m2", 10.0, floor=5e-3)
 
@@ -28,4 +30,6 @@ def _build_forms(setting: Setting) -> list[Form]:
     return forms
 
 
-EFFECT = Effect("lens_distortion", "the optics bend the angles", "measurement", _build_forms)
+EFFECT = Effect(
+    "lens_distortion", "the optics bend the angles", "measurement", _build_forms, "lens"
+)

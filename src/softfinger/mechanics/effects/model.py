@@ -55,7 +55,12 @@ class Entry:
         return self.parameter.name + self.suffix
 
     def report(self, values: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
-        """Convert internal values (n,) into what a verdict gives, by the names it gives them."""
+        """Convert internal values (n,) into what a verdict gives, by the names it gives them.
+
+        A term of a free law is given by its curve alone.
+        """
+        if self.parameter.term:
+            return {}
         physical = np.exp(values) if self.parameter.log else values
         joint = self.place[0] if self.place else -1
         return {
@@ -209,7 +214,12 @@ class EffectModel:
         if not (piece.form.local and piece.places):
             return dict(filled)
         here = np.isin(np.arange(self.setting.joints), [place[0] for place in piece.places])
-        return {name: np.where(here, value, SLOTS[name].null) for name, value in filled.items()}
+        return {
+            name: np.where(
+                here[:, None] if SLOTS[name].kind == "law" else here, value, SLOTS[name].null
+            )
+            for name, value in filled.items()
+        }
 
     def _physical(self, piece: int, shared: NDArray[np.float64]) -> dict[str, NDArray]:
         joints = self.setting.joints

@@ -14,11 +14,13 @@ from typing import Annotated, Literal
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
-from ruamel.yaml import YAML, YAMLError
+from ruamel.yaml import YAML
 
 from softfinger.faults import Fault, ListedFault
+from softfinger.gate import read_document
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.effect import Setting
+from softfinger.mechanics.effects.law_file import LawEntry, describe_laws, read_laws
 from softfinger.mechanics.effects.model import EffectModel, Entry, Known, Piece
 
 DIGITS = 7
@@ -45,11 +47,15 @@ class LogNormalPrior(_Part):
 
 
 class EffectEntry(_Part):
-    """One effect in one form; a form of pairs of joints names them as [[2, 1]]: 2 moved by 1."""
+    """One effect in one form; a form of pairs of joints names them as [[2, 1]]: 2 moved by 1.
+
+    A free form has its `law`: one curve, or one for each of its joints.
+    """
 
     id: str
     form: str
     joints: list[Joint | tuple[Joint, Joint]] = []
+    law: LawEntry | list[LawEntry] | None = None
     priors: dict[str, NormalPrior | LogNormalPrior] = {}
 
 
@@ -84,16 +90,12 @@ def read_model_file(path: Path | str) -> ModelFile:
     ListedFault
         A key is unknown, missing or of the wrong kind; all faults are listed.
     """
+    document = read_document(Path(path))
     try:
-        content = YAML(typ="safe").load(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise Fault(f"{path}: the model file cannot be read: {error.strerror}") from None
-    except (YAMLError, UnicodeDecodeError) as error:
-        raise Fault(f"{path}: it is not YAML: {' '.join(str(error).split())}") from None
-    try:
-        return ModelFile.model_validate(content)
+        return ModelFile.model_validate(document.content)
     except ValidationError as error:
         faults = [
+            f"line {document.find_line(fault['loc'])}, "
             f"{'.'.join(map(str, fault['loc'])) or 'top level'}: {fault['msg']}"
             for fault in error.errors()
         ]
@@ -104,8 +106,12 @@ def write_model_file(content: ModelFile, path: Path | str) -> None:
     """Write a model file; one that is read and written again keeps its bytes."""
     yaml = YAML()
     yaml.width = 200
+    effects = [
+        {key: value for key, value in effect.items() if key != "law" or value is not None}
+        for effect in content.model_dump(mode="json")["effects"]
+    ]
     with Path(path).open("w", encoding="utf-8", newline="\n") as stream:
-        yaml.dump(content.model_dump(mode="json"), stream)
+        yaml.dump(content.model_dump(mode="json") | {"effects": effects}, stream)
 
 
 def build_model(content: ModelFile, setting: Setting, *, priors: bool = True) -> EffectModel:
@@ -131,7 +137,9 @@ def build_model(content: ModelFile, setting: Setting, *, priors: bool = True) ->
         if any(piece.effect.id == other.effect.id for other in pieces):
             faults.append(f"{place}: the effect stands twice; give it once, with all its joints")
         pieces.append(piece)
-        known |= _read_priors(entry, EffectModel(setting, (piece,)), place, faults)
+        alone = EffectModel(setting, (piece,))
+        known |= _read_priors(entry, alone, place, faults)
+        known |= read_laws(entry.law, alone, place, faults)
     if faults:
         raise ListedFault("the model file", faults)
     return EffectModel(setting, tuple(pieces), known if priors else {})
@@ -161,21 +169,27 @@ def read_strength(model: EffectModel) -> NDArray[np.float64]:
 def describe_model(
     model: EffectModel,
     mean: NDArray[np.float64],
-    sd: NDArray[np.float64],
+    covariance: NDArray[np.float64],
     fitted_to: FittedTo | None,
 ) -> ModelFile:
-    """Describe a fitted model, given mean and sd of φ on the internal scale."""
-    effects = []
+    """Describe a fitted model, given mean and covariance of φ on the internal scale."""
+    sd, effects = np.sqrt(np.diag(covariance)), []
     for number, piece in enumerate(model.pieces):
         priors = {
             entry.name: _describe_prior(entry, float(mean[k]), float(sd[k]))
             for k, entry in enumerate(model.entries)
-            if entry.piece == number
+            if entry.piece == number and not (piece.form.law and entry.parameter.term)
         }
         joints = [place[0] + 1 if len(place) == 1 else (place[0] + 1, place[1] + 1)
                   for place in piece.places]  # fmt: skip
         effects.append(
-            EffectEntry(id=piece.effect.id, form=piece.form.name, joints=joints, priors=priors)
+            EffectEntry(
+                id=piece.effect.id,
+                form=piece.form.name,
+                joints=joints,
+                law=describe_laws(model, number, mean, covariance),
+                priors=priors,
+            )
         )
     return ModelFile(
         version=1,
@@ -193,7 +207,7 @@ def _build_piece(
     if entry.id not in effects:
         faults.append(f"{place}: no such effect; there are {', '.join(effects)}")
         return None
-    forms = effects[entry.id].build_forms(setting)
+    forms = effects[entry.id].list_forms(setting)
     if isinstance(forms, str):
         faults.append(f"{place}: these recordings cannot have it: {forms}")
         return None

@@ -1,6 +1,7 @@
-"""Stiffness that grows with deflection: k_v (1 + b y²), k_v (1 + b |y|) or k_v exp(b |y|)."""
+"""Stiffness that changes with deflection: k_v (1 + b y²), k_v (1 + b |y|), k_v exp(b |y|), free."""
 
 from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, positive
+from softfinger.mechanics.effects.law import Law, free_form
 
 SHAPES = {"square": ("stiffening_per_rad2", 2.0), "linear": ("stiffening_per_rad", 1.0),
           "exponential": ("stiffening_exponent_per_rad", 1.0)}  # fmt: skip
@@ -20,7 +21,9 @@ def _build_form(shape: str, measure: str) -> Form:
 
 
 def _build_forms(setting: Setting) -> list[Form]:
-    return [_build_form(shape, m) for shape in SHAPES for m in ("elastic_angle", "joint_angle")]
+    forms = [_build_form(shape, m) for shape in SHAPES for m in ("elastic_angle", "joint_angle")]
+    law = Law("spring_law", "elastic_angle_rad", setting.reach, 0.5, terms=5, per="joint")
+    return [*forms, free_form(law, {"spring_reach": setting.reach})]
 
 
 EFFECT = Effect(

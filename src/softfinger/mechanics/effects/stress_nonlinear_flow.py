@@ -1,4 +1,4 @@
-"""Creep rate more than proportional to torque: Eyring's sinh or a power.
+"""Creep rate more than proportional to torque: Eyring's sinh, a power or a free law.
 
 The sinh is fitted by the square of 1/scale torque, in which a small one is linear. Under one
 constant load alone any law of flow vanishes in c_p, yet not beside a torque that changes.
@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, positive
+from softfinger.mechanics.effects.law import Law, free_form
 
 
 def _build_forms(setting: Setting) -> list[Form]:
@@ -29,9 +30,12 @@ def _build_forms(setting: Setting) -> list[Form]:
     def power_law(values: Values) -> dict:
         return {"flow_power": values["extra_power"], "flow_reference": setting.torque}
 
+    reach = 1.2 * float(setting.largest_torque.max())
+    law = Law("flow_law", "torque_nm", reach, 1.0, terms=5, kind="exponential")
     return [
         Form("sinh", (bend,), sinh, local=True),
         Form("power", (power,), power_law, local=True),
+        free_form(law, {"flow_reach": reach}, local=True),
     ]
 
 

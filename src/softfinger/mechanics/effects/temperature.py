@@ -1,8 +1,9 @@
-"""Viscosities or stiffness that follow a logged covariate x: log c = log c₀ − s (x − x̄)."""
+"""Viscosities or stiffness that follow a logged covariate: log c = log c₀ − s (x − x̄), or free."""
 
 import numpy as np
 
-from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, signed
+from softfinger.mechanics.effects.effect import FREE, Effect, Form, Setting, Values, signed
+from softfinger.mechanics.effects.law import Law
 
 LEAST_TRIALS = 4
 TARGETS = {
@@ -30,13 +31,27 @@ def _build_form(name: str, target: str, setting: Setting) -> Form:
     return Form(f"{target}_with_{name}", (slope,), slots, covariate=name, local=True)
 
 
+def _build_free_form(name: str, target: str, setting: Setting) -> Form:
+    covariate = setting.covariates[name]
+    law = Law(name, name, float(np.ptp(covariate)), 0.3, terms=4, kind="exponential")
+
+    def slots(values: Values) -> dict:
+        shift = law.evaluate(values, covariate - covariate.min())
+        return dict.fromkeys(TARGETS[target], shift[:, None] * np.ones(setting.joints))
+
+    return Form(f"{FREE}_{target}_with_{name}", law.parameters, slots, covariate=name, law=law)
+
+
 def _build_forms(setting: Setting) -> list[Form] | str:
     moving = [name for name, x in setting.covariates.items() if np.ptp(x) > 0]
     if not moving:
         return "no covariate was logged, or none changed"
     if setting.trials < LEAST_TRIALS:
         return "a dependence on a covariate needs several trials"
-    return [_build_form(name, target, setting) for name in moving for target in TARGETS]
+    builders = (_build_form, _build_free_form)
+    return [
+        build(name, target, setting) for build in builders for name in moving for target in TARGETS
+    ]
 
 
 EFFECT = Effect(

@@ -1,8 +1,9 @@
 """Friction along the wire: distal joints get less, and loading differs from unloading.
 
 Capstan over the bend (tension · exp(−μ · bend)) up to the middle of the joint that is pulled, or
-over all that the wire wraps, whole bends and guides; a constant loss for each joint passed, or a
-Coulomb force. The direction turns over a small motion of the wire (Dahl) or with the load.
+over all that the wire wraps, whole bends and guides; a constant loss for each joint passed, a
+Coulomb force, or a free law of the bend. The direction turns over a small motion of the wire (Dahl)
+or with the load.
 
 Dahl (1968), Aerospace Corp. TOR-0158(3107-18)-1.
 """
@@ -17,6 +18,7 @@ from softfinger.mechanics.effects.effect import (
     Values,
     positive,
 )
+from softfinger.mechanics.effects.law import Law, free_form
 
 
 def _build_form(law: str, driver: str, setting: Setting) -> Form:
@@ -45,13 +47,22 @@ def _build_form(law: str, driver: str, setting: Setting) -> Form:
 
 
 def _build_forms(setting: Setting) -> list[Form] | str:
+    if not setting.tension:
+        return "the load is not a wire tension"
     if not setting.reversals and setting.joints < 2:
         return "friction shows where the load turns back or along several joints"
     laws = ("bend", "wrap", "constant", "force")
     drivers = ("motion", "load") if setting.reversals else ("load",)
-    return [_build_form(law, driver, setting) for law in laws for driver in drivers]
+    forms = [_build_form(law, driver, setting) for law in laws for driver in drivers]
+    reach = float(setting.reach.sum())
+    bend = Law("friction_law", "bend_rad", reach, 0.2, terms=4, kind="sum")
+    return [*forms, free_form(bend, {"friction_reach": reach}, forms[0])]
 
 
 EFFECT = Effect(
-    "wire_friction", "the wire loses tension to friction on its way", "within_trial", _build_forms
+    "wire_friction",
+    "the wire loses tension to friction on its way",
+    "within_trial",
+    _build_forms,
+    "wire",
 )

@@ -1,17 +1,22 @@
-"""The load that acts: the log through a lag of one stage, or of two in a row."""
+"""The load that acts: the log through a largest rate, a lag of one stage or two, and a limit."""
 
 import math
 
 from numpy.typing import NDArray
 
-from softfinger.mechanics.compiled import compiled
-from softfinger.mechanics.forward.slots import CHAIN_SLOTS
-from softfinger.mechanics.forward.work import START, Model, Work
+from softfinger.compiled import compiled
+from softfinger.mechanics.forward.curve import combine, weigh_slope, weigh_value
+from softfinger.mechanics.forward.slots import CHAIN_SLOTS, LAWS
+from softfinger.mechanics.forward.work import HAS_LIMIT, START, Model, Work
 
 _LAG, _SECOND = CHAIN_SLOTS.index("lag"), CHAIN_SLOTS.index("lag_second_share")
-VALUE, SLOPE, ACTING, _FIRST = range(4)
-"""Of a segment's load: the log's value and slope at its start, the load that acts then, and what is
-behind the first stage of two."""
+_SLOWNESS = CHAIN_SLOTS.index("load_slowness")
+_SATURATION, _REFERENCE = CHAIN_SLOTS.index("load_saturation"), CHAIN_SLOTS.index("load_reference")
+_LAW = LAWS.index("load_law")
+_SHARP = 8.0  # power of the saturation
+VALUE, SLOPE, ACTING, _FIRST, D_VALUE, D_SLOPE = range(6)
+"""Of a segment's load: the log's value and slope at its start, the load that acts then, what is
+behind the first stage of two, and value and slope of the log's derivative by the slowness."""
 
 
 @compiled
@@ -20,6 +25,7 @@ def fill_load(
 ) -> None:
     """Write the load that acts `since` seconds into a segment: the log through a lag."""
     nodes, lag, slope = work.nodes, model.chain[_LAG], load[SLOPE]
+    ahead, climb = load[D_VALUE] + load[D_SLOPE] * (since - lag), load[D_SLOPE]
     if lag > 0.0 and model.chain[_SECOND] > 0.0:
         _fill_load_of_two_stages(model, work, i, load, d_acting, since)
         return
@@ -32,7 +38,9 @@ def fill_load(
         decay, by_lag = 0.0, -slope
         nodes.load[i] = load[VALUE] + slope * since
     for c in range(d_acting.shape[1]):
-        nodes.d_load[i, c] = by_lag * model.d_chain[c, _LAG] + decay * d_acting[0, c]
+        slower = model.d_chain[c, _SLOWNESS]
+        d_gap = d_acting[0, c] + (lag * climb - load[D_VALUE]) * slower
+        nodes.d_load[i, c] = by_lag * model.d_chain[c, _LAG] + ahead * slower + decay * d_gap
 
 
 @compiled
@@ -57,14 +65,18 @@ def _fill_load_of_two_stages(
         d_lag = model.d_chain[c, _LAG]
         d_second = d_lag * share + lag * model.d_chain[c, _SECOND]
         d_first = d_lag - d_second
-        d_lack = d_acting[1, c] + slope * d_first
+        slower = model.d_chain[c, _SLOWNESS]
+        value, climb = load[D_VALUE] * slower, load[D_SLOPE] * slower
+        d_lack = d_acting[1, c] - value + climb * first + slope * d_first
         d_slow = d_lack * first + lack * (first * d_second - second * d_first) / apart
         d_slow /= apart
-        d_fast = d_acting[0, c] + slope * d_lag - d_slow
+        d_fast = d_acting[0, c] - value + climb * lag + slope * d_lag - d_slow
         nodes.d_load[i, c] = (
             (d_slow + slow * since * d_first / (first * first)) * decay
             + (d_fast + fast * since * d_second / (second * second)) * fading
             - slope * d_lag
+            + value
+            + climb * (since - lag)
         )
 
 
@@ -91,4 +103,34 @@ def _advance_first_stage(model: Model, load: NDArray, d_acting: NDArray, since: 
     by_first = slope * (decay - 1.0) + lack * decay * since / (first * first)
     for c in range(d_acting.shape[1]):
         d_first = model.d_chain[c, _LAG] * (1.0 - share) - lag * model.d_chain[c, _SECOND]
-        d_acting[1, c] = by_first * d_first + decay * d_acting[1, c]
+        slower = model.d_chain[c, _SLOWNESS]
+        value, climb = load[D_VALUE] * slower, load[D_SLOPE] * slower
+        d_lack = d_acting[1, c] - value + climb * first
+        d_acting[1, c] = by_first * d_first + decay * d_lack + value + climb * (since - first)
+
+
+@compiled
+def limit_load(model: Model, load: float) -> tuple[float, float]:
+    """What the limit leaves of a load: u (1 + b (|u|/r)^8)^{−1/8} (1 + law of |u|); its slope."""
+    if not model.groups[HAS_LIMIT]:
+        return load, 1.0
+    x = abs(load) / model.chain[_REFERENCE]
+    bent = 1.0 + model.chain[_SATURATION] * x**_SHARP
+    kept, law = bent ** (-1.0 / _SHARP), model.law[0, _LAW]
+    factor = 1.0 + combine(law, weigh_value(x))
+    return load * kept * factor, kept * (factor / bent + x * combine(law, weigh_slope(x)))
+
+
+@compiled
+def limit_node(model: Model, work: Work, i: int) -> None:
+    """Put the limit on the load at a node, and on its tangents."""
+    nodes, load = work.nodes, work.nodes.load[i]
+    nodes.load[i], slope = limit_load(model, load)
+    x = abs(load) / model.chain[_REFERENCE]
+    bent, weights = 1.0 + model.chain[_SATURATION] * x**_SHARP, weigh_value(x)
+    by_law = load * bent ** (-1.0 / _SHARP)
+    by_saturation = -nodes.load[i] * x**_SHARP / (_SHARP * bent)
+    for c in range(model.d_chain.shape[0]):
+        change = by_saturation * model.d_chain[c, _SATURATION]
+        change += by_law * combine(model.d_law[c, 0, _LAW], weights)
+        nodes.d_load[i, c] = slope * nodes.d_load[i, c] + change

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from softfinger.mechanics.compiled import compiled
+from softfinger.compiled import compiled
 from softfinger.mechanics.forward.drives import drive_of
 from softfinger.mechanics.forward.phi import mode_response
 from softfinger.mechanics.forward.slots import CHAIN_SLOTS

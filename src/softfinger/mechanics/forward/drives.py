@@ -1,15 +1,11 @@
 """From torques at the nodes of a step to angles at the nodes, joint by joint."""
 
-from softfinger.mechanics.compiled import compiled
-from softfinger.mechanics.forward.laws import (
-    flow_drive,
-    flow_tangent,
-    spring_tangent,
-    spring_torque,
-)
+from softfinger.compiled import compiled
+from softfinger.mechanics.forward.laws import flow_drive, flow_tangent
 from softfinger.mechanics.forward.modes import FLOW, VOIGT
 from softfinger.mechanics.forward.phi import NODES as _SHARES
 from softfinger.mechanics.forward.phi import TO_MONOMIAL, mode_response, phi_functions
+from softfinger.mechanics.forward.spring import voigt_tangent, voigt_torque
 from softfinger.mechanics.forward.tangents import (
     add_rates,
     add_responses,
@@ -20,7 +16,7 @@ from softfinger.mechanics.forward.tangents import (
 from softfinger.mechanics.forward.work import (
     HAS_FLOW,
     HAS_INERTIA,
-    HAS_STIFFENING,
+    HAS_SPRING,
     START,
     Model,
     Work,
@@ -77,9 +73,13 @@ def fill_angles(model: Model, work: Work, j: int) -> None:
         nodes.flow[i, j] = nodes.torque[i, j]
         if model.groups[HAS_FLOW]:
             nodes.flow[i, j], nodes.flow_slope[i, j] = flow_drive(
-                model.joint[j], nodes.torque[i, j], nodes.flow_partial[i, j]
+                model.joint[j],
+                model.law[j],
+                nodes.time[i],
+                nodes.torque[i, j],
+                nodes.flow_partial[i, j],
             )
-    for _ in range(30 if model.groups[HAS_STIFFENING] else 1):
+    for _ in range(30 if model.groups[HAS_SPRING] else 1):
         for i in range(3):
             elastic, angle = linear.base[0, j, i], linear.base[1, j, i]
             for m in range(3):
@@ -88,7 +88,7 @@ def fill_angles(model: Model, work: Work, j: int) -> None:
                 angle += own + linear.weight[1, j, i, m] * nodes.flow[m, j]
                 angle += linear.weight[_TORQUE, j, i, m] * nodes.torque[m, j]
             nodes.elastic[i, j], nodes.angle[i, j] = elastic, angle
-        if not model.groups[HAS_STIFFENING] or _correct_spring(model, work, j):
+        if not model.groups[HAS_SPRING] or _correct_spring(model, work, j):
             break
     if model.groups[HAS_INERTIA]:
         for i in range(3):
@@ -104,12 +104,17 @@ def fill_angles(model: Model, work: Work, j: int) -> None:
 @compiled
 def _correct_spring(model: Model, work: Work, j: int) -> bool:
     """One Newton step for the spring's torque at the nodes; True where none was needed."""
-    nodes, local = work.nodes, work.newton.local
+    nodes, local, slope = work.nodes, work.newton.local, work.nodes.spring_slope
     missing = work.newton.column
     worst, scale = 0.0, 0.0
     for i in range(3):
-        torque, nodes.spring_slope[0, i, j], nodes.spring_slope[1, i, j] = spring_torque(
-            model.joint[j], nodes.elastic[i, j], nodes.angle[i, j]
+        torque, slope[2, i, j], slope[0, i, j], slope[1, i, j] = voigt_torque(
+            model.joint[j],
+            model.law[j],
+            nodes.time[i],
+            nodes.torque[i, j],
+            nodes.elastic[i, j],
+            nodes.angle[i, j],
         )
         missing[i] = torque - nodes.spring[i, j]
         worst, scale = (
@@ -148,7 +153,8 @@ def fill_slopes_by_torque(model: Model, work: Work, j: int) -> None:
             by_angle[i, m] = whole + weight[1, i, m] * nodes.flow_slope[m, j]
             by_spring[i, m] = nodes.spring_slope[0, i, j] * weight[0, i, m]
             by_spring[i, m] += nodes.spring_slope[1, i, j] * by_angle[i, m]
-    if model.groups[HAS_STIFFENING]:
+        by_spring[i, i] += nodes.spring_slope[2, i, j]
+    if model.groups[HAS_SPRING]:
         fill_local(work, j)
         factorise(newton.local)
         for m in range(3):
@@ -184,7 +190,13 @@ def fill_tangents_at_fixed_torque(model: Model, work: Work, step: float, j: int)
         nodes.d_flow[i, j] = 0.0
         if model.groups[HAS_FLOW]:
             for c in model.columns[j]:
-                nodes.d_flow[i, j, c] = flow_tangent(model.d_joint[c, j], nodes.flow_partial[i, j])
+                nodes.d_flow[i, j, c] = flow_tangent(
+                    model.joint[j],
+                    model.d_joint[c, j],
+                    model.d_law[c, j],
+                    nodes.torque[i, j],
+                    nodes.flow_partial[i, j],
+                )
         for mode in range(linear.rate.shape[1]):
             rate, gain, drive = linear.rate[j, mode], linear.gain[j, mode], drive_of(mode)
             d0, d1, d2 = linear.drive[j, drive]
@@ -204,7 +216,7 @@ def fill_tangents_at_fixed_torque(model: Model, work: Work, step: float, j: int)
     combine_nodes(linear.weight[1, j], nodes.d_flow, nodes.d_angle, j)
     if inertial:
         combine_nodes(linear.rate_weight[1, j], nodes.d_flow, nodes.d_velocity, j)
-    if model.groups[HAS_STIFFENING]:
+    if model.groups[HAS_SPRING]:
         _add_spring_tangents(model, work, j)
 
 
@@ -218,8 +230,15 @@ def _add_spring_tangents(model: Model, work: Work, j: int) -> None:
         for i in range(3):
             column[i] = nodes.spring_slope[0, i, j] * nodes.d_elastic[i, j, c]
             column[i] += nodes.spring_slope[1, i, j] * nodes.d_angle[i, j, c]
-            column[i] += spring_tangent(
-                model.joint[j], model.d_joint[c, j], nodes.elastic[i, j], nodes.angle[i, j]
+            column[i] += voigt_tangent(
+                model.joint[j],
+                model.d_joint[c, j],
+                model.law[j],
+                model.d_law[c, j],
+                nodes.time[i],
+                nodes.torque[i, j],
+                nodes.elastic[i, j],
+                nodes.angle[i, j],
             )
         solve_factorised(local, column)
         for i in range(3):

@@ -1,23 +1,30 @@
-"""The nonlinear spring and the nonlinear dashpot of a joint, with all their partial derivatives."""
+"""The nonlinear dashpot of a joint, with all its partial derivatives."""
 
 import math
 
 from numpy.typing import NDArray
 
-from softfinger.mechanics.compiled import compiled
-from softfinger.mechanics.forward.modes import LOG_K_V
-from softfinger.mechanics.forward.slots import JOINT_SLOTS
+from softfinger.compiled import compiled
+from softfinger.mechanics.forward.curve import combine, weigh_slope, weigh_value
+from softfinger.mechanics.forward.slots import JOINT_SLOTS, LAWS
 
-_SQUARE = JOINT_SLOTS.index("stiffening_square")
-_LINEAR = JOINT_SLOTS.index("stiffening_linear")
-_EXPONENTIAL = JOINT_SLOTS.index("stiffening_exponential")
-_MEASURE = JOINT_SLOTS.index("stiffening_measure")
 _SINH = JOINT_SLOTS.index("flow_sinh")
 _POWER = JOINT_SLOTS.index("flow_power")
 _REFERENCE = JOINT_SLOTS.index("flow_reference")
 _YIELD = JOINT_SLOTS.index("yield_torque")
 _WIDTH = JOINT_SLOTS.index("yield_width")
 _JUMP = JOINT_SLOTS.index("yield_jump")
+_REACH = JOINT_SLOTS.index("flow_reach")
+_SOFTENING = JOINT_SLOTS.index("softening_flow")
+_SOFTENING_TIME = JOINT_SLOTS.index("softening_time")
+_FLOW_LAW = LAWS.index("flow_law")
+
+
+@compiled
+def soften(time: float, constant: float) -> tuple[float, float]:
+    """How far a softening has come, 1 − e^{−t/T}, and its derivative by T; 0 before the start."""
+    ratio = max(time, 0.0) / constant
+    return -math.expm1(-ratio), -ratio * math.exp(-ratio) / constant
 
 
 @compiled
@@ -32,42 +39,15 @@ def softplus(x: float, width: float) -> tuple[float, float]:
 
 
 @compiled
-def spring_torque(value: NDArray, elastic: float, angle: float) -> tuple[float, float, float]:
-    """What the spring adds to k_v q_v: k_v q_v g(y), g = b y², b |y| or e^{b|y|} − 1, or their sum.
-
-    y = q_v, or the joint angle q where `stiffening_measure` is 1. Returns the torque and its
-    derivatives by q_v and q.
-    """
-    stiffness, measure = math.exp(value[LOG_K_V]), value[_MEASURE]
-    strain = (1.0 - measure) * elastic + measure * angle
-    sign, size = math.copysign(1.0, strain), abs(strain)
-    growth = math.exp(value[_EXPONENTIAL] * size)
-    factor = value[_SQUARE] * size * size + value[_LINEAR] * size + (growth - 1.0)
-    slope = value[_LINEAR] + value[_EXPONENTIAL] * growth + 2.0 * value[_SQUARE] * size
-    bent = stiffness * elastic * sign * slope
-    torque = stiffness * elastic * factor
-    return torque, stiffness * factor + (1.0 - measure) * bent, measure * bent
-
-
-@compiled
-def spring_tangent(value: NDArray, change: NDArray, elastic: float, angle: float) -> float:
-    """The change of `spring_torque` along a change of the slots, at fixed angles."""
-    stiffness, measure = math.exp(value[LOG_K_V]), value[_MEASURE]
-    size = abs((1.0 - measure) * elastic + measure * angle)
-    growth = math.exp(value[_EXPONENTIAL] * size)
-    factor = value[_SQUARE] * size * size + value[_LINEAR] * size + (growth - 1.0)
-    change_of_factor = change[_SQUARE] * size * size + change[_LINEAR] * size
-    change_of_factor += change[_EXPONENTIAL] * size * growth
-    return stiffness * elastic * (factor * change[LOG_K_V] + change_of_factor)
-
-
-@compiled
-def flow_drive(value: NDArray, torque: float, partial: NDArray) -> tuple[float, float]:
+def flow_drive(
+    value: NDArray, law: NDArray, time: float, torque: float, partial: NDArray
+) -> tuple[float, float]:
     """The torque that the dashpot feels: power ∘ sinh ∘ threshold of the joint's torque.
 
     Each is the identity at its null: S(τ − τ_y) − S(−τ − τ_y) with the soft ramp S; sinh(b y)/b;
-    y |y/reference|^b. Returns the drive and its slope; `partial` receives the derivatives by
-    yield_torque, yield_width, flow_sinh and flow_power.
+    y |y/reference|^b. All times exp(law of |τ|), over what softening leaves of the viscosity.
+    Returns the drive and its slope; `partial` receives the derivatives by yield_torque,
+    yield_width, flow_sinh, flow_power, the law, softening_flow and softening_time.
     """
     threshold, slope, partial[0], partial[1] = _threshold(value, torque)
     b = value[_SINH]
@@ -83,12 +63,19 @@ def flow_drive(value: NDArray, torque: float, partial: NDArray) -> tuple[float, 
     power, reference = value[_POWER], value[_REFERENCE]
     ratio = abs(sheared) / reference
     factor = ratio**power if ratio > 0.0 or power == 0.0 else 0.0
-    chain = (1.0 + power) * factor
+    x = abs(torque) / value[_REACH]
+    eased, by_time = soften(time, value[_SOFTENING_TIME])
+    thin = math.exp(combine(law[_FLOW_LAW], weigh_value(x))) / (1.0 - value[_SOFTENING] * eased)
+    climb = combine(law[_FLOW_LAW], weigh_slope(x)) * math.copysign(1.0 / value[_REACH], torque)
+    drive, chain = sheared * factor * thin, (1.0 + power) * factor * thin
     partial[0] *= chain * steep
     partial[1] *= chain * steep
     partial[2] = chain * by_b
-    partial[3] = sheared * factor * math.log(ratio) if ratio > 0.0 else 0.0
-    return sheared * factor, chain * steep * slope
+    partial[3] = drive * math.log(ratio) if ratio > 0.0 else 0.0
+    partial[4] = drive
+    thinner = drive / (1.0 - value[_SOFTENING] * eased)
+    partial[5], partial[6] = thinner * eased, thinner * value[_SOFTENING] * by_time
+    return drive, chain * steep * slope + drive * climb
 
 
 @compiled
@@ -111,26 +98,12 @@ def _threshold(value: NDArray, torque: float) -> tuple[float, float, float, floa
 
 
 @compiled
-def flow_tangent(change: NDArray, partial: NDArray) -> float:
+def flow_tangent(
+    value: NDArray, change: NDArray, law_change: NDArray, torque: float, partial: NDArray
+) -> float:
     """The change of `flow_drive` along a change of the slots, at fixed torque."""
     total = partial[0] * change[_YIELD] + partial[1] * change[_WIDTH]
-    return total + partial[2] * change[_SINH] + partial[3] * change[_POWER]
-
-
-@compiled
-def solve_rest(value: NDArray, torque: float, angle: float) -> tuple[float, float, float]:
-    """The elastic angle at which the spring balances a torque, at rest: k_v x + n(x) = torque.
-
-    Returns it, and its derivatives by the torque and by the joint angle.
-    """
-    stiffness = math.exp(value[LOG_K_V])
-    elastic = torque / stiffness
-    slope, turn = stiffness, 0.0
-    for _ in range(50):
-        extra, by_elastic, turn = spring_torque(value, elastic, angle)
-        slope = stiffness + by_elastic
-        step = (torque - stiffness * elastic - extra) / slope
-        elastic += step
-        if not abs(step) > 1e-15 * (1.0 + abs(elastic)):
-            break
-    return elastic, 1.0 / slope, -turn / slope
+    total += partial[2] * change[_SINH] + partial[3] * change[_POWER]
+    total += partial[5] * change[_SOFTENING] + partial[6] * change[_SOFTENING_TIME]
+    weights = weigh_value(abs(torque) / value[_REACH])
+    return total + partial[4] * combine(law_change[_FLOW_LAW], weights)

@@ -8,7 +8,8 @@ mode 3…  springpot              fixed rates      weights            drive: tor
 The springpot's creep rate t^{a−1}/Γ(a) = (sin πa/π) ∫ λ^{−a} e^{−λt} dλ becomes a trapezoidal sum
 in log λ (step 0.8, 24 rates from 2e-5 to 2e3 per second). The rates below that range act as a
 dashpot, those above as a spring, both summed exactly: a → 1 is the dashpot, a → 0 the spring. Its
-creep compliance is within 6e-5 of t^a/Γ(1 + a), relatively, from 5 ms to 200 s.
+creep compliance is within 6e-5 of t^a/Γ(1 + a), relatively, from 5 ms to 200 s. A spectrum of
+retardation times has the same fixed rates.
 """
 
 import math
@@ -16,8 +17,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from softfinger.mechanics.compiled import compiled
-from softfinger.mechanics.forward.slots import JOINT_SLOTS
+from softfinger.compiled import compiled
+from softfinger.mechanics.forward.curve import combine, weigh_value
+from softfinger.mechanics.forward.slots import JOINT_SLOTS, LAWS
 
 LOG_K_V, LOG_C_V, LOG_C_P, Q_INI = range(4)
 _SECOND = JOINT_SLOTS.index("second_compliance")
@@ -28,6 +30,8 @@ _POT_ELASTIC = JOINT_SLOTS.index("springpot_elastic_share")
 _POT_FLOW = JOINT_SLOTS.index("springpot_flow_share")
 _EXPONENT = JOINT_SLOTS.index("springpot_exponent")
 _FLOW_SHARE = JOINT_SLOTS.index("flow_share")
+_SHORTEST, _LONGEST = JOINT_SLOTS.index("spectrum_shortest"), JOINT_SLOTS.index("spectrum_longest")
+_SPECTRUM = LAWS.index("spectrum")
 
 VOIGT, FLOW, SECOND, SPRINGPOT = range(4)
 _SPACING = 0.8
@@ -69,8 +73,8 @@ def _tail(x: float) -> tuple[float, float]:
 
 
 @compiled
-def fill_modes(value: NDArray, rate: NDArray, gain: NDArray) -> None:
-    """Write λ and g of one joint's modes (mode,) from its slots (slot,)."""
+def fill_modes(value: NDArray, law: NDArray, rate: NDArray, gain: NDArray) -> None:
+    """Write λ and g of one joint's modes (mode,) from its slots (slot,) and laws (law, knot)."""
     soft, thin = math.exp(-value[LOG_K_V]), math.exp(-value[LOG_C_P])
     rate[VOIGT] = math.exp(value[LOG_K_V] - value[LOG_C_V])
     gain[VOIGT] = math.exp(-value[LOG_C_V])
@@ -81,14 +85,33 @@ def fill_modes(value: NDArray, rate: NDArray, gain: NDArray) -> None:
     compliance = value[_POT] + value[_POT_ELASTIC] * soft + value[_POT_FLOW] * thin
     for mode in range(SPRINGPOT, rate.size):
         rate[mode], weight, _ = springpot_weight(mode - SPRINGPOT, value[_EXPONENT])
-        gain[mode] = compliance * weight
+        gain[mode] = compliance * weight + soft * _read_spectrum(value, law, mode)
+
+
+@compiled
+def _read_spectrum(value: NDArray, law: NDArray, mode: int) -> float:
+    """The gain, for a compliance 1/k_v of 1, that a spectrum gives to one of the fixed rates."""
+    if mode - SPRINGPOT >= _RATES.size:
+        return 0.0
+    rate = _RATES[mode - SPRINGPOT]
+    x = -math.log(rate * value[_SHORTEST]) / math.log(value[_LONGEST] / value[_SHORTEST])
+    if not 0.0 <= x <= 1.0:
+        return 0.0
+    return combine(law[_SPECTRUM], weigh_value(x)) * _SPACING * rate
 
 
 @compiled
 def fill_mode_tangents(
-    value: NDArray, change: NDArray, rate: NDArray, gain: NDArray, d_rate: NDArray, d_gain: NDArray
+    value: NDArray,
+    change: NDArray,
+    law: NDArray,
+    law_change: NDArray,
+    rate: NDArray,
+    gain: NDArray,
+    d_rate: NDArray,
+    d_gain: NDArray,
 ) -> None:
-    """Write the change of λ and g (mode,) along a change of the slots (slot,)."""
+    """Write the change of λ and g (mode,) along a change of slots (slot,) and laws (law, knot)."""
     soft, thin = math.exp(-value[LOG_K_V]), math.exp(-value[LOG_C_P])
     d_rate[:] = 0.0
     d_rate[VOIGT] = rate[VOIGT] * (change[LOG_K_V] - change[LOG_C_V])
@@ -106,3 +129,5 @@ def fill_mode_tangents(
     for mode in range(SPRINGPOT, rate.size):
         _, weight, by_exponent = springpot_weight(mode - SPRINGPOT, value[_EXPONENT])
         d_gain[mode] = d_compliance * weight + compliance * by_exponent * change[_EXPONENT]
+        d_gain[mode] += soft * _read_spectrum(value, law_change, mode)
+        d_gain[mode] -= soft * _read_spectrum(value, law, mode) * change[LOG_K_V]

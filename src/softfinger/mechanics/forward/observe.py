@@ -13,7 +13,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from softfinger.mechanics.compiled import compiled
+from softfinger.compiled import compiled
 from softfinger.mechanics.forward.modes import Q_INI
 from softfinger.mechanics.forward.slots import CHAIN_SLOTS, COUPLING_SLOTS, JOINT_SLOTS
 from softfinger.mechanics.forward.work import HAS_LENS, Model

@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 
-from softfinger.mechanics.compiled import compiled
+from softfinger.compiled import compiled
 
 _ROOT = math.sqrt(6.0)
 NODES = np.array([(4.0 - _ROOT) / 10.0, (4.0 + _ROOT) / 10.0, 1.0])

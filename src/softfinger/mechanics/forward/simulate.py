@@ -4,17 +4,18 @@ One compiled kernel serves simulation and inference, whatever physics its slots 
 """
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from softfinger.compiled import compiled
 from softfinger.faults import Fault
-from softfinger.mechanics import PARAMETERS
+from softfinger.mechanics import LOG_PARAMETERS, PARAMETERS
 from softfinger.mechanics.chain import compute_inertia_coefficients
 from softfinger.mechanics.checks import require_finite, require_forward_in_time, require_positive
-from softfinger.mechanics.compiled import compiled
+from softfinger.mechanics.forward.closed_form import run_closed_form
 from softfinger.mechanics.forward.modes import MODES
 from softfinger.mechanics.forward.observe import observe
 from softfinger.mechanics.forward.side_by_side import run_side_by_side
@@ -24,6 +25,7 @@ from softfinger.mechanics.forward.slots import (
     build_tangent,
     check_slots,
     find_groups,
+    find_moved_slots,
 )
 from softfinger.mechanics.forward.trial import run_trial
 from softfinger.mechanics.forward.work import (
@@ -31,6 +33,7 @@ from softfinger.mechanics.forward.work import (
     HAS_ARM,
     HAS_GRAVITY,
     HAS_INERTIA,
+    HAS_LAW,
     HAS_LENS,
     HAS_OBSERVATION,
     HAS_SECOND,
@@ -43,6 +46,9 @@ from softfinger.mechanics.load import check_load
 
 TOLERANCE = 1e-6
 """[rad] a step may err inside, where the model is nonlinear; linear models are exact."""
+
+
+Route = Literal["quickest", "general", "closed_form"]
 
 
 class Finger(NamedTuple):
@@ -187,6 +193,7 @@ def simulate_joint_angle_array(
     by_own: bool = True,
     tolerance: float = TOLERANCE,
     longest_step: float = np.inf,
+    route: Route = "quickest",
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Compute joint angles and tangents of trials: `simulate_joint_angle` on plain arrays.
 
@@ -200,6 +207,9 @@ def simulate_joint_angle_array(
         Whether the gradient holds each trial's own parameters beside the directions.
     tolerance, longest_step
         [rad] inside a step, [s]; an infinite tolerance makes all steps the longest.
+    route
+        The general kernel, or the closed form, which has no slots but the joints' own parameters;
+        or the quickest that applies.
 
     Returns
     -------
@@ -221,10 +231,15 @@ def simulate_joint_angle_array(
     rows = [np.array(np.broadcast_to(a, (trials, a.shape[-1])), order="C") for a in rows]
     joint = slots.joint.copy()
     joint[..., :4] += parameters
-    values, none = (joint, slots.chain, slots.coupling), [np.zeros((0, *s.shape)) for s in slots]
+    values, none = (joint, *slots[1:]), [np.zeros((0, *s.shape)) for s in slots]
     changes = [np.stack(parts) for parts in zip(*tangents, strict=True)] or none
 
+    closed = _choose_closed_form(route, slots, tangents)
+
     def run(some: slice) -> tuple[NDArray, NDArray]:
+        if closed:
+            history = (row[some] for row in rows)
+            return run_closed_form(joint[some], changes[0][:, some], *history, by_own)
         return _run_trials(
             *(value[some] for value in values),
             *(np.ascontiguousarray(change[:, some]) for change in changes),
@@ -233,6 +248,17 @@ def simulate_joint_angle_array(
         )  # fmt: skip
 
     return run_side_by_side(run, trials)
+
+
+def _choose_closed_form(route: Route, slots: SlotArrays, tangents: Sequence[SlotArrays]) -> bool:
+    """Whether the closed form is to be taken; a `Fault` where it is asked for and cannot be."""
+    on = sorted(find_moved_slots(slots, tangents) - {*LOG_PARAMETERS})
+    if route == "closed_form" and on:
+        raise Fault(
+            f"the closed form has no {', '.join(on)}: ask for the general route, or leave these "
+            "slots at their null values"
+        )
+    return route != "general" and not on
 
 
 def _check_finger(finger: Finger, groups: NDArray[np.bool_]) -> None:
@@ -255,9 +281,11 @@ def _run_trials(
     joint: NDArray,
     chain: NDArray,
     coupling: NDArray,
+    law: NDArray,
     d_joint: NDArray,
     d_chain: NDArray,
     d_coupling: NDArray,
+    d_law: NDArray,
     groups: NDArray,
     arm_ratio: float,
     moment: NDArray,
@@ -284,6 +312,9 @@ def _run_trials(
     for trial in range(trials):
         model.joint[:], model.chain[:] = joint[trial], chain[trial]
         model.coupling[:] = coupling[trial]
+        if groups[HAS_LAW]:
+            model.law[:] = law[trial]
+            model.d_law[own:] = d_law[:, trial]
         model.d_joint[own:] = d_joint[:, trial]
         model.d_chain[own:] = d_chain[:, trial]
         model.d_coupling[own:] = d_coupling[:, trial]

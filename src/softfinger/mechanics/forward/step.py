@@ -9,7 +9,7 @@ the discrete solution, by the same factors.
 
 import numpy as np
 
-from softfinger.mechanics.compiled import compiled
+from softfinger.compiled import compiled
 from softfinger.mechanics.forward.drives import (
     fill_angles,
     fill_drives,
@@ -18,24 +18,21 @@ from softfinger.mechanics.forward.drives import (
     fill_tangents_at_fixed_torque,
     fill_weights,
 )
-from softfinger.mechanics.forward.laws import (
-    flow_drive,
-    flow_tangent,
-    spring_tangent,
-    spring_torque,
-)
+from softfinger.mechanics.forward.laws import flow_drive, flow_tangent
 from softfinger.mechanics.forward.phi import DIFFERENTIATE
 from softfinger.mechanics.forward.slots import CHAIN_SLOTS
+from softfinger.mechanics.forward.spring import voigt_tangent, voigt_torque
 from softfinger.mechanics.forward.tangents import add_scaled, follow_torque
 from softfinger.mechanics.forward.torque import fill_balance, turn_direction
 from softfinger.mechanics.forward.work import (
     HAS_ARM,
+    HAS_ARM_LAW,
     HAS_COUPLING,
     HAS_FLOW,
     HAS_FRICTION,
     HAS_GRAVITY,
     HAS_INERTIA,
-    HAS_STIFFENING,
+    HAS_SPRING,
     HAS_STOP,
     START,
     Model,
@@ -57,6 +54,7 @@ def has_feedback(model: Model) -> bool:
         groups[HAS_STOP]
         or groups[HAS_FRICTION]
         or groups[HAS_ARM]
+        or groups[HAS_ARM_LAW]
         or groups[HAS_GRAVITY]
         or groups[HAS_COUPLING]
         or groups[HAS_INERTIA]
@@ -77,14 +75,22 @@ def open_step(model: Model, work: Work, tangents: bool) -> None:
         nodes.flow[START, j], nodes.spring[START, j] = nodes.torque[START, j], 0.0
         if model.groups[HAS_FLOW]:
             nodes.flow[START, j], nodes.flow_slope[START, j] = flow_drive(
-                model.joint[j], nodes.torque[START, j], nodes.flow_partial[START, j]
+                model.joint[j],
+                model.law[j],
+                nodes.time[START],
+                nodes.torque[START, j],
+                nodes.flow_partial[START, j],
             )
-        if model.groups[HAS_STIFFENING]:
-            (
-                nodes.spring[START, j],
-                nodes.spring_slope[0, START, j],
-                nodes.spring_slope[1, START, j],
-            ) = spring_torque(model.joint[j], nodes.elastic[START, j], nodes.angle[START, j])
+        if model.groups[HAS_SPRING]:
+            slope = nodes.spring_slope[:, START, j]
+            nodes.spring[START, j], slope[2], slope[0], slope[1] = voigt_torque(
+                model.joint[j],
+                model.law[j],
+                nodes.time[START],
+                nodes.torque[START, j],
+                nodes.elastic[START, j],
+                nodes.angle[START, j],
+            )
     if tangents:
         nodes.d_direction[START] = state.d_direction[0]
         _open_tangents(model, work)
@@ -106,12 +112,21 @@ def _open_tangents(model: Model, work: Work) -> None:
             nodes.d_flow[START, j, c] = change
             if model.groups[HAS_FLOW]:
                 nodes.d_flow[START, j, c] = change * nodes.flow_slope[START, j] + flow_tangent(
-                    model.d_joint[c, j], nodes.flow_partial[START, j]
-                )
-            if model.groups[HAS_STIFFENING]:
-                change = spring_tangent(
                     model.joint[j],
                     model.d_joint[c, j],
+                    model.d_law[c, j],
+                    nodes.torque[START, j],
+                    nodes.flow_partial[START, j],
+                )
+            if model.groups[HAS_SPRING]:
+                change *= nodes.spring_slope[2, START, j]
+                change += voigt_tangent(
+                    model.joint[j],
+                    model.d_joint[c, j],
+                    model.law[j],
+                    model.d_law[c, j],
+                    nodes.time[START],
+                    nodes.torque[START, j],
                     nodes.elastic[START, j],
                     nodes.angle[START, j],
                 )

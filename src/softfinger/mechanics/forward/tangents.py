@@ -6,7 +6,7 @@ instruction. Columns that cannot move a joint hold zeros.
 
 from numpy.typing import NDArray
 
-from softfinger.mechanics.compiled import compiled
+from softfinger.compiled import compiled
 
 
 @compiled

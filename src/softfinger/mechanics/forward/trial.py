@@ -3,8 +3,18 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from softfinger.mechanics.compiled import compiled
-from softfinger.mechanics.forward.acting import ACTING, SLOPE, VALUE, advance_acting, fill_load
+from softfinger.compiled import compiled
+from softfinger.mechanics.forward.acting import (
+    ACTING,
+    D_SLOPE,
+    D_VALUE,
+    SLOPE,
+    VALUE,
+    advance_acting,
+    fill_load,
+    limit_load,
+    limit_node,
+)
 from softfinger.mechanics.forward.advance import (
     commit_step,
     emit_frame,
@@ -14,6 +24,7 @@ from softfinger.mechanics.forward.advance import (
 from softfinger.mechanics.forward.phi import NODES as _SHARES
 from softfinger.mechanics.forward.rest import fill_rest
 from softfinger.mechanics.forward.slots import CHAIN_SLOTS
+from softfinger.mechanics.forward.slow import slow_log
 from softfinger.mechanics.forward.step import has_feedback, open_step, solve_step
 from softfinger.mechanics.forward.torque import turn_direction
 from softfinger.mechanics.forward.work import (
@@ -21,7 +32,9 @@ from softfinger.mechanics.forward.work import (
     HAS_FRICTION,
     HAS_INERTIA,
     HAS_LAG,
-    HAS_STIFFENING,
+    HAS_LIMIT,
+    HAS_SLOWNESS,
+    HAS_SPRING,
     START,
     Model,
     Work,
@@ -29,6 +42,7 @@ from softfinger.mechanics.forward.work import (
 
 _DELAY, _LAG = CHAIN_SLOTS.index("delay"), CHAIN_SLOTS.index("lag")
 _WIDTH, _DRIVER = CHAIN_SLOTS.index("friction_width"), CHAIN_SLOTS.index("friction_driver")
+_SLOWNESS = CHAIN_SLOTS.index("load_slowness")
 _INERTIA = CHAIN_SLOTS.index("inertia_scale")
 _MAX_STEPS = 20_000
 _INSTANT = 1e-12  # [s] knots that rounding alone keeps apart are a jump
@@ -50,19 +64,23 @@ def run_trial(
 
     False where the model could not be integrated.
     """
-    fill_rest(model, work)
     delay, frames, frame = model.chain[_DELAY], _count_frames(time), np.int64(0)
-    load, d_acting = np.zeros(4), np.zeros((2, model.d_chain.shape[0]))
+    load, d_acting = np.zeros(6), np.zeros((2, model.d_chain.shape[0]))
+    load_time, load_torque, d_load = slow_log(load_time, load_torque, model.chain[_SLOWNESS])
     now, last = load_time[0], load_time.size - 1
     if frames > 0:
         now = min(now, time[0] - delay)
+    fill_rest(model, work, now)
     for knot in range(-1, last + 1):
         end = load_time[knot + 1] if knot < last else time[max(frames - 1, 0)] - delay
         if knot >= 0:
-            jump = load_torque[knot] - load[VALUE]
+            before, after = limit_load(model, load[VALUE]), limit_load(model, load_torque[knot])
+            jump = after[0] - before[0]
             load[VALUE], load[SLOPE] = load_torque[knot], 0.0
+            load[D_VALUE], load[D_SLOPE] = d_load[knot], 0.0
             if knot < last and end - now > _INSTANT:
                 load[SLOPE] = (load_torque[knot + 1] - load_torque[knot]) / (end - now)
+                load[D_SLOPE] = (d_load[knot + 1] - d_load[knot]) / (end - now)
             _jump(model, work, load, jump)
         if frame >= frames:
             break
@@ -95,12 +113,15 @@ def _jump(model: Model, work: Work, load: NDArray, jump: float) -> None:
     if model.chain[_LAG] > 0.0:
         return  # the load that acts does not jump
     load[ACTING] = load[VALUE]
-    if model.groups[HAS_LAG]:  # a lag of nothing delays the jump by d(lag): a kick
+    slowed = model.groups[HAS_SLOWNESS] and model.chain[_SLOWNESS] == 0.0
+    if model.groups[HAS_LAG] or slowed:  # a lag of nothing delays the jump by d(lag): a kick
         for j in range(state.offset.size):
             for mode in range(state.mode.shape[1]):
                 for c in model.columns[j]:
-                    kick = work.linear.gain[j, mode] * jump * model.d_chain[c, _LAG]
-                    state.d_mode[j, mode, c] -= kick
+                    late = model.d_chain[c, _LAG]
+                    if slowed:
+                        late += 0.5 * abs(jump) * model.d_chain[c, _SLOWNESS]
+                    state.d_mode[j, mode, c] -= work.linear.gain[j, mode] * jump * late
     if model.groups[HAS_FRICTION] and not model.chain[_DRIVER] > 0.5:
         state.direction[0], by_way, _, by_width = turn_direction(
             state.direction[0], jump, model.chain[_WIDTH]
@@ -143,7 +164,10 @@ def _run_segment(
                 if i != START or not opened:
                     share = _SHARES[i] if i != START else 0.0
                     since = now - start + share * length
+                    work.nodes.time[i] = start + since
                     fill_load(model, work, i, load, d_acting, since)
+                    if model.groups[HAS_LIMIT]:
+                        limit_node(model, work, i)
             if not opened:
                 open_step(model, work, tangents)
                 opened = True
@@ -170,7 +194,14 @@ def _run_segment(
 def _is_curved(model: Model) -> bool:
     """Whether any drive may bend between the knots of the load."""
     groups = model.groups
-    return has_feedback(model) or groups[HAS_STIFFENING] or groups[HAS_FLOW] or groups[HAS_LAG]
+    return (
+        has_feedback(model)
+        or groups[HAS_SPRING]
+        or groups[HAS_FLOW]
+        or groups[HAS_LAG]
+        or groups[HAS_LIMIT]
+        or groups[HAS_SLOWNESS]
+    )
 
 
 @compiled

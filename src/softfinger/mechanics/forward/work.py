@@ -9,44 +9,54 @@ from numba import types
 from numba.experimental import structref
 from numpy.typing import NDArray
 
-from softfinger.mechanics.compiled import compiled
-from softfinger.mechanics.forward.slots import CHAIN_SLOTS, COUPLING_SLOTS, JOINT_SLOTS
+from softfinger.compiled import compiled
+from softfinger.mechanics.forward.curve import KNOTS
+from softfinger.mechanics.forward.slots import CHAIN_SLOTS, COUPLING_SLOTS, JOINT_SLOTS, LAWS
 
 GROUPS = (
     "second",
     "springpot",
-    "stiffening",
+    "spring",
     "stop",
     "flow",
     "friction",
     "arm",
+    "arm_law",
     "gravity",
     "coupling",
     "inertia",
     "lag",
     "delay",
+    "limit",
+    "slowness",
     "observation",
     "lens",
+    "law",
 )
 """The physics that a run needs to look at; the others cost nothing."""
 (
     HAS_SECOND,
     HAS_SPRINGPOT,
-    HAS_STIFFENING,
+    HAS_SPRING,
     HAS_STOP,
     HAS_FLOW,
     HAS_FRICTION,
     HAS_ARM,
+    HAS_ARM_LAW,
     HAS_GRAVITY,
     HAS_COUPLING,
     HAS_INERTIA,
     HAS_LAG,
     HAS_DELAY,
+    HAS_LIMIT,
+    HAS_SLOWNESS,
     HAS_OBSERVATION,
     HAS_LENS,
+    HAS_LAW,
 ) = range(len(GROUPS))
 
 _JOINT, _CHAIN, _COUPLING = len(JOINT_SLOTS), len(CHAIN_SLOTS), len(COUPLING_SLOTS)
+_LAW = len(LAWS)
 START = np.int64(3)  # row of the start of a step (a plain int would make numba compile twice)
 
 
@@ -56,9 +66,11 @@ class Model(structref.StructRefProxy):
     joint: NDArray  # (joint, slot)
     chain: NDArray  # (slot,)
     coupling: NDArray  # (slot, joint, other)
+    law: NDArray  # (joint, law, knot)
     d_joint: NDArray  # (column, joint, slot)
     d_chain: NDArray  # (column, slot)
     d_coupling: NDArray  # (column, slot, joint, other)
+    d_law: NDArray  # (column, joint, law, knot)
     columns: NDArray  # (joint, …): the columns that can move this joint
     groups: NDArray  # (group,) bool
     arm_ratio: float  # l_joint / (2 d)
@@ -98,14 +110,15 @@ class Linear(structref.StructRefProxy):
 class Nodes(structref.StructRefProxy):
     """Everything at the three nodes of a step, and at its start."""
 
-    load: NDArray  # (4,) [N m]
+    time: NDArray  # (4,) [s]
+    load: NDArray  # [N m]
     d_load: NDArray  # (4, column)
     torque: NDArray  # (4, joint): the unknown
-    spring: NDArray  # what the spring adds to k_v q_v
-    spring_slope: NDArray  # (2, 4, joint) by q_v and by q
+    spring: NDArray  # what the Voigt element takes from a linear one's drive
+    spring_slope: NDArray  # (3, 4, joint) by q_v, q and torque
     flow: NDArray  # the dashpot's drive
     flow_slope: NDArray
-    flow_partial: NDArray  # (4, joint, 4)
+    flow_partial: NDArray  # (4, joint, 7)
     elastic: NDArray  # q_v
     angle: NDArray  # q
     velocity: NDArray
@@ -239,9 +252,11 @@ def allocate_model(
         np.zeros((joints, _JOINT)),
         np.zeros(_CHAIN),
         np.zeros((_COUPLING, joints, joints)),
+        np.zeros((joints, _LAW, KNOTS)),
         d_joint,
         np.zeros((columns, _CHAIN)),
         np.zeros((columns, _COUPLING, joints, joints)),
+        np.zeros((columns, joints, _LAW, KNOTS)),
         reach,
         groups,
         arm_ratio,
@@ -265,8 +280,8 @@ def allocate_work(n: int, modes: int, columns: int) -> Work:
         np.zeros((n, 3, 3)), np.zeros((n, 3, 3, columns)),
     )  # fmt: skip
     nodes = Nodes(
-        np.zeros(4), np.zeros((4, columns)), np.zeros((4, n)), np.zeros((4, n)),
-        np.zeros((2, 4, n)), np.zeros((4, n)), np.ones((4, n)), np.zeros((4, n, 4)),
+        np.zeros(4), np.zeros(4), np.zeros((4, columns)), np.zeros((4, n)), np.zeros((4, n)),
+        np.zeros((3, 4, n)), np.zeros((4, n)), np.ones((4, n)), np.zeros((4, n, 7)),
         np.zeros((4, n)), np.zeros((4, n)), np.zeros((4, n)), np.zeros((4, n)),
         np.zeros(4), np.zeros((3, 4)), np.zeros((4, columns)), np.zeros((4, n, columns)),
         np.zeros((4, n, columns)), np.zeros((4, n, columns)), np.zeros((4, n, columns)),

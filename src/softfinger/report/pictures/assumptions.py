@@ -17,7 +17,7 @@ def picture_assumptions(material: Material) -> Picture | None:
     return Picture(
         "assumptions",
         "What the step solution leaves out",
-        draw_assumptions(found.assign_attrs(source="synthetic")),
+        draw_assumptions(found.assign_attrs(source="synthetic"), material.find("assumptions")),
         "Gaps over time at each joint; growth of the torque; changes of the fitted parameters.",
         "Above: by how much inertia, and the moment arm that grows as a joint bends, move the "
         f"angle of {n} simulated fingers of the paper's table under {tension:g} N, largest and rms "

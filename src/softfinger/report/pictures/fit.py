@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from softfinger.figures.bands import MOST_PROTOCOLS, draw_bands
 from softfinger.figures.prior import draw_prior_predictive
 from softfinger.figures.residuals import draw_residuals
 from softfinger.figures.sampling import draw_sampling
 from softfinger.report.blocks import Picture
+from softfinger.report.checks import list_rings
 from softfinger.report.formatting import (
     capital,
     count_things,
@@ -25,10 +24,10 @@ EARLY = 1.0
 
 def picture_prior(material: Material) -> Picture | None:
     """What the priors expect."""
-    prior = material.prior_predictive
+    prior = material.find("prior_predictive")
     if prior is None:
         return None
-    load = f"{format_number(prior.attrs['load'])} {material.load_unit}"
+    load = f"{format_number(float(prior['load']))} {material.load_unit}"
     return Picture(
         "prior_predictive",
         "What the priors alone expect",
@@ -44,18 +43,19 @@ def picture_prior(material: Material) -> Picture | None:
 
 def picture_sampling(material: Material) -> Picture | None:
     """Convergence."""
-    sampling = material.sampling
-    if sampling is None:
+    worst = material.find("sampling")
+    if worst is None:
         return None
+    sampling = material.get("sampling")
     return Picture(
         "sampling",
         "Convergence of the sampler",
-        draw_sampling(sampling),
+        draw_sampling(sampling, worst),
         "Sorted R-hat and effective numbers of draws of all hyperparameters against their limits, "
         "and the draws of the one whose chains agree least.",
         f"R-hat and effective draws of all {sampling['quantity'].size} hyperparameters, sorted, "
         f"with their limits. Right: draws and running means of "
-        f"{name_quantity(sampling['worst_quantity'].item())}, whose chains agree least. "
+        f"{name_quantity(worst['worst_quantity'].item())}, whose chains agree least. "
         f"{capital(material.cite('sampling', 'posterior'))}.",
     )
 
@@ -83,7 +83,7 @@ def picture_bands(material: Material, *, early: bool) -> Picture | None:
     share = format_percent(float(span[1] - span[0]))
     hidden = bands["protocol"].size - MOST_PROTOCOLS
     cut = f" The {MOST_PROTOCOLS} protocols of most trials are shown, {hidden} are not."
-    n = int(bands["recorded_n"].max([d for d in bands["recorded_n"].dims if d != "protocol"]).sum())
+    n = int(bands["protocol_trials"].sum())
     title = "the first second" if early else "all of it"
     return Picture(
         "bands_early" if early else "bands",
@@ -100,11 +100,10 @@ def picture_bands(material: Material, *, early: bool) -> Picture | None:
 
 def picture_residuals(material: Material) -> Picture | None:
     """What the fit leaves."""
-    residuals = material.residuals
+    residuals = material.find("residuals")
     if residuals is None:
         return None
-    rings = residuals["peak_frequency"].values
-    rings = sorted({f"{ring:.1f} Hz" for ring in rings[np.isfinite(rings)]})
+    rings = list_rings(material)
     seen = f" A ring of {join_words(rings)} stands out." if rings else ""
     n = int(residuals["n_segments"].sum())
     return Picture(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from softfinger.figures.mismatch import (
-    choose_trial,
     draw_location,
     draw_masking,
     draw_ranking,
@@ -31,6 +30,8 @@ def picture_repair(material: Material) -> Picture | None:
         return None
     repair = material.get("repair").sel(model=list_models(material))
     both = repair["model"].size > 1
+    misfit = material.find("misfit").sel(model=repair["model"])
+    trial = str(misfit["trial_final" if both else "trial_base"].item())
     models, most = (
         ("both models", "the repair takes away most")
         if both
@@ -39,11 +40,11 @@ def picture_repair(material: Material) -> Picture | None:
     return Picture(
         "repair",
         "The fit before and after" if both else "The fit of the base model",
-        draw_repair(repair),
+        draw_repair(repair, misfit, trial),
         f"Recording and {models} of one trial; what is left over time; and the squared residuals "
         "of all trials over their noise.",
         f"Top: recording (dots: means of bins) and {models} at the trial's own mode, in the "
-        f"trial of which {most}, {choose_trial(repair)}. Middle: what is left "
+        f"trial of which {most}, {trial}. Middle: what is left "
         "of it; grey: twice the standard deviation of the noise of a bin. Bottom: mean "
         f"square of the residuals of n = {count_things(repair['trial'].size, 'trial')} over that "
         "of the noise, which was estimated without a model; 1 is noise alone. Rule diagnose, "
@@ -59,7 +60,7 @@ def picture_ranking(material: Material) -> Picture | None:
     return Picture(
         "ranking",
         "The evidence of every effect that was fitted",
-        draw_ranking(ranking),
+        draw_ranking(ranking, material.find("evidence")),
         "Gain of each effect's best form over the base model, against what chance gains.",
         "Log evidence over the base model [nats; 2.3 are odds of ten to one] of the best form of "
         "each effect alone, each trial's own parameters integrated; logarithmic beyond ± 1. Blue: "

@@ -2,65 +2,53 @@
 
 from __future__ import annotations
 
-import xarray as xr
-
 from softfinger.figures.hyperparameters import draw_hyperparameters
 from softfinger.figures.population import draw_initial_angles, draw_parameter_histograms
 from softfinger.report.blocks import Picture
 from softfinger.report.formatting import capital, count_things, format_percent
 from softfinger.report.material import Material
-from softfinger.report.summaries import stack_population
-
-
-def build_population(material: Material) -> xr.Dataset | None:
-    """Build what the histograms draw: trials' estimates and fitted distributions."""
-    if "least_squares" not in material:
-        return None
-    population = material.get("least_squares")
-    if material.posterior is not None:
-        population = population.assign(stack_population(material.posterior))
-    return population
 
 
 def picture_histograms(material: Material, *, initial: bool) -> Picture | None:
     """Histograms of the trials' estimates and the fitted densities."""
-    population = build_population(material)
-    if population is None:
+    histograms = material.find("histograms")
+    if histograms is None:
         return None
     if initial:
         name, title, figure = (
             "initial_angles",
             "Initial angles",
-            draw_initial_angles(population),
+            draw_initial_angles(histograms),
         )
         what = "initial angles"
     else:
         name, title = "histograms", "Distributions of the parameters over trials"
-        figure = draw_parameter_histograms(population, material.load_unit)
+        figure = draw_parameter_histograms(histograms, material.load_unit)
         what = "viscoelastic parameters, on logarithmic axes"
-    kept = population["kept"].sel(parameter=["q_ini"] if initial else ["k_v", "c_v", "c_p"])
+    shown = histograms.sel(parameter=["q_ini"] if initial else ["k_v", "c_v", "c_p"])
+    dropped, estimates = int(shown["dropped"].sum()), int(shown["estimates"].sum())
     return Picture(
         name,
         title,
         figure,
         f"Histograms of the {what}, with the two-stage and the posterior density.",
-        f"Bars: each trial's own least-squares estimate ({int((~kept).sum())} of {kept.size} "
+        f"Bars: each trial's own least-squares estimate ({dropped} of {estimates} "
         "dropped by the rule of three median absolute deviations, drawn open); red, dashed: the "
         "distribution fitted to the bars (two-stage); blue: the population by the posterior, "
         "median and 90 % equal-tailed interval. The bars are wider than the population where a "
-        f"single trial knows little. n = {count_things(population['trial'].size, 'trial')}. "
+        f"single trial knows little. n = {count_things(material.angles['trial'].size, 'trial')}. "
         f"{capital(material.cite('least_squares', 'posterior'))}.",
     )
 
 
 def picture_hyperparameters(material: Material) -> Picture | None:
     """Forest of the hyperparameters."""
-    summary = material.hyperparameters
+    summary = material.find("population")
     if summary is None:
         return None
-    share = format_percent(material.limits.ci_prob)
-    beside = "; squares: the paper's table" if "paper" in summary else ""
-    beside += "; diamonds: truth of the simulation" if "truth" in summary else ""
+    share = format_percent(material.ci_prob)
+    rivals = summary["rival"].values if "rival" in summary.dims else ()
+    beside = "; squares: the paper's table" if "paper" in rivals else ""
     return Picture(
         "hyperparameters",
         "Centre and spread of the population",

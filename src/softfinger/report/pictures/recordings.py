@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from softfinger.figures.recordings import draw_recordings
 from softfinger.figures.sketches import draw_finger_sketch, draw_joint_model_sketch
-from softfinger.figures.tracking import choose_frame, draw_tracking
+from softfinger.figures.tracking import draw_tracking
 from softfinger.report.blocks import Picture
 from softfinger.report.formatting import capital, count_things, format_number
 from softfinger.report.material import Material
@@ -61,13 +59,13 @@ def picture_tracking(material: Material) -> Picture | None:
         return None
     markers = material.get("markers")
     image = material.artifacts["picture"]["picture"] if "picture" in material else None
-    trial, frame = choose_frame(markers, image)
-    sd = float(np.nanmedian(markers["marker_position_sd"].sel(trial=trial)))
+    shown = material.find("pictured")
+    trial, frame, sd = (shown[name].item() for name in ("trial", "frame", "sd"))
     where = "on the picture itself" if image is not None else "without its picture"
     return Picture(
         "tracking",
         "What the tracking saw",
-        draw_tracking(markers, image),
+        draw_tracking(markers.sel(trial=trial), frame, image),
         f"Markers found in one frame of trial {trial}: rings on base and links, with their paths.",
         f"Frame {frame} of trial {trial}, {where}: rings are markers, a red cross marks a "
         f"doubtful one, thin lines are their paths over the trial. Median standard deviation of "

@@ -26,10 +26,10 @@ def picture_sobol(material: Material) -> Picture | None:
         "Which parameter causes the spread",
         draw_sobol(select_sobol(material.get("sobol"))),
         "First-order Sobol indices of four parameters over time, all of it and the first second.",
-        "Share of the variance between trials that each parameter causes alone (thick, by the "
-        "posterior) and together with others (thin); bands: equal-tailed interval over the "
-        "posterior's draws, 90 %. Below: the first second. The shares need not sum to 1: k_v and "
-        f"c_v act together. {count_source(material, 'sobol')}",
+        "Share of the variance between trials that knowing a parameter explains (thick, by the "
+        "posterior), and that is left when all others are known (thin); bands: equal-tailed "
+        "interval over the posterior's draws, 90 %. Below: the first second. The shares need not "
+        f"sum to 1: k_v and c_v act together. {count_source(material, 'sobol')}",
     )
 
 
@@ -62,7 +62,7 @@ def picture_densities(material: Material) -> Picture | None:
     if "densities" not in material:
         return None
     densities = material.get("densities").sel(estimate="posterior")
-    densities = densities.sel(time=densities["time"] <= material.duration)
+    densities = densities.sel(time=densities["time"] <= float(material.recordings["duration"]))
     shown = np.floor(1e3 * float(densities["probability_shown"].min())) / 10
     return Picture(
         "densities",

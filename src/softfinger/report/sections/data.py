@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import xarray as xr
 
 from softfinger.report.blocks import Block, Paragraph, Section, Table, number, text
 from softfinger.report.formatting import (
@@ -16,11 +15,17 @@ from softfinger.report.formatting import (
 from softfinger.report.material import Material
 from softfinger.report.pictures.recordings import picture_recordings, picture_tracking
 
-FLAGS = {"missing": 1, "stale": 2, "jump": 4}
 SAID = {
     "missing": "missing",
     "stale": "stale (the camera repeated a frame)",
     "jump": "jumps (a marker was lost to another spot)",
+}
+TRACKING = {
+    "share_seen": "seen",
+    "share_suspect": "in doubt",
+    "share_stale": "repeated frames",
+    "sd": "sd [px]",
+    "rigid_residual": "wander on its link [px]",
 }
 ALWAYS_SHOWN = 12
 """A longer table of trials is folded."""
@@ -41,24 +46,29 @@ def build_data(material: Material) -> Section:
 
 
 def describe_recordings(material: Material) -> str:
-    """Say in a sentence or two how much was recorded and how finely."""
-    angles = material.angles
-    time = angles["time"].values
-    duration = np.nanmax(time, axis=1)
-    interval = float(np.nanmedian(np.diff(time, axis=1)))
-    shares = {name: measure_flagged(angles, bit) for name, bit in FLAGS.items()}
-    said = {name: share for name, share in shares.items() if share}
-    words = [f"{format_percent(share, 1)} are {SAID[name]}" for name, share in said.items()]
-    flagged = f"Of the angles, {join_words(words)}" if words else "No angle is missing or in doubt"
+    """Describe how much was recorded and how finely."""
+    angles, found = material.angles, material.recordings
     verb = "is" if angles["trial"].size == 1 else "are"
     return (
         f"{count_things(angles['trial'].size, 'trial')} of "
         f"{count_things(angles['joint'].size, 'joint')} {verb} used, "
-        f"{material.n_frames} frames in all, "
-        f"{describe_span(duration)} s long, "
-        f"about {format_number(1 / interval)} frames a second. {flagged}. What is flagged takes no "
-        "part in any fit."
+        f"{int(found['frames'])} frames in all, "
+        f"{describe_span(found['trial_duration'].values)} s long, "
+        f"about {format_number(1 / float(found['frame_interval']))} frames a second. "
+        f"{describe_flags(material)}"
     )
+
+
+def describe_flags(material: Material) -> str:
+    """Tell how many angles are missing or in doubt."""
+    found = material.recordings
+    shares = dict(zip(found["flag"].values.tolist(), found["flag_share"].values, strict=True))
+    words = [
+        f"{format_percent(share, 1)} are {SAID[name]}" for name, share in shares.items() if share
+    ]
+    if not words:
+        return "No angle is missing or in doubt."
+    return f"Of the angles, {join_words(words)}; they take no part in any fit."
 
 
 def describe_span(values: np.ndarray) -> str:
@@ -69,13 +79,6 @@ def describe_span(values: np.ndarray) -> str:
     """
     low, high = (format_number(float(end)) for end in (values.min(), values.max()))
     return low if low == high else f"{low} to {high}"
-
-
-def measure_flagged(angles: xr.Dataset, bit: int) -> float:
-    """Return the share of the angles within the recordings that carry a flag."""
-    inside = np.isfinite(angles["time"])
-    flagged = (angles["angle_flag"] & bit) > 0
-    return float((flagged & inside).sum() / (inside.sum() * angles["joint"].size))
 
 
 def describe_loads(material: Material) -> list[Block]:
@@ -105,24 +108,15 @@ def describe_loads(material: Material) -> list[Block]:
 
 def build_tracking_table(material: Material) -> Table | None:
     """List how well each filmed trial was tracked, by its worst marker."""
-    if "tracking_quality" not in material:
+    found = material.find("tracking")
+    if found is None:
         return None
-    quality = material.get("tracking_quality")
-    worst = xr.Dataset(
-        {
-            "seen": quality["share_seen"].min("marker"),
-            "in doubt": quality["share_suspect"].max("marker"),
-            "repeated frames": quality["share_stale"],
-            "sd [px]": quality["sd_median"].max("marker"),
-            "wander on its link [px]": quality["rigid_residual"].max("marker"),
-        }
-    )
     rows = []
-    for name in worst["trial"].values:
-        values = {key: float(value) for key, value in worst.sel(trial=name).items()}
+    for name in found["trial"].values:
+        values = [(label, float(found[v].sel(trial=name))) for v, label in TRACKING.items()]
         cells = [
             number(format_number(v, 2) if "px" in key else format_percent(v, 1), v)
-            for key, v in values.items()
+            for key, v in values
         ]
         rows.append((text(name), *cells))
     limits = material.config["tracking"]
@@ -137,7 +131,7 @@ def build_tracking_table(material: Material) -> Table | None:
         "tracking_quality",
         "How well each trial was tracked",
         caption,
-        ("trial", *map(str, worst.data_vars)),
+        ("trial", *TRACKING.values()),
         tuple(rows),
         folded=len(rows) > ALWAYS_SHOWN,
     )
@@ -156,19 +150,16 @@ def build_set_aside(material: Material) -> list[Block]:
 
 def build_trial_table(material: Material) -> Table:
     """List every trial that is used."""
-    angles = material.angles
-    rows = []
-    for name in angles["trial"].values:
-        trial = angles.sel(trial=name)
-        time = trial["time"].values
-        load = float(trial["load_torque"].values[np.abs(trial["load_torque"].values).argmax()])
-        flagged = float((trial["angle_flag"] > 0).where(np.isfinite(trial["time"])).mean())
-        duration = float(np.nanmax(time))
-        frames = int(np.isfinite(time).sum())
+    rows, found = [], material.recordings
+    for name in found["trial"].values:
+        trial = found.sel(trial=name)
+        frames, duration, load, flagged = (
+            float(trial[f"trial_{part}"]) for part in ("frames", "duration", "load", "flagged")
+        )
         rows.append(
             (
                 text(name),
-                number(str(frames), frames),
+                number(f"{frames:.0f}", frames),
                 number(format_number(duration), duration),
                 number(format_number(load), load),
                 number(format_percent(flagged, 1), flagged),

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from softfinger.mechanics.effects import list_effects
+from softfinger.figures.style import get_motion_unit, label_thousandth
 from softfinger.report.blocks import (
     Block,
     Listing,
@@ -32,7 +32,6 @@ from softfinger.report.pictures.mismatch import (
     picture_location,
     picture_masking,
     picture_ranking,
-    picture_repair,
 )
 from softfinger.report.sections.unlisted import describe_unlisted
 
@@ -63,11 +62,12 @@ def build_mismatch(material: Material) -> Section:
     verdict = material.artifacts["verdict"]
     blocks: list[Block] = [Paragraph(sentence) for sentence in state_verdict(verdict)]
     blocks += describe_unlisted(material)
-    seen = [picture_repair(material), picture_ranking(material)]
-    blocks += [picture for picture in seen if picture is not None]
-    blocks += build_effect_tables(verdict)
+    evidence = picture_ranking(material)
+    blocks += [] if evidence is None else [evidence]
+    blocks += build_effect_tables(verdict, label_thousandth(material.motion_unit))
     if "ranking" in material:
-        blocks.append(build_catalogue_table(material.get("ranking")))
+        evidence = material.find("evidence")
+        blocks.append(build_catalogue_table(material.get("ranking"), evidence))
     if "repair" in material and verdict["decision"] != "adequate":
         blocks += build_repair_tables(material.get("repair"))
     seen = [picture_location(material), picture_masking(material)]
@@ -83,9 +83,9 @@ def state_verdict(verdict: Mapping[str, Any]) -> list[str]:
     return [decision, *(str(effect["statement"]) for effect in verdict["effects"])]
 
 
-def build_catalogue_table(ranking: xr.Dataset) -> Table:
+def build_catalogue_table(ranking: xr.Dataset, evidence: xr.Dataset) -> Table:
     """List every effect that was tried, and those that this campaign cannot show."""
-    known = list_effects()
+    sentences = evidence["sentence"].values.tolist() + evidence["refused_sentence"].values.tolist()
     rows = []
     for name in ranking["effect"].values:
         gain, needed = (float(ranking[v].sel(effect=name)) for v in ("best_gain", "inclusion"))
@@ -95,8 +95,8 @@ def build_catalogue_table(ranking: xr.Dataset) -> Table:
         reason = str(ranking["refused_reason"].sel(refused_effect=name).item())
         rows.append((name, text("–"), text("–"), text(f"not tried: {reason}")))
     told = tuple(
-        (text(spell(name)), text(known[name].sentence if name in known else "–"), *rest)
-        for name, *rest in rows
+        (text(spell(name)), text(sentence), *rest)
+        for sentence, (name, *rest) in zip(sentences, rows, strict=True)
     )
     columns = ("effect", "what happens", "gain alone [nats]", "needed", "tried")
     caption = (
@@ -187,8 +187,9 @@ def build_level_table(repair: xr.Dataset) -> Table:
                 cells.append(number(f"{error:.3g}", error))
                 cells.append(number(format_percent(inside), inside))
             rows.append(tuple(cells))
-    columns = ("level left out", "joint", "base: error [mrad]", "base: inside",
-               "repaired: error [mrad]", "repaired: inside")  # fmt: skip
+    small = label_thousandth(get_motion_unit(repair))
+    columns = ("level left out", "joint", f"base: error [{small}]", "base: inside",
+               f"repaired: error [{small}]", "repaired: inside")  # fmt: skip
     caption = (
         "Fitted without one load level and predicting it: rms over time of the mean recording "
         "minus the predicted median, and share of angles inside the predicted 90 % band. Rule "
@@ -198,7 +199,7 @@ def build_level_table(repair: xr.Dataset) -> Table:
     return Table("left_out_levels", title, caption, columns, tuple(rows), folded=True)
 
 
-def build_effect_tables(verdict: Mapping[str, Any]) -> list[Block]:
+def build_effect_tables(verdict: Mapping[str, Any], small: str) -> list[Block]:
     """Tabulate the effects with their parameters, and the fit before and after."""
     rows = []
     for effect in verdict["effects"]:
@@ -233,7 +234,7 @@ def build_effect_tables(verdict: Mapping[str, Any]) -> list[Block]:
         f"{format_measure(elpd['difference'], elpd['se'])} nats."
     )
     caption = f"Residual rms, joints pooled.{gain} From the verdict."
-    columns = ("what", "residual rms [mrad]")
+    columns = ("what", f"residual rms [{small}]")
     title = "Fit before and after" if verdict["effects"] else "Fit and noise"
     return [*found, Table("before_after", title, caption, columns, sizes)]
 
@@ -247,15 +248,29 @@ def describe_limits(verdict: Mapping[str, Any]) -> list[Block]:
     if verdict["not_testable"]:
         names = join_words([spell(name) for name in verdict["not_testable"]])
         items.append(f"Could not show at any plausible strength: {names}.")
-    if verdict["next_experiment"]:
-        statement = str(verdict["next_experiment"]["statement"])
-        for name in verdict["next_experiment"].get("tells_apart", ()):
-            statement = statement.replace(name, spell(name))
-        items.append(
-            f"What to record next: {statement} Its load logs lie in the folder next_experiment "
-            "beside this report."
-        )
+    items += describe_next(verdict)
     return [Listing(tuple(items))] if items else []
+
+
+def describe_next(verdict: Mapping[str, Any]) -> list[str]:
+    """Tell what to record next, where the diagnosis proposes something."""
+    proposal = verdict.get("next_experiment")
+    if not proposal:
+        return []
+    statement = str(proposal["statement"])
+    for name in proposal.get("tells_apart", ()):
+        statement = statement.replace(name, spell(name))
+    return [f"{statement} Its load logs lie in the folder next_experiment beside this report."]
+
+
+def say_power(material: Material, verdict: Mapping[str, Any]) -> str:
+    """Tell how many effects of the catalogue these recordings could have shown."""
+    if "ranking" not in material:
+        return DECISIONS[verdict["decision"]]
+    refused = material.get("ranking")["refused_effect"].values.tolist()
+    effects = [*material.get("ranking")["effect"].values.tolist(), *refused]
+    blind = set(refused) | set(verdict["not_testable"])
+    return f"{len(effects) - len(blind)} of {len(effects)} effects could have been seen"
 
 
 def judge_mismatch(material: Material) -> Tile:
@@ -270,6 +285,6 @@ def judge_mismatch(material: Material) -> Tile:
     ]
     if names and verdict["decision"] == "unlisted":
         names.append("more that no listed effect explains")
-    detail = join_words(names) or DECISIONS[verdict["decision"]]
+    detail = join_words(names) or say_power(material, verdict)
     adequate = verdict["decision"] == "adequate"
     return Tile(question, IN_A_WORD[verdict["decision"]], adequate, detail, "mismatch")

@@ -4,23 +4,23 @@ from __future__ import annotations
 
 import re
 
-import numpy as np
-import xarray as xr
-
 from softfinger.report.blocks import Listing, Paragraph, Section
-from softfinger.report.checks import PARETO, check_calibration, check_computation, check_fit
-from softfinger.report.formatting import count_things, format_number, format_percent
+from softfinger.report.checks import CALIBRATION, COMPUTATION, FIT, PARETO, list_checks
+from softfinger.report.formatting import (
+    count_things,
+    format_number,
+    format_percent,
+    join_words,
+)
 from softfinger.report.material import Material
 from softfinger.report.pictures.assumptions import picture_assumptions
-from softfinger.report.residuals import find_jumps
+from softfinger.report.sections.parameters import list_fitted_effects
 
 QUOTE_NOTHING = "until it passes, no interval of this report should be quoted"
 PARETO_FAILS = (
     "single trials decide much, so scores that leave one out by weighting are unreliable; the "
     "posterior itself is not touched by this"
 )
-UNSURE = 0.5
-"""Relative standard deviation of a population's spread above which it counts as hardly known."""
 
 
 def build_outlook(material: Material) -> Section:
@@ -40,28 +40,28 @@ def build_outlook(material: Material) -> Section:
 def list_failed(material: Material) -> list[str]:
     """List failed checks as reasons for doubt."""
     consequence = {
-        check_computation: QUOTE_NOTHING,
-        check_calibration: "the bands are too narrow or too wide for a new trial",
-        check_fit: "physics is missing, and the parameters may have absorbed a part of it",
+        COMPUTATION: QUOTE_NOTHING,
+        CALIBRATION: "the bands are too narrow or too wide for a new trial",
+        FIT: "physics is missing, and the parameters may have absorbed a part of it",
     }
     return [
         f"Failed: {check.name} is {check.found} (limit: {check.limit}): "
         f"{PARETO_FAILS if check.name == PARETO else meaning}."
-        for checks, meaning in consequence.items()
-        for check in checks(material)
+        for names, meaning in consequence.items()
+        for check in list_checks(material, names)
         if check.failed
     ]
 
 
 def list_data_limits(material: Material) -> list[str]:
     """List what the amount and kind of data leave open."""
-    angles = material.angles
+    angles, found = material.angles, material.recordings
     n = angles["trial"].size
     told = "tells nothing of the spread between trials"
-    if n > 1:
-        told = f"tell the spread to ± {format_percent(1 / np.sqrt(2 * (n - 1)))} at best"
+    if not material.is_alone:
+        told = f"tell the spread to ± {format_percent(float(found['spread_error']))} at best"
     items = [f"The number of trials: {count_things(n, 'trial')} {told}."]
-    if holds_one_load(angles):
+    if found["one_load"]:
         items.append(
             "The protocol: one constant load per trial. Effects that depend on the load or show "
             "when it is released (friction, thresholds, stiffening) cannot be seen and would be "
@@ -77,45 +77,37 @@ def list_data_limits(material: Material) -> list[str]:
     return items
 
 
-def holds_one_load(angles: xr.Dataset) -> bool:
-    """Say whether every trial is one step to a load that is then held."""
-    knots = zip(angles["load_time"].values, angles["load_torque"].values, strict=True)
-    return all(
-        len(find_jumps(time, load)) == 1 and np.ptp(load[load != 0]) <= 1e-6 * np.abs(load).max()
-        for time, load in knots
-    )
-
-
 def list_unsure(material: Material) -> list[str]:
     """List spreads that the recordings hardly determine."""
-    summary = material.hyperparameters
-    if summary is None:
+    found = material.find("population")
+    if found is None:
         return []
-    spread = summary.sel(statistic="sigma")
-    relative = spread["sd"] / spread["quantile_value"].sel(quantile=0.5)
     unsure = [
         f"{parameter} at joint {joint}"
-        for parameter in summary["parameter"].values
-        for joint in summary["joint"].values
-        if float(relative.sel(parameter=parameter, joint=joint)) > UNSURE
+        for parameter in found["parameter"].values
+        for joint in found["joint"].values
+        if found["unsure"].sel(parameter=parameter, joint=joint)
     ]
     if not unsure:
         return []
     sentence = (
         f"Hardly determined spreads, which the prior decides as much as the data: "
-        f"{', '.join(unsure)} (posterior sd above {format_percent(UNSURE)} of the spread). Longer "
-        "recordings would help for c_p, faster ones for c_v."
+        f"{', '.join(unsure)} (posterior sd above half of the spread). Longer recordings would "
+        "help for c_p, faster ones for c_v."
     )
     return [sentence]
 
 
 def list_assumptions(material: Material) -> list[str]:
     """List what the model takes for granted."""
-    duration = format_number(float(material.angles["time"].max()))
+    duration = format_number(float(material.recordings["trial_duration"].max()))
+    effects = list_fitted_effects(material)
+    left_out = "inertia is left out, the torque does not depend on the angle, and"
+    if effects:
+        left_out = f"it has no physics but that of its joint and {join_words(effects)}; and"
     model = (
-        "The model itself: inertia is left out, the torque does not depend on the angle, and "
-        f"under a constant load c_p flows at a constant rate for all of the {duration} s; nothing "
-        "is claimed beyond them."
+        f"The model itself: {left_out} under a constant load c_p flows at a constant rate for all "
+        f"of the {duration} s; nothing is claimed beyond them."
     )
     items = [
         model,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 import xarray as xr
 
 from softfinger.figures.style import label_parameter_unit
@@ -22,13 +21,14 @@ from softfinger.report.pictures.population import picture_histograms, picture_hy
 
 def build_parameters(material: Material) -> Section:
     """Build the section on the hyperparameters."""
-    if material.hyperparameters is None:
+    if material.find("population") is None:
         blocks: list[Block | None] = [Paragraph("The fit was not run.", "warning")]
     else:
         blocks = [
             Paragraph(describe_scales(material)),
             build_centre_table(material),
             build_spread_table(material),
+            build_fitted_effects(material),
             picture_hyperparameters(material),
             *show_independence(material),
             *show_prior_sensitivity(material),
@@ -45,9 +45,9 @@ def describe_scales(material: Material) -> str:
     words = (
         "Each parameter varies from trial to trial. Its centre is the median over trials, on its "
         "own scale; its spread is the standard deviation over trials of its natural logarithm (0.2 "
-        "is about ± 20 %), and for q_ini, which is normal, in rad. "
+        f"is about ± 20 %), and for q_ini, which is normal, in {material.motion_unit}. "
     )
-    if material.is_like_the_paper:
+    if "paper" in list_rivals(material.find("population")):
         return words + (
             "The paper's table stands beside them: it describes the paper's own finger, by the "
             "two-stage way, so agreement is expected only of that finger."
@@ -60,8 +60,8 @@ def describe_scales(material: Material) -> str:
 
 def build_centre_table(material: Material) -> Table:
     """Tabulate the centre of every parameter at every joint."""
-    summary = material.hyperparameters
-    share = format_percent(material.limits.ci_prob)
+    summary = material.find("population")
+    share = format_percent(material.ci_prob)
     rows = []
     for parameter, joint, here in each_parameter(summary):
         centre, sd = float(here["centre"]), float(here["centre_sd"])
@@ -69,11 +69,11 @@ def build_centre_table(material: Material) -> Table:
         row = [
             text(parameter),
             number(str(joint), joint),
-            text(label_parameter_unit(parameter, material.load_unit)),
+            text(label_parameter_unit(parameter, material.load_unit, material.motion_unit)),
             number(format_measure(centre, sd), centre),
             text(format_interval(float(low), float(high))),
         ]
-        row += [show_rival(here, name, parameter, "mu") for name in list_rivals(summary)]
+        row += [show_rival(here["rival_centre"], name) for name in list_rivals(summary)]
         rows.append(tuple(row))
     columns = ("parameter", "joint", "unit", "centre, median ± sd", f"{share} interval")
     caption = (
@@ -92,8 +92,8 @@ def build_centre_table(material: Material) -> Table:
 
 def build_spread_table(material: Material) -> Table:
     """Tabulate the spread of every parameter at every joint."""
-    summary = material.hyperparameters
-    share = format_percent(material.limits.ci_prob)
+    summary = material.find("population")
+    share = format_percent(material.ci_prob)
     rows = []
     for parameter, joint, here in each_parameter(summary):
         draws = here.sel(statistic="sigma")
@@ -101,11 +101,11 @@ def build_spread_table(material: Material) -> Table:
         row = [
             text(parameter),
             number(str(joint), joint),
-            text("rad" if parameter == "q_ini" else "1 (of ln)"),
+            text(material.motion_unit if parameter == "q_ini" else "1 (of ln)"),
             number(format_measure(float(quantiles[2]), sd), float(quantiles[2])),
             text(format_interval(float(quantiles[0]), float(quantiles[-1]))),
         ]
-        row += [show_rival(here, name, parameter, "sigma") for name in list_rivals(summary)]
+        row += [show_rival(draws["rival_value"], name) for name in list_rivals(summary)]
         rows.append(tuple(row))
     columns = ("parameter", "joint", "unit", "spread σ, median ± sd", f"{share} interval")
     caption = (
@@ -131,12 +131,12 @@ def each_parameter(summary: xr.Dataset) -> list[tuple[str, int, xr.Dataset]]:
     ]
 
 
-RIVALS = {"two_stage": "two-stage", "paper": "the paper", "truth": "truth"}
+RIVALS = {"two_stage": "two-stage", "paper": "the paper"}
 
 
 def list_rivals(summary: xr.Dataset) -> list[str]:
-    """List what stands beside the posterior."""
-    return [name for name in RIVALS if name in summary]
+    """List the estimates beside the posterior."""
+    return [str(name) for name in summary["rival"].values] if "rival" in summary.dims else []
 
 
 def name_rivals(summary: xr.Dataset) -> tuple[str, ...]:
@@ -150,14 +150,40 @@ def explain_rivals(summary: xr.Dataset) -> str:
         "two_stage": "two-stage: least squares per trial, outliers dropped, then a distribution "
         "fitted to the estimates",
         "paper": "the paper: its printed table",
-        "truth": "truth: what the simulation drew from",
     }
     return "".join(f"; {words[name]}" for name in list_rivals(summary))
 
 
-def show_rival(here: xr.Dataset, name: str, parameter: str, statistic: str) -> Cell:
+def show_rival(values: xr.DataArray, name: str) -> Cell:
     """Show another estimate on the scale of the table."""
-    value = float(here[name].sel(statistic=statistic))
-    if statistic == "mu" and parameter != "q_ini":
-        value = float(np.exp(value))
+    value = float(values.sel(rival=name))
     return number(format_number(value), value)
+
+
+def list_fitted_effects(material: Material) -> list[str]:
+    """List the effects that the fitted model has, in words."""
+    found = material.find("effects")
+    names = [] if found is None else found["effect_parameter"].values.astype(str).tolist()
+    return list(dict.fromkeys(name.split(".")[0].replace("_", " ") for name in names))
+
+
+def build_fitted_effects(material: Material) -> Table | None:
+    """Tabulate the parameters of the effects that the fitted model has."""
+    found = material.find("effects")
+    if found is None:
+        return None
+    rows = []
+    for name in found["effect_parameter"].values.astype(str):
+        here = found.sel(effect_parameter=name)
+        effect, _, parameter = name.partition(".")
+        mean, sd = float(here["effect_mean"]), float(here["effect_sd"])
+        low, high = here["effect_quantile"].values[[0, -1]]
+        shown = number(format_measure(mean, sd), mean)
+        interval = text(format_interval(float(low), float(high)))
+        rows.append((text(effect.replace("_", " ")), text(parameter), shown, interval))
+    caption = (
+        "Of the model file, the same in every trial: posterior mean ± standard deviation and "
+        f"equal-tailed interval; the unit is in the name. {capital(material.cite('posterior'))}."
+    )
+    columns = ("effect", "parameter", "mean ± sd", f"{format_percent(material.ci_prob)} interval")
+    return Table("fitted_effects", "Effects that were fitted", caption, columns, tuple(rows))

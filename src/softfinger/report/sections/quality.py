@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from softfinger.figures.style import label_thousandth
 from softfinger.report.blocks import (
     Block,
-    Cell,
     Checks,
     Paragraph,
     Section,
@@ -14,10 +14,9 @@ from softfinger.report.blocks import (
     number,
     text,
 )
-from softfinger.report.checks import check_calibration, check_computation, check_fit
+from softfinger.report.checks import CALIBRATION, COMPUTATION, FIT, list_checks
 from softfinger.report.formatting import (
     capital,
-    format_interval,
     format_measure,
     format_percent,
     format_shares,
@@ -36,7 +35,10 @@ def build_computation(material: Material) -> Section:
     )
     blocks = (
         Checks(
-            "computation_checks", "Checks of the computation", caption, check_computation(material)
+            "computation_checks",
+            "Checks of the computation",
+            caption,
+            list_checks(material, COMPUTATION),
         ),
         picture_sampling(material),
     )
@@ -44,27 +46,30 @@ def build_computation(material: Material) -> Section:
 
 
 def build_calibration(material: Material) -> Section:
-    """Build the section on calibration: whether intervals hold what they claim."""
+    """Build the section on calibration: whether intervals contain what they claim."""
     caption = (
         "Coverage is the share of recorded frames inside a band, "
         f"averaged per trial. {capital(material.cite('bands'))}."
     )
     blocks: list[Block | None] = [
         Checks(
-            "calibration_checks", "Checks of the calibration", caption, check_calibration(material)
+            "calibration_checks",
+            "Checks of the calibration",
+            caption,
+            list_checks(material, CALIBRATION),
         ),
         build_coverage_table(material),
-        build_truth_table(material),
     ]
-    several = material.angles.sizes["trial"] > 1
-    if several and "bands" in material and "bands_are" in material.bands.attrs:
+    if not material.is_alone and "bands" in material and "bands_are" in material.bands.attrs:
         blocks.insert(1, Paragraph(f"{capital(material.get('bands').attrs['bands_are'])}.", "note"))
-    return Section("calibration", "Do intervals hold what they claim?", tuple(filter(None, blocks)))
+    return Section(
+        "calibration", "Do intervals contain what they claim?", tuple(filter(None, blocks))
+    )
 
 
 def build_coverage_table(material: Material) -> Table | None:
     """Tabulate coverage per estimate, protocol, window and joint; a single trial has none."""
-    if "bands" not in material or material.angles.sizes["trial"] < 2:
+    if "bands" not in material or material.is_alone:
         return None
     bands = material.bands
     rows = []
@@ -102,42 +107,6 @@ def build_coverage_table(material: Material) -> Table | None:
     )
 
 
-def build_truth_table(material: Material) -> Table | None:
-    """Tabulate whether the intervals hold the truth, where a simulation told it."""
-    summary = material.hyperparameters
-    if summary is None or "truth" not in summary:
-        return None
-    rows, held = [], []
-    for statistic in summary["statistic"].values:
-        for parameter in summary["parameter"].values:
-            for joint in summary["joint"].values:
-                here = summary.sel(statistic=statistic, parameter=parameter, joint=joint)
-                low, high = here["quantile_value"].values[[0, -1]]
-                middle, true = float(here["quantile_value"][2]), float(here["truth"])
-                held.append(bool(low <= true <= high))
-                rows.append(
-                    (
-                        text(f"{statistic} of {parameter}"),
-                        number(str(joint), joint),
-                        number(f"{true:.3f}", true),
-                        number(format_measure(middle, float(here["sd"])), middle),
-                        text(format_interval(low, high)),
-                        Cell("yes" if held[-1] else "no", float(held[-1])),
-                    )
-                )
-    share = format_percent(material.limits.ci_prob)
-    caption = (
-        f"The truth of the simulation beside the posterior: {sum(held)} of {len(held)} "
-        f"equal-tailed {share} intervals hold it. mu and sigma are mean and standard deviation "
-        "over trials, of "
-        f"the natural logarithm but for q_ini. {capital(material.cite('posterior', 'truth'))}."
-    )
-    columns = ("hyperparameter", "joint", "truth", "posterior", f"{share} interval", "held")
-    return Table(
-        "truth", "Truth of the simulation", caption, columns, tuple(rows), folded=len(rows) > 12
-    )
-
-
 def build_predictive(material: Material) -> Section:
     """Build the section on fit and bands against the recordings."""
     caption = (
@@ -146,9 +115,11 @@ def build_predictive(material: Material) -> Section:
     )
     blocks = (
         Checks(
-            "fit_checks", "Checks of the model against the recordings", caption, check_fit(material)
+            "fit_checks",
+            "Checks of the model against the recordings",
+            caption,
+            list_checks(material, FIT),
         ),
-        picture_bands(material, early=False),
         picture_bands(material, early=True),
         picture_residuals(material),
         build_residual_table(material),
@@ -161,32 +132,32 @@ def build_predictive(material: Material) -> Section:
 
 def build_residual_table(material: Material) -> Table | None:
     """Tabulate the size of the residual beside the noise, per joint."""
-    residuals = material.residuals
-    if residuals is None:
+    found = material.find("residuals")
+    if found is None:
         return None
-    declared = float(material.angles.attrs.get("noise_sd_rad", np.nan))
+    declared, small = 1e3 * float(found["noise_declared"]), label_thousandth(material.motion_unit)
     rows = []
-    for joint in residuals["joint"].values:
-        rms = float(np.sqrt((residuals["residual"].sel(joint=joint) ** 2).mean()))
-        noise = material.posterior["noise_sd"].sel(joint=joint)
-        shared = residuals["mean_residual"].sel(joint=joint)
-        largest = float(np.abs(shared).max())
-        mean, sd = float(noise.mean()), float(noise.std())
+    for joint in found["joint"].values:
+        here = found.sel(joint=joint)
+        rms, mean, sd, largest = (
+            1e3 * float(here[name])
+            for name in ("residual_rms", "noise_mean", "noise_sd", "largest_mean")
+        )
         rows.append(
             (
                 number(str(joint), joint),
-                number(f"{1e3 * rms:.2f}", 1e3 * rms),
-                number(format_measure(1e3 * mean, 1e3 * sd), 1e3 * mean),
-                number(f"{1e3 * declared:.2f}" if np.isfinite(declared) else "–", 1e3 * declared),
-                number(f"{1e3 * largest:.2f}" if np.isfinite(largest) else "–", 1e3 * largest),
+                number(f"{rms:.2f}", rms),
+                number(format_measure(mean, sd), mean),
+                number(f"{declared:.2f}" if np.isfinite(declared) else "–", declared),
+                number(f"{largest:.2f}" if np.isfinite(largest) else "–", largest),
             )
         )
     columns = (
         "joint",
-        "residual rms [mrad]",
-        "noise by the fit, mean ± sd [mrad]",
-        "noise declared [mrad]",
-        "largest mean residual [mrad]",
+        f"residual rms [{small}]",
+        f"noise by the fit, mean ± sd [{small}]",
+        f"noise declared [{small}]",
+        f"largest mean residual [{small}]",
     )
     caption = (
         "All trials pooled. The fit calls whatever it cannot "

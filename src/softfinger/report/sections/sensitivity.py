@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import combinations
-
 import xarray as xr
 
 from softfinger.report.blocks import Block, Paragraph, Section, Table, number, text
@@ -13,8 +11,9 @@ from softfinger.report.formatting import (
     format_percent,
     join_words,
 )
+from softfinger.report.granted import show_correlation
 from softfinger.report.material import Material
-from softfinger.report.pictures.spread import picture_densities, picture_shapley, picture_sobol
+from softfinger.report.pictures.spread import picture_densities, picture_shapley
 
 ALONE = (
     "One trial cannot tell how much trials differ: all shares of the spread that follow are those "
@@ -31,8 +30,7 @@ def build_sensitivity(material: Material) -> Section:
         words = f"{capital(sobol['definition'])}. Truncation of c_p: {sobol['truncation']}."
         blocks = (
             Paragraph(words),
-            Paragraph(ALONE, "warning") if material.angles.sizes["trial"] == 1 else None,
-            picture_sobol(material),
+            Paragraph(ALONE, "warning") if material.is_alone else None,
             build_sobol_table(material),
             build_design_table(material),
         )
@@ -69,11 +67,11 @@ def build_sobol_table(material: Material) -> Table:
                         number(format_percent(total, 1), total),
                     )
                 )
-    columns = ("time [s]", "joint", "parameter", "alone", "90 % interval", "with others")
+    columns = ("time [s]", "joint", "parameter", "first order", "90 % interval", "total")
     caption = (
-        "Share of the variance between trials that each parameter causes, alone and together with "
-        "others (first-order and total Sobol indices): means over the posterior, 90 % equal-tailed "
-        f"interval over its draws. {capital(material.cite('sobol'))}."
+        "Share of the variance between trials that knowing a parameter explains (first order), and "
+        "that is left when all others are known (total): means over the posterior, 90 % "
+        f"equal-tailed interval over its draws. {capital(material.cite('sobol'))}."
     )
     return Table(
         "sobol", "Shares of the variance", caption, columns, tuple(rows), folded=len(rows) > 16
@@ -85,23 +83,21 @@ def build_correlations(material: Material) -> list[Block | None]:
     if "shapley" not in material:
         return []
     shapley = material.get("shapley")
-    names = shapley["parameter"].values
+    pairs = material.find("pairs")
     rows, clear = [], []
-    for joint in shapley["joint"].values:
-        for one, other in combinations(names, 2):
-            here = shapley.sel(joint=joint, parameter=one, other_parameter=other)
-            low, middle, high = (float(v) for v in here["correlation_quantile"].values)
-            shown = number(format_number(middle, 2), middle)
-            interval = text(f"{format_number(low, 2)} to {format_number(high, 2)}")
-            rows.append((number(str(joint), joint), text(f"{one}, {other}"), shown, interval))
-            if low > 0 or high < 0:
-                clear.append(f"{one} with {other} at joint {joint}")
+    for place in range(pairs.sizes["pair"]):
+        here = pairs.isel(pair=place)
+        joint, one, other = (here[name].item() for name in ("pair_joint", "one", "other"))
+        shown, interval = show_correlation(here["correlation"].values)
+        rows.append((number(str(joint), joint), text(f"{one}, {other}"), shown, interval))
+        if here["clear"]:
+            clear.append(f"{one} with {other} at joint {joint}")
     verb = "are" if len(clear) > 1 else "is"
     found = f"{join_words(clear)} {verb}" if clear else "no pair is"
     words = (
-        f"Sobol indices take the parameters as independent. Are they? At 90 %, {found} correlated "
-        f"between trials: {len(clear)} of {len(rows)} pairs, where chance alone would give about "
-        f"{format_number(0.1 * len(rows), 2)}. {capital(shapley.attrs['definition'])}."
+        f"Do the parameters go together? At 90 %, {found} correlated between trials: {len(clear)} "
+        f"of {len(rows)} pairs, where chance alone would give about "
+        f"{format_number(float(pairs['by_chance']), 2)}. {capital(shapley.attrs['definition'])}."
     )
     caption = (
         "Correlation between trials of the logs of k_v, c_v, c_p and of q_ini: median and 90 % "
@@ -125,7 +121,7 @@ def build_design_table(material: Material) -> Table | None:
     bounds = sobol["spread_shrinkage_quantile"].sel(change="halved")
     rows = []
     times = sobol["running_time"].values
-    recorded = times[times <= material.duration]
+    recorded = times[times <= float(material.recordings["duration"])]
     for run in recorded if recorded.size else times[:1]:
         for joint in sobol["joint"].values:
             for parameter in sobol["parameter"].values:
@@ -155,12 +151,3 @@ def build_design_table(material: Material) -> Table | None:
         tuple(rows),
         folded=len(rows) > 16,
     )
-
-
-def find_main_cause(sobol: xr.Dataset, joint: int) -> tuple[str, float, float]:
-    """Find what causes most of the spread where it is widest: parameter, its share, time [s]."""
-    here = sobol.sel(estimate="posterior", joint=joint)
-    widest = here.isel(time=int(here["angle_sd"].argmax("time")))
-    shares = widest["first_order"]
-    place = int(shares.argmax("parameter"))
-    return str(shares["parameter"].values[place]), float(shares[place]), float(widest["time"])

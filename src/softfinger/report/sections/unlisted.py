@@ -19,7 +19,6 @@ from softfinger.report.formatting import (
 from softfinger.report.material import Material
 from softfinger.report.pictures.free_form import picture_free_form
 
-SEEN = 0.05  # p-value from which the misfit is said to show in a joint, or as a spectral line
 ARGUMENTS = {
     "time_s": "time",
     "time_since_change_s": "the time since the load changed",
@@ -38,8 +37,9 @@ def describe_unlisted(material: Material) -> list[Block]:
     verdict = material.artifacts["verdict"]
     if verdict["decision"] != "unlisted":
         return []
-    sentences = [state_location(verdict["location"])] if verdict["location"] else []
-    if "location" in material and float(material.get("location")["line_p_value"]) < SEEN:
+    found = material.find("location")
+    sentences = [state_location(verdict["location"], found)] if verdict["location"] else []
+    if found["line_shows"]:
         sentences.append(state_line(material.get("location")))
     picture = picture_free_form(material)
     if picture is not None:
@@ -49,9 +49,9 @@ def describe_unlisted(material: Material) -> list[Block]:
     return blocks if picture is None else [*blocks, picture]
 
 
-def state_location(location: Mapping[str, Any]) -> str:
-    """State where a misfit shows."""
-    where = name_joints(sorted(int(j) for j, p in location["joints"].items() if p < SEEN))
+def state_location(location: Mapping[str, Any], found: xr.Dataset) -> str:
+    """State where a misfit shows; `found` has the joints in which it does."""
+    where = name_joints(found["joint"].values[found["shows"].values].tolist())
     if location["level"] == "between_trials":
         return f"It shows between trials{where}, with {name_argument(location['covariate'])}."
     if location["trials"]:

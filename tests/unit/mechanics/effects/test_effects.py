@@ -15,7 +15,8 @@ CATALOGUE = {
     "second_retardation", "fractional_creep", "strain_stiffening", "wire_friction", "moment_arm",
     "actuator_lag", "fatigue_softening", "temperature", "preload_memory", "contact_stop",
     "yield_threshold", "stress_nonlinear_flow", "joint_coupling", "gravity", "inertia",
-    "camera_delay", "lens_distortion",
+    "camera_delay", "lens_distortion", "session_jump", "load_limit", "load_gain", "joint_play",
+    "thinning_damper", "softening_within_trial",
 }  # fmt: skip
 
 
@@ -28,7 +29,7 @@ def build_setting(**changes):
         "largest_torque": np.array([0.02, 0.03, 0.04, 0.05]),
         "rest_time": np.array([np.inf, 20.0, 30.0, 25.0]),
         "covariates": {"temperature_c": np.array([20.0, 22.0, 21.0, 25.0])},
-        "geometry": True, "masses": True,
+        "geometry": True, "masses": True, "camera": True,
     }  # fmt: skip
     return Setting(**{**content, **changes})
 
@@ -124,11 +125,12 @@ def test_an_effect_is_negligible_where_all_its_amplitudes_lie_below_their_floors
 @pytest.mark.parametrize(
     ("changes", "refused"),
     [
-        ({"load_known": False}, {"actuator_lag", "camera_delay"}),
-        ({"tension": False}, {"moment_arm"}),
+        ({"load_known": False}, {"actuator_lag", "camera_delay", "load_limit"}),
+        ({"tension": False}, {"moment_arm", "wire_friction"}),
         ({"masses": False}, {"gravity"}),
         ({"covariates": {}}, {"temperature"}),
-        ({"trials": 1}, {"fatigue_softening", "temperature"}),
+        ({"trials": 1}, {"fatigue_softening", "temperature", "session_jump", "load_gain"}),
+        ({"camera": False}, {"lens_distortion"}),
         ({"joints": 1}, {"joint_coupling"}),
     ],
 )
@@ -136,6 +138,16 @@ def test_what_a_campaign_cannot_show_is_refused_with_a_reason(changes, refused):
     setting = build_setting(**changes)
     answers = {name: e.build_forms(setting) for name, e in list_effects().items()}
     assert {name for name, answer in answers.items() if isinstance(answer, str)} == refused
+
+
+def test_a_specimen_shows_no_effect_of_the_finger_alone():
+    setting = build_setting(joints=1, specimen=True)
+    answers = {name: e.list_forms(setting) for name, e in list_effects().items()}
+    refused = {name: answer for name, answer in answers.items() if isinstance(answer, str)}
+    assert set(refused) == {
+        "wire_friction", "moment_arm", "gravity", "joint_coupling", "lens_distortion"
+    }  # fmt: skip
+    assert refused["lens_distortion"] == "the campaign is of a specimen, which has no lens"
 
 
 def test_a_plug_in_must_be_an_effect(monkeypatch):

@@ -1,0 +1,202 @@
+"""Hostile and damaged inputs, drawn from seeds: each must end in sentences or in angles.
+
+``python -m benchmarks.fuzz COUNT`` goes on where the last call ended (results/fuzz/state.json). An
+input is a whole campaign, or a document of another kind, spoiled one to three times. A failure is
+a traceback, an answer after more than a minute, or angles that no finger has. Its input is
+minimised line by line and kept in results/fuzz/failures/ with a test that shows it.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+import signal
+import sys
+import tempfile
+import time
+import warnings
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+
+import numpy as np
+
+from benchmarks._hostile import spoil_text
+from softfinger.artifacts import list_faults
+from softfinger.artifacts.specs.angles import SPEC
+from softfinger.config import read_config
+from softfinger.doubts import find_doubts
+from softfinger.failure import describe_failure
+from softfinger.faults import Fault
+from softfinger.mechanics.effects.model_file import read_model_file
+from softfinger.provenance import PROJECT
+from softfinger.rig.plan import read_plan
+from softfinger.stages.check import check
+from softfinger.tracking import assemble_angles
+
+EXAMPLE = PROJECT / "data/example"
+RESULTS = PROJECT / "results/fuzz"
+LONGEST_S = 60
+MODEL = """\
+version: 1
+joint: three_element
+torque: constant_arm
+effects:
+- {id: second_retardation, form: own_compliance, joints: [2], priors: {}}
+fitted_to: null
+"""
+
+
+def measure() -> dict[str, float]:
+    """How many inputs were tried in all calls so far, and how many of them failed."""
+    tried = run(400)
+    return {"fuzz_inputs": float(sum(tried.values())), "fuzz_failures": float(tried["failed"])}
+
+
+def run(count: int) -> Counter:
+    """Try some more seeds; the counts of all answers, from the first call on."""
+    state_file = RESULTS / "state.json"
+    RESULTS.mkdir(parents=True, exist_ok=True)
+    state = json.loads(state_file.read_text()) if state_file.exists() else {"next": 0, "said": {}}
+    said = Counter(state["said"])
+    for seed in range(state["next"], state["next"] + count):
+        with tempfile.TemporaryDirectory() as folder:
+            said[try_seed(seed, Path(folder))] += 1
+        if seed % 50 == 49 or seed == state["next"] + count - 1:
+            state_file.write_text(json.dumps({"next": seed + 1, "said": said}))
+    return said
+
+
+def try_seed(seed: int, folder: Path) -> str:
+    """Make one spoiled input and judge what is made of it: refused, aside, used or failed."""
+    rng = np.random.default_rng([seed, 20261124])
+    place, target, judge = make_input(rng, folder)
+    answer = judge_safely(judge, place)
+    if answer != "failed":
+        return answer
+    kept = RESULTS / f"failures/{seed}"
+    shutil.rmtree(kept, ignore_errors=True)
+    kept.mkdir(parents=True)
+    minimise(target, lambda: judge_safely(judge, place) == "failed")
+    (shutil.copytree if place.is_dir() else shutil.copy)(place, kept / "input")
+    (kept / "why.txt").write_text(_explain(judge, place), encoding="utf-8")
+    (kept / f"test_seed_{seed}.py").write_text(TEST.format(seed=seed), encoding="utf-8")
+    return "failed"
+
+
+TEST = '''\
+"""An input that failed; it must end in sentences or in angles."""
+
+from pathlib import Path
+
+from benchmarks.fuzz import try_seed
+
+
+def test_seed_{seed}(tmp_path: Path):
+    assert try_seed({seed}, tmp_path) != "failed"
+'''
+
+
+def make_input(rng: np.random.Generator, folder: Path) -> tuple[Path, Path, Callable[[Path], str]]:
+    """A spoiled input: what is read, the file that was spoiled, and its judge."""
+    kind = rng.choice(["campaign", "config", "model", "plan"], p=[0.76, 0.08, 0.08, 0.08])
+    if kind == "campaign":
+        place = shutil.copytree(EXAMPLE, folder / "campaign")
+        files = sorted(path for path in place.rglob("*") if path.is_file())
+        # Every file is worth a look, but the description and the list of trials more.
+        weight = np.array([6.0 if path.parent == place else 1.0 for path in files])
+        target = files[int(rng.choice(len(files), p=weight / weight.sum()))]
+        judge = judge_campaign
+    else:
+        place = target = folder / f"{kind}.yaml"
+        text = {
+            "config": (PROJECT / "config/quick.yaml").read_text(encoding="utf-8"),
+            "model": MODEL,
+            "plan": (PROJECT / "docs/rig/plan.yaml").read_text(encoding="utf-8"),
+        }[kind]
+        target.write_text(text, encoding="utf-8")
+        reader = {"config": read_config, "model": read_model_file, "plan": read_plan}[kind]
+
+        def judge(path: Path) -> str:
+            reader(path)
+            return "used"
+
+    content = target.read_bytes()
+    for _ in range(int(rng.integers(1, 4))):
+        content = spoil_text(content, rng)
+    target.write_bytes(content)
+    return place, target, judge
+
+
+def judge_campaign(folder: Path) -> str:
+    """Read a campaign as `check` does; what is used must be angles that a finger may have."""
+    campaign, reasons, doubts = check(folder)
+    angles = assemble_angles(campaign, [])
+    if list_faults(SPEC, angles):
+        raise AssertionError("; ".join(list_faults(SPEC, angles)))
+    find_doubts(angles)
+    sentences = [*reasons.values(), *(doubt.statement for doubt in doubts)]
+    if not all(sentence.strip() and sentence.isprintable() for sentence in sentences):
+        raise AssertionError(f"no sentence: {sentences!r}")
+    return "aside" if reasons else "doubted" if doubts else "used"
+
+
+def judge_safely(judge: Callable[[Path], str], place: Path) -> str:
+    """The judge's answer; `refused` after a fault of the input, `failed` after anything else."""
+    try:
+        with warnings.catch_warnings(), _limit(LONGEST_S):
+            warnings.simplefilter("error")
+            return judge(place)
+    except Fault as fault:
+        return "refused" if str(fault).strip() else "failed"
+    except Exception:  # what it is stands in the explanation
+        return "failed"
+
+
+@contextmanager
+def _limit(seconds: int) -> Iterator[None]:
+    def end(number: int, frame: FrameType | None) -> None:
+        raise TimeoutError(f"no answer after {seconds} s")
+
+    before = signal.signal(signal.SIGALRM, end)
+    signal.alarm(seconds)
+    try:
+        yield
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def minimise(target: Path, fails: Callable[[], bool]) -> None:
+    """Remove lines from a file as long as it still fails."""
+    lines = target.read_bytes().splitlines(keepends=True)
+    size = max(len(lines) // 2, 1)
+    while size:
+        start = 0
+        while start < len(lines):
+            fewer = lines[:start] + lines[start + size :]
+            target.write_bytes(b"".join(fewer))
+            if fails():
+                lines = fewer
+            else:
+                start += size
+        size //= 2
+    target.write_bytes(b"".join(lines))
+
+
+def _explain(judge: Callable[[Path], str], place: Path) -> str:
+    try:
+        judge(place)
+    except Exception as error:
+        return f"{type(error).__name__}: {error}\n{describe_failure(error)}\n"
+    return "it took too long, or warned\n"
+
+
+if __name__ == "__main__":
+    began = time.monotonic()
+    answers = run(int(sys.argv[1]) if len(sys.argv) > 1 else 10_000)
+    print(", ".join(f"{count} {answer}" for answer, count in sorted(answers.items())))
+    print(f"{sum(answers.values())} inputs in all; this call took {time.monotonic() - began:.0f} s")
+    sys.exit(1 if answers["failed"] else 0)

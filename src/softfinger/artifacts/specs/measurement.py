@@ -1,0 +1,55 @@
+"""What the recordings suffer from: which frames count, and how large their noise is."""
+
+from softfinger.artifacts.spec import ArtifactSpec, Variable
+
+_FRAME = ("trial", "frame")
+
+SPEC = ArtifactSpec(
+    name="measurement",
+    title="What the recordings suffer from",
+    rule="diagnose",
+    attrs=("campaign", "source"),
+    coords={
+        "trial": Variable(("trial",), "1", "name of the trial", "text"),
+        "joint": Variable(("joint",), "1", "number of the joint, base to tip", "whole number"),
+        "other_joint": Variable(("other_joint",), "1", "number of the joint", "whole number"),
+        "component": Variable(("component",), "1", "what the recordings suffer from", "text"),
+    },
+    variables={
+        "present": Variable(("trial", "joint"), "1", "joint seen often enough", "truth value"),
+        "used": Variable(_FRAME, "1", "frame that counts", "truth value", compress=True),
+        "repeated": Variable(
+            _FRAME, "1", "frame that repeats the one before", "truth value", compress=True
+        ),
+        "outlier_distance": Variable(
+            _FRAME,
+            "1",
+            "squared distance from its neighbours of a gross error, in sd of the noise; else 0",
+            at_least=0.0,
+            compress=True,
+        ),
+        "frame_scale": Variable(
+            _FRAME, "1", "sd that the frame claims over the usual one", at_least=0.0, compress=True
+        ),
+        "trial_factor": Variable(
+            ("trial", "joint"), "1", "sd of the noise over the campaign's", at_least=0.0
+        ),
+        "noise_sd": Variable(("joint",), "rad", "marginal sd of the noise at rest", at_least=0.0),
+        "noise_autocorrelation": Variable(
+            ("joint",), "1", "of the noise over a median frame interval", at_least=0.0, at_most=1.0
+        ),
+        "noise_correlation": Variable(
+            ("joint", "other_joint"), "1", "of the innovations", at_least=-1.0, at_most=1.0
+        ),
+        "noise_per_rad": Variable(
+            (), "1", "c [1/rad] of the growth √(1 + c² x²) with the deflection x", at_least=0.0
+        ),
+        "window_count": Variable(
+            ("joint",), "1", "quiet windows that show the noise", "whole number", at_least=0
+        ),
+        "component_size": Variable(
+            ("component",), "1", "its size, in the unit of the verdict's finding"
+        ),
+        "component_evidence": Variable(("component",), "1", "its evidence [nats]"),
+    },
+)

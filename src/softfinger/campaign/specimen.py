@@ -1,0 +1,41 @@
+"""A specimen: anything with one degree of freedom, in whatever units it was measured."""
+
+from typing import Annotated
+
+from pydantic import AfterValidator, Field
+
+from softfinger.campaign.section import Section
+from softfinger.campaign.units import parse_unit
+from softfinger.faults import Fault
+
+
+def _check_unit(text: str) -> str:
+    try:
+        parse_unit(text)
+    except Fault as fault:
+        raise ValueError(str(fault)) from None
+    return text
+
+
+Unit = Annotated[str, AfterValidator(_check_unit)]
+Words = Annotated[str, Field(min_length=1, max_length=60)]
+
+
+class Quantity(Section):
+    """What is measured, and its unit; "1" where it has none."""
+
+    quantity: Words
+    unit: Unit
+
+
+class Motion(Quantity):
+    """The motion, and the sd of its noise in its own unit, where that is known."""
+
+    noise_sd: float | None = Field(default=None, gt=0.0)
+
+
+class Specimen(Section):
+    """One degree of freedom: a motion that follows a load."""
+
+    motion: Motion
+    load: Quantity

@@ -1,0 +1,22 @@
+"""A damper that gives way more easily as the joint bends than as it returns."""
+
+from __future__ import annotations
+
+from softfinger.concealed.effects.effect import Circumstances, Dose, Effect
+from softfinger.concealed.physics import Physics
+
+
+def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
+    """The Voigt element's rate times 1 + s while it bends; no law of the rate's size has a side."""
+    return physics._replace(one_way=dose.spread(physics.k_v.size))
+
+
+EFFECT = Effect(
+    id="one_way_damper",
+    sentence="a damper that resists a return more than a bend",
+    level="within_trial",
+    joints="any",
+    typical=0.3,
+    largest=2.0,
+    move=_move,
+)

@@ -1,0 +1,25 @@
+"""A joint that is bent too far once and does not come back all the way."""
+
+from __future__ import annotations
+
+from softfinger.concealed.effects.effect import Circumstances, Dose, Effect, Shape
+from softfinger.concealed.physics import Physics
+
+
+def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
+    """The spring's rest moves by a share of what its largest strain was beyond a threshold."""
+    return physics._replace(
+        plastic=dose.spread(physics.k_v.size), plastic_from=dose.shape["from_rad"]
+    )
+
+
+EFFECT = Effect(
+    id="plastic_set",
+    sentence="a set that stays where a joint was strained beyond a threshold",
+    level="within_trial",
+    joints="any",
+    typical=0.15,
+    largest=0.6,
+    shape={"from_rad": Shape(0.1, 0.25)},
+    move=_move,
+)

@@ -1,0 +1,23 @@
+"""A second wire along the back, slack until the finger as a whole is bent far enough."""
+
+from __future__ import annotations
+
+from softfinger.concealed.effects.effect import Circumstances, Dose, Effect, Shape
+from softfinger.concealed.physics import Physics
+
+
+def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
+    """Every joint bears s (Σq − slack) where the bend of all joints is beyond the slack."""
+    return physics._replace(tendon=dose.strength, tendon_slack=dose.shape["slack_rad"])
+
+
+EFFECT = Effect(
+    id="second_tendon",
+    sentence="a second wire that is taut beyond a bend of the whole finger",
+    level="within_trial",
+    joints="chain",
+    typical=0.004,
+    largest=0.04,
+    shape={"slack_rad": Shape(0.4, 0.8)},
+    move=_move,
+)

@@ -1,0 +1,55 @@
+"""A foreign law: an effect in its own place, by a curve that no textbook form contains."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from softfinger.concealed.effects.effect import Array, Dose, Effect
+from softfinger.concealed.laws import ANGLE_SPAN_RAD, RATE_MIDDLE, TORQUE_MIDDLE_NM
+
+POINTS = 601
+Curve = Callable[[Array], Array]
+
+
+def build_law(effect: Effect, law: str, why: str, **changes: Any) -> Effect:  # noqa: ANN401
+    """Give an effect another law; its parameters are not those of the effect's own."""
+    return replace(effect, law=law, why=why, **{"tell": lambda dose, trials: {}} | changes)
+
+
+def show(argument: str, curve: Curve) -> dict[str, object]:
+    """Fields of an effect whose law is a factor 1 + s · curve(argument)."""
+    return {"argument": argument, "curve": lambda x, trials: curve(x)}
+
+
+def tabulate_angle(curve: Curve) -> Array:
+    """Table of a curve of an angle [rad] or a strain, to the span that the kernel reads."""
+    return curve(np.linspace(0.0, ANGLE_SPAN_RAD, POINTS))
+
+
+def tabulate_rate(curve: Curve) -> Array:
+    """Table of a curve of a rate [rad/s] from 0 to many times the middle one."""
+    return curve(_stretch(RATE_MIDDLE))
+
+
+def tabulate_torque(curve: Curve) -> Array:
+    """Table of a curve of a torque [N m]."""
+    return curve(_stretch(TORQUE_MIDDLE_NM))
+
+
+def _stretch(middle: float) -> Array:
+    share = np.minimum(np.linspace(0.0, 1.0, POINTS), 1.0 - 1e-6)
+    return middle * share / (1.0 - share)
+
+
+def act_on(dose: Dose, row: Array, joints: int) -> Array:
+    """Table (joint, point) that acts where the effect does, scaled by its strength."""
+    return np.outer(dose.spread(joints), row)
+
+
+def bend_softly(x: Array, corner: float) -> Array:
+    """Zero below 0 and x above it, with a round corner, less its value at the far left."""
+    return corner * np.logaddexp(0.0, x / corner)

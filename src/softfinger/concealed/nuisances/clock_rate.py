@@ -1,0 +1,22 @@
+"""A camera whose clock runs at another rate than that of the load log."""
+
+from __future__ import annotations
+
+from softfinger.concealed.nuisances.nuisance import Array, Circumstances, Fault, Nuisance, Random
+
+
+def _clock(time: Array, fault: Fault, trial: Circumstances, rng: Random) -> Array:
+    """What is stated to be t was taken at t (1 + s); s is the size."""
+    return time * (1.0 + fault.size)
+
+
+NUISANCE = Nuisance(
+    id="clock_rate",
+    sentence="a clock that runs at another rate",
+    finding="clock_rate",
+    also=("clock_offset",),
+    low=0.0005,
+    high=0.002,
+    clock=_clock,
+    clock_known=True,
+)

@@ -1,0 +1,36 @@
+"""A marker whose centre swims with the light, which comes and goes as clouds pass.
+
+The light is one for all trials, slow, and leaves each joint by its own amount: no measurement model
+of the diagnosis has an error that follows the time since the trial began.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from softfinger.concealed.nuisances.nuisance import Fault, Mark, Nuisance, Random, Scene, Shape
+
+
+def _mark(scene: Scene, fault: Fault, rng: Random) -> Mark:
+    """Turn one link's direction with the light: its joint gains what the next one loses."""
+    period, link = fault.shape["period_s"], int(fault.shape["link"])
+    start = rng.uniform(0.0, 2.0 * np.pi, 2)
+    light = np.sin(2.0 * np.pi * scene.time / period + start[0])
+    light += 0.5 * np.sin(4.4 * np.pi * scene.time / period + start[1])
+    column = np.zeros(scene.motion.shape)
+    column[:, link] = fault.size * scene.noise.sd * light
+    if link + 1 < column.shape[1]:
+        column[:, link + 1] = -column[:, link]
+    return Mark(offset=column, columns=column[..., None])
+
+
+NUISANCE = Nuisance(
+    id="swimming_marker",
+    sentence="a marker that swims with the light",
+    finding="",
+    also=("drift",),
+    low=0.2,
+    high=1.0,
+    shape={"period_s": Shape(8.0, 30.0), "link": Shape(0.0, 2.0, choice=True)},
+    mark=_mark,
+)

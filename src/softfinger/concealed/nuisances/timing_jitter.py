@@ -1,0 +1,45 @@
+"""Frames that are taken a little before or after the time that is written beside them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from softfinger.concealed.nuisances.nuisance import (
+    Array,
+    Circumstances,
+    Fault,
+    Mark,
+    Nuisance,
+    Random,
+    Scene,
+)
+
+MOST = 150  # frames of a trial in which it counts, to the oracle
+LEAST = 0.02  # of the noise: what a frame's jitter must move the finger by to count
+
+
+def _clock(time: Array, fault: Fault, trial: Circumstances, rng: Random) -> Array:
+    """Add a normal error to every time; the size is its sd [s]."""
+    return time + fault.size * rng.normal(size=time.size)
+
+
+def _mark(scene: Scene, fault: Fault, rng: Random) -> Mark:
+    """Describe it by one column for each frame in which the finger moves fast: speed times sd."""
+    moved = fault.size * scene.speed
+    size = np.abs(moved).max(axis=1)
+    fast = np.argsort(size)[::-1][:MOST]
+    fast = fast[size[fast] > LEAST * scene.noise.sd]
+    columns = np.zeros((*moved.shape, fast.size))
+    columns[fast, :, np.arange(fast.size)] = moved[fast]
+    return Mark(columns=columns)
+
+
+NUISANCE = Nuisance(
+    id="timing_jitter",
+    sentence="frame times that jitter by milliseconds",
+    finding="timing_jitter",
+    low=0.001,
+    high=0.005,
+    clock=_clock,
+    mark=_mark,
+)

@@ -1,0 +1,227 @@
+"""Simple features of every trial, which the doubts compare with the campaign's."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from softfinger.doubts.response import (
+    Response,
+    choose_times,
+    compute_terms,
+    fit_response,
+)
+
+Array = NDArray[np.float64]
+MOST_FRAMES, MOST_KNOTS = 240, 300
+ROUNDING = 1e-9  # of the arithmetic, far below any noise [rad]
+MISSING, STALE = 1, 2  # bits of angle_flag
+# Shifts [s] of the recording against its load that are tried.
+SHIFTS = (0.3, 0.6, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One trial's arrays without padding, thinned ones beside, and its fitted response."""
+
+    name: str
+    time: Array
+    angle: Array  # (joint, frame), NaN = missing
+    load_time: Array
+    load: Array
+    stale: float  # share of frames that repeat the one before
+    rest: Array  # (joint,) [rad] before the load acts; NaN where that was not recorded
+    response: Response
+    noise: Array  # (joint,) [rad]
+    correlation: Array  # (joint, joint) of the noise
+    moved: Array  # (joint,) [rad] from rest to the farthest, by the response
+    gain: Array  # (joint,) [rad per load] response after the campaign's usual duration
+    unexplained: float  # rms of what no such response explains, of the motion's rms
+    shift: float  # [s] of the recording against the load that explains most
+    shifted: float  # unexplained at that shift
+    pace: float  # [s] in which the chain's response, at that shift, reaches half of it
+
+    @property
+    def interval(self) -> float:
+        """Median frame interval [s]."""
+        return float(np.median(np.diff(self.time)))
+
+    @property
+    def span(self) -> float:
+        """Time [s] from the first to the last frame."""
+        return float(self.time[-1] - self.time[0])
+
+    @property
+    def loaded_at(self) -> float:
+        """Time [s] at which the load first acts; NaN where it never does."""
+        return find_first_load(self.load_time, self.load)
+
+    @property
+    def largest_load(self) -> float:
+        """Largest |load| that acts while the recording runs."""
+        inside = (self.load_time >= self.time[0]) & (self.load_time <= self.time[-1])
+        at = np.interp(self.time, self.load_time, self.load, left=0.0)
+        return float(max(np.abs(at).max(), np.abs(self.load[inside]).max(initial=0.0)))
+
+
+def describe_trials(angles: xr.Dataset) -> list[Trial]:
+    """Describe every trial of the `angles` artifact by its features."""
+    arrays = [_cut(angles.isel(trial=k)) for k in range(angles.sizes["trial"])]
+    spans = [time[-1] - time[0] for time, *_ in arrays]
+    horizon = float(np.median(spans))
+    names = angles["trial"].values.astype(str)
+    return [_describe(str(n), *a, horizon) for n, a in zip(names, arrays, strict=True)]
+
+
+def _cut(one: xr.Dataset) -> tuple[Array, Array, Array, Array, float]:
+    """Frames, angles and load of a trial without the padding, and its share of stale frames."""
+    time = one["time"].to_numpy()
+    inside = np.isfinite(time)
+    angle = one["joint_angle"].transpose("joint", "frame").to_numpy()[:, inside]
+    flag = one["angle_flag"].transpose("joint", "frame").to_numpy()[:, inside]
+    angle = np.where(flag & MISSING, np.nan, angle)
+    load_time, load = one["load_time"].to_numpy(), one["load_torque"].to_numpy()
+    return time[inside], angle, load_time, load, float((flag & STALE > 0).any(axis=0).mean())
+
+
+def _describe(
+    name: str,
+    time: Array,
+    angle: Array,
+    load_time: Array,
+    load: Array,
+    stale: float,
+    horizon: float,
+) -> Trial:
+    chosen = thin(time, load_time)
+    few, seen = time[chosen], angle[:, chosen]
+    knots = np.unique(np.linspace(0, load_time.size - 1, MOST_KNOTS).astype(int))
+    load_time, load = load_time[knots], load[knots]
+    times = choose_times(float(time[-1] - time[0]), float(np.median(np.diff(time))))
+
+    def explain(shift: float) -> tuple[Response, float]:
+        terms = compute_terms(few - shift, load_time, load, times)
+        response = fit_response(terms, seen, times)
+        return response, measure_unexplained(response, seen)
+
+    response, unexplained = explain(0.0)
+    shift = _find_shift(explain, unexplained, float(time[-1] - time[0]))
+    best, shifted = explain(shift)
+    fitted = seen - response.residual
+    reached = _reach(response, horizon)
+    noise, correlation = measure_noise(angle)
+    return Trial(
+        name=name,
+        time=time,
+        angle=angle,
+        load_time=load_time,
+        load=load,
+        stale=stale,
+        rest=measure_rest(time, angle, find_first_load(load_time, load)),
+        response=response,
+        noise=noise,
+        correlation=correlation,
+        moved=_find_farthest(fitted - response.rest[:, None]),
+        gain=reached,
+        unexplained=unexplained,
+        shift=shift,
+        shifted=shifted,
+        pace=_find_pace(best, horizon),
+    )
+
+
+def thin(time: Array, load_time: Array) -> NDArray[np.intp]:
+    """Indices of at most some hundred frames: even in number, and those after load changes."""
+    even = np.linspace(0, time.size - 1, MOST_FRAMES // 2).astype(int)
+    changes = np.unique(load_time)
+    changes = changes[:: max(1, changes.size // 12)]
+    first = np.searchsorted(time, changes)[:, None] + np.array([-2, -1, 0, 1, 2, 3, 5, 8, 12])
+    return np.unique(np.concatenate([even, first.ravel()]).clip(0, time.size - 1))
+
+
+def find_first_load(load_time: Array, load: Array) -> float:
+    """Time [s] from which a load differs from 0; NaN where it never does.
+
+    >>> find_first_load(np.array([0.0, 1.0, 1.0, 4.0]), np.array([0.0, 0.0, 2.0, 2.0]))
+    1.0
+    """
+    loaded = np.flatnonzero(load)
+    if not loaded.size:
+        return float("nan")
+    return float(load_time[max(loaded[0] - 1, 0)])
+
+
+def measure_rest(time: Array, angle: Array, loaded_at: float) -> Array:
+    """Median angle (joint,) of the frames before the load; NaN where there are none."""
+    before = angle[:, time <= loaded_at]
+    rest = np.full(len(angle), np.nan)
+    for joint, values in enumerate(before):
+        if np.isfinite(values).any():
+            rest[joint] = np.nanmedian(values)
+    return rest
+
+
+def measure_unexplained(response: Response, angle: Array) -> float:
+    """Rms of the residual over that of the motion, joints pooled."""
+    motion = angle - np.nanmean(angle, axis=1, keepdims=True)
+    left = np.nansum(response.residual**2)
+    return float(np.sqrt(left / max(np.nansum(motion**2), 1e-300)))
+
+
+def measure_noise(angle: Array) -> tuple[Array, Array]:
+    """Sd (joint,) [rad] and correlation (joint, joint) of the noise, from second differences.
+
+    Robust against the motion: of the frames, the half in which the joints bend least counts.
+    """
+    bend = angle[:, 2:] - 2.0 * angle[:, 1:-1] + angle[:, :-2]
+    bend = bend[:, np.isfinite(bend).all(axis=0)]
+    joints = len(angle)
+    if bend.shape[1] < 8:
+        return np.full(joints, np.nan), np.full((joints, joints), np.nan)
+    scale = 1.4826 * np.median(np.abs(bend), axis=1)
+    scale = np.where(scale < ROUNDING, 0.0, scale)  # of rounded angles, mostly on a line
+    size = np.abs(bend / np.where(scale > 0, scale, np.inf)[:, None]).max(axis=0)
+    calm = bend[:, size < 4.0]
+    if calm.shape[1] < 8:
+        return scale / np.sqrt(6.0), np.full((joints, joints), np.nan)
+    sd = calm.std(axis=1)
+    covariance = np.cov(calm).reshape(joints, joints)
+    product = np.outer(sd, sd)
+    correlation = np.where(product > 0, covariance / np.where(product > 0, product, 1.0), np.nan)
+    return scale / np.sqrt(6.0), correlation
+
+
+def _find_shift(
+    explain: Callable[[float], tuple[Response, float]], unexplained: float, span: float
+) -> float:
+    """The shift that explains most; 0 where none explains more than none."""
+    tried = [sign * s for s in SHIFTS if s < 0.5 * span for sign in (1, -1)]
+    left = {shift: explain(shift)[1] for shift in tried} | {0.0: unexplained}
+    return min(left, key=lambda shift: left[shift])
+
+
+def _find_farthest(moved: Array) -> Array:
+    place = np.nanargmax(np.abs(np.nan_to_num(moved)), axis=1)
+    return np.nan_to_num(moved)[np.arange(len(moved)), place]
+
+
+def _reach(response: Response, after: float) -> Array:
+    """Response (joint,) to a unit step after some time; flow counts over the same time."""
+    finite = response.times[1:-1]
+    risen = np.concatenate([[1.0], -np.expm1(-after / finite), [1.0]])
+    return response.amplitude @ risen
+
+
+def _find_pace(response: Response, horizon: float) -> float:
+    total = np.abs(response.amplitude).sum(axis=0)
+    finite = response.times[1:-1]
+    grid = np.geomspace(1e-4 * horizon, horizon, 200)
+    risen = np.column_stack(
+        [np.ones(grid.size), -np.expm1(-grid[:, None] / finite), grid / horizon]
+    )
+    curve = risen @ total
+    return float(grid[min(int(np.searchsorted(curve, 0.5 * curve[-1])), grid.size - 1)])

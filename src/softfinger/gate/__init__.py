@@ -1,0 +1,6 @@
+"""The one gate that every file goes through which others may have written."""
+
+from softfinger.gate.document import Document, read_document
+from softfinger.gate.files import find_obstacle, read_text
+
+__all__ = ["Document", "find_obstacle", "read_document", "read_text"]

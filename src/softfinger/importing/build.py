@@ -1,0 +1,273 @@
+"""Trials in the campaign's form, out of runs and a description that leaves nothing open."""
+
+from __future__ import annotations
+
+import datetime as dt
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+import pandas as pd
+
+from softfinger.campaign.units import find_factor
+from softfinger.importing.cells import read_numbers
+from softfinger.importing.clock import list_clocks, read_times
+from softfinger.importing.description import Description, Points
+from softfinger.importing.faults import ImportFault
+from softfinger.importing.points import Point, find_points
+from softfinger.importing.table import RawTable
+from softfinger.importing.trials import LEAST_ROWS, Run
+
+NO_CLOCK = (
+    "no column is a clock, and the frame rate is not stated; type clock: {frames_per_second: 30} "
+    "in import.yaml or --fps 30, with your camera's rate"
+)
+
+
+@dataclass(frozen=True, eq=False)
+class ImportedTrial:
+    """One trial, ready to be written.
+
+    Attributes
+    ----------
+    time : (frame,) [s]
+    motion : (frame, column)
+        In the declared unit, angles in rad; of markers (frame, 2 · point) [px].
+    load_time : (row,) [s]; load : (row,)
+        Empty where no load is known.
+    points
+        Names of the points, where `motion` is their places.
+    row : (frame,)
+        Numbers of the rows in the file.
+    """
+
+    name: str
+    time: np.ndarray
+    motion: np.ndarray
+    load_time: np.ndarray
+    load: np.ndarray
+    points: tuple[str, ...] = ()
+    started_at: dt.datetime | None = None
+    covariates: Mapping[str, float] = field(default_factory=dict)
+    row: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
+    notes: tuple[str, ...] = ()
+
+
+def build_trial(run: Run, description: Description) -> ImportedTrial:
+    """Read one trial's motion and load.
+
+    Raises
+    ------
+    ImportFault
+        A column is missing, a cell is no number, times run backwards, too few rows are left.
+    """
+    table, motion, points = read_motion(run, description)
+    time, zero, gone = _read_clock(run, table, description)
+    seen = np.isfinite(time) & (np.arange(len(time)) <= _find_last(motion))
+    _check_times(run, table, time)
+    origin = float(np.nanmin(time)) if description.clock.start == "first row" else 0.0
+    load_time, load = _read_load(run, description, origin, float(np.nanmin(time)))
+    if seen.sum() < LEAST_ROWS or np.isfinite(motion[seen]).any(axis=1).sum() < LEAST_ROWS:
+        raise ImportFault(
+            f"trial {run.name}: {int(seen.sum())} rows hold a time and a motion; expected at least "
+            f"{LEAST_ROWS}; name it in trials.leave_out to go without it"
+        )
+    started = None
+    if zero is not None:
+        started = zero + dt.timedelta(seconds=float(np.nanmin(time)))
+    notes = [f"{gone} rows without a time"] if gone else []
+    after = len(time) - 1 - _find_last(motion)
+    notes += [f"{after} rows after the last motion"] if after else []
+    return ImportedTrial(
+        run.name, time[seen] - origin, motion[seen], load_time, load, points, started,
+        _read_covariates(run, description), table.row[seen], tuple(notes),
+    )  # fmt: skip
+
+
+def _find_last(motion: np.ndarray) -> int:
+    """Last row (of motion (row, column)) with any number; −1 where there is none."""
+    moved = np.flatnonzero(np.isfinite(motion).any(axis=1))
+    return int(moved[-1]) if moved.size else -1
+
+
+def read_motion(run: Run, description: Description) -> tuple[RawTable, np.ndarray, tuple[str, ...]]:
+    """Table, values (row, column) and names of points of the motion, with its sign and start."""
+    asked = description.motion
+    if asked.points is not None:
+        table, motion, names = _read_points(run, asked.points)
+        if names:
+            return table, motion, names
+    else:
+        found = [run.find(column) for column in asked.columns or ()]
+        if not found:
+            raise ImportFault("motion: name its columns or its points")
+        table = found[0][0]
+        if any(other is not table for other, _ in found):
+            raise ImportFault("motion.columns: they are of several files; name columns of one")
+        unit = asked.unit or "1"
+        motion = np.column_stack([table.read(name, unit) for _, name in found])
+        if asked.quantity == "angle":
+            motion = motion * find_factor(unit, "rad")
+    if asked.start == "first row":
+        first = np.isfinite(motion).argmax(axis=0)
+        motion = motion - motion[first, np.arange(motion.shape[1])]
+    return table, motion * (asked.sign or 1), ()
+
+
+def _read_points(run: Run, asked: Points) -> tuple[RawTable, np.ndarray, tuple[str, ...]]:
+    holders = [(t, find_points(t.columns)) for t in run.tables.values()]
+    table, known = max(holders, key=lambda holder: len(holder[1]))
+    by_name = {point.name: point for point in known}
+    names = asked.names or tuple(by_name)
+    unknown = [name for name in names if name not in by_name]
+    if unknown:
+        raise ImportFault(
+            f"trial {run.name}: there is no point '{unknown[0]}'; there are {', '.join(by_name)}"
+        )
+    place = np.stack([read_point(table, by_name[name], asked) for name in names], axis=1)
+    if asked.up == "y":
+        place = place * np.array([1.0, -1.0])
+    if asked.read_as == "markers":
+        return table, place.reshape(len(place), -1), tuple(names)
+    read = {"bending": _bend, "direction": _turn, "displacement": _move}[asked.read_as or "bending"]
+    return table, read(place)[:, None], ()
+
+
+def read_point(table: RawTable, point: Point, asked: Points) -> np.ndarray:
+    """Places (row, 2) of a point; NaN where it was lost."""
+    place = np.column_stack([table.read(point.x), table.read(point.y)])
+    lost = ~np.isfinite(place).all(axis=1)
+    if asked.lost == "zero":
+        lost |= (place == 0.0).all(axis=1)
+    if asked.least_trust is not None and point.trust:
+        lost |= ~(table.read(point.trust) >= asked.least_trust)
+    place[lost] = np.nan
+    return place
+
+
+def _bend(place: np.ndarray) -> np.ndarray:
+    """Bending [rad]: direction of the last segment against the first, counter-clockwise."""
+    return _unwrap(_direction(place[:, -2], place[:, -1]) - _direction(place[:, 0], place[:, 1]))
+
+
+def _turn(place: np.ndarray) -> np.ndarray:
+    """Direction [rad] of the line between two points, from its first one on."""
+    angle = _unwrap(_direction(place[:, 0], place[:, -1]))
+    return angle - angle[np.isfinite(angle).argmax()]
+
+
+def _move(place: np.ndarray) -> np.ndarray:
+    """Displacement of the last point along the direction in which it moves most."""
+    path = place[:, -1]
+    seen = np.isfinite(path).all(axis=1)
+    first = path[seen][0]
+    axis = np.linalg.svd(path[seen] - path[seen].mean(axis=0), full_matrices=False)[2][0]
+    return (path - first) @ axis
+
+
+def _direction(start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    delta = end - start
+    return np.arctan2(-delta[:, 1], delta[:, 0])
+
+
+def _unwrap(angle: np.ndarray) -> np.ndarray:
+    seen = np.isfinite(angle)
+    whole = angle.copy()
+    whole[seen] = np.unwrap(angle[seen])
+    turns = np.round(np.median(whole[seen]) / (2 * np.pi)) if seen.any() else 0.0
+    return whole - 2 * np.pi * turns
+
+
+def _read_clock(
+    run: Run, table: RawTable, description: Description
+) -> tuple[np.ndarray, dt.datetime | None, int]:
+    """Times (row,) [s] of a table, the moment of time 0, and rows without a time."""
+    asked = description.clock
+    rate = asked.frames_per_second or (1.0 / asked.interval_s if asked.interval_s else None)
+    column = None
+    if asked.column is not None:
+        name = asked.column.rpartition(": ")[2]
+        column = name if name in table.cells else None
+        if column is None and len(run.tables) == 1:
+            run.find(asked.column)
+    if column is None and (rate is None or len(run.tables) > 1):
+        clocks = [c for c, kind in list_clocks(table) if kind == "time"]
+        column = clocks[0] if clocks else None
+    if column is None:
+        if rate is None:
+            raise ImportFault(f"{table.place}: {NO_CLOCK}")
+        return np.arange(len(table.row)) / rate, None, 0
+    if rate is not None:
+        time = table.read(column, what="the number of a frame") / rate
+        return time, None, int((~np.isfinite(time)).sum())
+    times = read_times(table, column, asked.unit)
+    return times.seconds, times.zero, int((~np.isfinite(times.seconds)).sum())
+
+
+def _check_times(run: Run, table: RawTable, time: np.ndarray) -> None:
+    seen = np.flatnonzero(np.isfinite(time))
+    if not seen.size:
+        raise ImportFault(f"trial {run.name}: no row has a time")
+    backwards = np.flatnonzero(np.diff(time[seen]) < 0)
+    if backwards.size:
+        at = seen[backwards[0] + 1]
+        raise ImportFault(
+            f"{table.place}, row {table.row[at]}: time runs backwards in trial {run.name}; are "
+            "there several trials in it? Type trials: {by: clock}, or sort the rows"
+        )
+
+
+def _read_load(
+    run: Run, description: Description, origin: float, first: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Rows of the load log: times [s] and values; none where no load is known."""
+    asked, sign = description.load, description.load.sign or 1
+    if asked.none:
+        return np.zeros(0), np.zeros(0)
+    if asked.column is not None:
+        table, name = run.find(asked.column)
+        value = table.read(name, asked.unit or "") * sign
+        time = _read_clock(run, table, description)[0]
+        seen = np.isfinite(value) & np.isfinite(time)
+        if not seen.any():
+            raise ImportFault(f"{table.place}, column '{name}': it holds no load at all")
+        order = np.argsort(time[seen], kind="stable")
+        return time[seen][order] - origin, value[seen][order]
+    if asked.value is not None:
+        value = asked.value
+    elif asked.stated is not None:
+        value = read_stated(run, asked.stated, asked.unit or "")
+    else:
+        raise ImportFault("load: name its column, a key that is stated, a value, or none: true")
+    begin = asked.from_s if asked.from_s is not None else first - origin
+    return np.array([begin]), np.array([sign * value])
+
+
+def read_stated(run: Run, key: str, unit: str = "") -> float:
+    """Number that is stated above a trial's table, in a unit.
+
+    Raises
+    ------
+    ImportFault
+        It is not stated there, or is no number.
+    """
+    if key not in run.stated:
+        listed = ", ".join(run.stated) or "nothing"
+        raise ImportFault(f"trial {run.name}: '{key}' is not stated; stated are {listed}")
+    value, own = run.stated[key]
+    decimal = next(iter(run.tables.values())).decimal
+    numbers, wrong = read_numbers(pd.Series([value], dtype=object), own, decimal)
+    if wrong[0] or not np.isfinite(numbers[0]):
+        raise ImportFault(f"trial {run.name}: '{key}' is '{value}'; expected a number")
+    return float(numbers[0] * (find_factor(own, unit) if own and unit and own != unit else 1.0))
+
+
+def _read_covariates(run: Run, description: Description) -> dict[str, float]:
+    values = {}
+    for covariate in description.covariates or ():
+        if covariate.stated is not None:
+            values[covariate.name] = read_stated(run, covariate.stated)
+        elif covariate.column is not None:
+            table, name = run.find(covariate.column)
+            values[covariate.name] = float(np.nanmean(table.read(name)))
+    return values

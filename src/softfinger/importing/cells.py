@@ -1,0 +1,144 @@
+"""Cells of a table: what is a number, a moment, a gap or a word, and numbers out of them."""
+
+from __future__ import annotations
+
+import datetime as dt
+import re
+from collections.abc import Collection
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from softfinger.campaign.units import find_factor, is_unit
+from softfinger.faults import Fault
+
+GAPS = frozenset(
+    {"", "nan", "na", "n/a", "null", "none", "-", "--", "---", "?", "inf", "-inf", "<null>", "nat"}
+    | {"#n/a", "#na", "#div/0!", "#value!", "#ref!", "#num!", "#name?", "#null!", "not found"}
+)
+NUMBER = re.compile(r"[+-]?(\d+([.,]\d+)*[.,]?|[.,]\d+)([eE][+-]?\d+)?")
+WITH_UNIT = re.compile(rf"({NUMBER.pattern})\s*([^\d\s.,;:+\-][^\d]*)")
+MOMENT = re.compile(
+    r"(\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[-/.]\d{1,2}[-/.]\d{2,4})([T ]\d{1,2}:\d{2}.*)?"
+    r"|\d{1,3}:\d{2}(:\d{2})?([.,]\d+)?( ?[AP]M)?"
+)
+MOMENTS = (dt.datetime, dt.date, dt.time, dt.timedelta)
+THOUSANDS = re.compile(r"[+-]?\d{1,3}([.,]\d{3})+")
+
+
+def classify(cell: Any) -> str:  # noqa: ANN401 (a cell of a workbook is anything)
+    """Kind of a cell: ``n`` number or moment, ``t`` text, empty for a gap.
+
+    >>> [classify(cell) for cell in ("1,5", "12 mm", "2026-03-01 10:00", "-", "Time [s]", 3.0)]
+    ['n', 'n', 'n', '', 't', 'n']
+    """
+    if not isinstance(cell, str):
+        gap = cell is None or (isinstance(cell, float) and np.isnan(cell))
+        return "" if gap else "n"
+    text = cell.strip()
+    if text.lower() in GAPS or not text.strip("-=_"):
+        return ""
+    if NUMBER.fullmatch(text) or MOMENT.fullmatch(text):
+        return "n"
+    found = WITH_UNIT.fullmatch(text)
+    return "n" if found and is_unit(found[5]) else "t"
+
+
+def find_decimal(cells: Collection[str]) -> str:
+    """Decimal mark of numbers that are text: a comma or a point.
+
+    Where both occur in a number the last one counts; groups of three digits alone are thousands
+    beside numbers that have a point.
+
+    >>> find_decimal(["0,5", "12"]), find_decimal(["1,234.5"]), find_decimal(["1.234,5"])
+    (',', '.', ',')
+    """
+    numbers = [text for cell in cells if NUMBER.fullmatch(text := cell.strip())]
+    both = [text for text in numbers if "," in text and "." in text]
+    if both:
+        return max(",.", key=both[0].rfind)
+    points, commas = ([t for t in numbers if mark in t] for mark in ".,")
+    if commas and (not points or not all(THOUSANDS.fullmatch(text) for text in commas)):
+        return "," if len(commas) > len(points) else "."
+    return "."
+
+
+def read_numbers(
+    cells: pd.Series, unit: str, decimal: str, missing: Collection[str] = ()
+) -> tuple[np.ndarray, np.ndarray]:
+    """Numbers of a column, in its unit.
+
+    Parameters
+    ----------
+    cells : Series (row,)
+        Text or numbers; a number may bear a unit of its own.
+    unit : str
+        Unit of the column, into which such numbers are turned; empty = unknown.
+    decimal : str
+        Decimal mark of numbers that are text.
+    missing
+        Words that are gaps here, beside the usual ones.
+
+    Returns
+    -------
+    values (row,) float
+        NaN in a gap.
+    wrong (row,) bool
+        Where there is something that is no number.
+    """
+    if cells.dtype.kind in "fiu":
+        return cells.to_numpy(float), np.zeros(len(cells), bool)
+    is_text = np.ones(len(cells), bool)
+    if pd.api.types.infer_dtype(cells, skipna=False) != "string":
+        is_text = np.array([isinstance(cell, str) for cell in cells], dtype=bool)
+    text = cells.where(is_text, "").astype(str).str.strip()
+    gap = np.array(text.str.lower().isin(GAPS | {word.strip().lower() for word in missing}))
+    plain = _drop_thousands(text, decimal)
+    values = np.array(pd.to_numeric(plain.where(~gap), errors="coerce"), dtype=float)
+    other = ~is_text
+    if other.any():
+        values[other] = [_to_float(cell) for cell in cells[other]]
+    gap[other] = [classify(cell) == "" for cell in cells[other]]
+    wrong = ~gap & ~np.isfinite(values)
+    for row in np.flatnonzero(wrong & is_text):
+        values[row] = _read_with_unit(text.iloc[row], unit, decimal)
+    return values, ~gap & ~np.isfinite(values)
+
+
+def _drop_thousands(text: pd.Series, decimal: str) -> pd.Series:
+    group = "." if decimal == "," else ","
+    if text.str.contains(group, regex=False).any():
+        grouped = text.str.fullmatch(rf"[+-]?\d{{1,3}}(?:\{group}\d{{3}})+(?:\{decimal}\d*)?")
+        text = text.where(~grouped, text.str.replace(group, "", regex=False))
+    return text.str.replace(",", ".", regex=False) if decimal == "," else text
+
+
+def _to_float(cell: Any) -> float:  # noqa: ANN401
+    if isinstance(cell, MOMENTS) or cell is None:
+        return np.nan
+    return float(cell)
+
+
+def _read_with_unit(text: str, unit: str, decimal: str) -> float:
+    found = WITH_UNIT.fullmatch(text)
+    if not found or not is_unit(found[5]):
+        return np.nan
+    number = float(_drop_thousands(pd.Series([found[1]]), decimal).iloc[0])
+    try:
+        return number * find_factor(found[5], unit or found[5])
+    except Fault:
+        return np.nan
+
+
+def find_cell_unit(cells: pd.Series) -> str:
+    """Unit that the numbers of a column bear themselves, the first one; empty if none does.
+
+    >>> find_cell_unit(pd.Series(["12 mm", "1.3 cm"]))
+    'mm'
+    """
+    for cell in cells.head(50):
+        found = WITH_UNIT.fullmatch(cell.strip()) if isinstance(cell, str) else None
+        if found and is_unit(found[5]):
+            return found[5]
+    return ""

@@ -1,0 +1,114 @@
+"""Which column or stated number is the load, and what is noted of each trial."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from softfinger.importing.build import read_stated
+from softfinger.importing.cells import classify
+from softfinger.importing.faults import ImportFault
+from softfinger.importing.guess_motion import list_candidates
+from softfinger.importing.trials import Run
+from softfinger.importing.vocabulary import APPLIED, ENVIRONMENT, LOAD, find_quantity, score_words
+
+if TYPE_CHECKING:
+    from softfinger.importing.guess import Guesses
+
+
+def guess_load(runs: Sequence[Run], guesses: Guesses) -> None:
+    """Guess the load: a column, a key stated above the table, or what the motion implies."""
+    run = runs[0]
+    asked = [guesses.get(f"load.{key}") for key in ("column", "stated", "value")]
+    if all(value is None for value in asked) and not guesses.get("load.none"):
+        taken = [*(guesses.get("motion.columns") or ()), guesses.get("clock.column")]
+        candidates = [c for c in list_candidates(run, LOAD, taken) if c.score >= 1.4]
+        stated = _find_stated_load(runs, str(guesses.get("motion.unit")))
+        if candidates:
+            others = [c.column for c in candidates[1:4]]
+            why = f"not {', '.join(others)}" if others else "the column that fits best"
+            guesses.put("load.column", candidates[0].column, why)
+        elif stated:
+            guesses.put("load.stated", stated[0], f"not {', '.join(stated[1:4])}" if stated[1:] else
+                        "the only load that is stated")  # fmt: skip
+        elif guesses.get("motion.quantity") == "compliance":
+            guesses.put("load.value", 1.0, "a compliance is the motion under a unit load")
+        else:
+            guesses.put("load.none", True, "no column or key looks like a load")
+    _complete_load(run, guesses)
+
+
+def _complete_load(run: Run, guesses: Guesses) -> None:
+    if guesses.get("load.none"):
+        return
+    column, stated = guesses.get("load.column"), guesses.get("load.stated")
+    own, name, quantity = "", column or stated or "", ""
+    if column is not None:
+        table, name = run.find(column)
+        own = table.unit.get(name, "")
+        topic = column.rpartition(": ")[0]
+        quantity = find_quantity(name, own, LOAD)[0] or find_quantity(topic, own, LOAD)[0]
+    elif stated is not None:
+        own = str(run.stated.get(stated, ("", ""))[1])
+        quantity = find_quantity(stated, own, LOAD)[0]
+    elif guesses.get("motion.quantity") == "compliance":
+        unit = str(guesses.get("motion.unit"))
+        own = {"1/Pa": "Pa", "MPa^-1": "MPa", "1/MPa": "MPa", "1/kPa": "kPa"}.get(unit, "")
+        name, quantity = "compliance", "stress"
+    guesses.put("load.quantity", quantity or "load", f"from the name '{name}'")
+    known = own not in ("", "-")
+    guesses.put("load.unit", own if known else "1", "as its heading says" if known else
+                "none is stated")  # fmt: skip
+    if column is None:
+        guesses.put("load.from_s", 0.0, "a constant load acts from time 0 on")
+
+
+def _find_stated_load(runs: Sequence[Run], motion_unit: str) -> list[str]:
+    """Keys above all tables that state a load, the best first."""
+    scores = {}
+    for key, (value, unit) in runs[0].stated.items():
+        if classify(value) != "n" or not all(key in run.stated for run in runs):
+            continue
+        quantity, score = find_quantity(key, unit, LOAD)
+        if score < 1.5:
+            continue
+        score += 1.0 * (score_words(key, APPLIED) == 2.0)
+        wanted = "stress" if motion_unit in ("1", "percent", "-", "%") else "force"
+        scores[key] = score + 0.7 * (quantity == wanted)
+    return sorted(scores, key=lambda key: -scores[key])
+
+
+def guess_covariates(runs: Sequence[Run], guesses: Guesses) -> None:
+    """Note temperature, humidity and payload of each trial, where they are stated and differ."""
+    if guesses.get("covariates") is not None:
+        return
+    found: dict[str, dict[str, str]] = {}
+    for key, (value, unit) in runs[0].stated.items():
+        quantity, score = find_quantity(key, unit, ENVIRONMENT)
+        own = score_words(key, ENVIRONMENT.get(quantity, "")) == 2.0
+        if not own or score < 0 or classify(value) != "n":
+            continue
+        try:
+            values = [read_stated(run, key) for run in runs]
+        except ImportFault:
+            continue
+        measured = score_words(key, "measured mean") == 2.0
+        if np.ptp(values) > 0 and (quantity not in found or measured):
+            found[quantity] = {"name": _name_covariate(key, unit), "stated": key}
+    if found:
+        why = ", ".join(covariate["stated"] for covariate in found.values())
+        guesses.put("covariates", list(found.values()), f"{why}: stated of every trial")
+
+
+def _name_covariate(key: str, unit: str) -> str:
+    """Name of a column of trials.csv, with the unit as suffix.
+
+    >>> _name_covariate("Measured Mean RH", "%"), _name_covariate("Temp", "°C")
+    ('measured_mean_rh_pct', 'temp_c')
+    """
+    suffix = {"%": "pct", "°C": "c", "degC": "c", "": "", "-": "", "1": ""}.get(unit, unit)
+    words = re.findall(r"\w+", f"{key} {suffix}".lower())
+    return "_".join(words)

@@ -1,0 +1,144 @@
+"""Long tables made wide: one row per point, or per signal, becomes one row per time."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from softfinger.importing.table import RawTable
+from softfinger.importing.vocabulary import CLOCK, POINT, SIGNAL, VALUE, pick
+
+CORNER = re.compile(r"(?:corner|c|p|pt)?[ _]?(?:([xy])[ _]?\d|\d[ _]?([xy]))")
+MOST_POINTS, MOST_SIGNALS = 200, 60
+
+
+def widen(table: RawTable) -> RawTable:
+    """Give every point or signal columns of its own, where rows tell them apart.
+
+    A table of points has an id and coordinates, and several ids at one time; a table of signals
+    has a name and a value. Any other table stays as it is, but for stamps in two columns (seconds
+    and nanoseconds), which become one.
+    """
+    table = _join_stamps(table)
+    for widened in (_widen_points(table), _widen_signals(table)):
+        if widened is not None:
+            return widened
+    return table
+
+
+def _join_stamps(table: RawTable) -> RawTable:
+    """One column of seconds out of two, as ROS logs its stamps."""
+    ends = re.compile(r"(.*?)(secs?|seconds?)$", re.IGNORECASE)
+    for column in table.columns:
+        found = ends.match(column)
+        same = re.escape(found[1] if found else column)
+        finer = re.compile(same + r"(nsecs?|nanosecs?|nanoseconds?)", re.IGNORECASE)
+        fine = [c for c in table.columns if finer.fullmatch(c)]
+        if found and fine:
+            whole = table.read_leniently(column) + 1e-9 * table.read_leniently(fine[0])
+            cells = table.cells.drop(columns=[column, fine[0]])
+            cells.insert(0, f"{found[1]}stamp", whole)
+            return replace(table, cells=cells)
+    return table
+
+
+def _find_moment(table: RawTable) -> str | None:
+    for words in CLOCK.values():
+        found = pick(table.columns, words)
+        if found:
+            return found[0]
+    return None
+
+
+def _widen_points(table: RawTable) -> RawTable | None:
+    moment = _find_moment(table)
+    table = _reduce_corners(table)
+    places = [c for c in table.columns if c.strip().lower()[-1:] in "xyz"]
+    ids = [c for c in pick(table.columns, POINT) if c not in places and c != moment]
+    if moment is None or len(places) < 2:
+        return None
+    for column in ids:
+        key = table.cells[column].map(_to_label)
+        several = table.cells.groupby(moment, sort=False)[column].nunique().median() > 1
+        if several and 2 <= key.nunique() <= MOST_POINTS:
+            return _pivot(table, moment, key)
+    return None
+
+
+def _reduce_corners(table: RawTable) -> RawTable:
+    """Centre of four corners in place of them; in place of nothing where a centre is logged."""
+    corners: dict[str, list[str]] = {"x": [], "y": []}
+    for column in table.columns:
+        if found := CORNER.fullmatch(column.strip().lower()):
+            corners[found[1] or found[2]].append(column)
+    if not len(corners["x"]) == len(corners["y"]) == 4:
+        return table
+    cells = table.cells.drop(columns=corners["x"] + corners["y"])
+    if not any(column.strip().lower()[-1:] in "xy" for column in cells):
+        for axis, columns in corners.items():
+            cells[axis] = np.mean([table.read_leniently(column) for column in columns], axis=0)
+    return replace(table, cells=cells)
+
+
+def _widen_signals(table: RawTable) -> RawTable | None:
+    moment = _find_moment(table)
+    values = pick(table.columns, VALUE)
+    names = [c for c in pick(table.columns, SIGNAL) if c not in values]
+    if moment is None or not values or not names:
+        return None
+    key = table.cells[names[0]].map(_to_label)
+    if not 2 <= key.nunique() <= MOST_SIGNALS:
+        return None
+    units = pick(table.columns, "unit units einheit")
+    wide = _pivot(replace(table, cells=table.cells[[moment, values[0]]]), moment, key)
+    columns = {c: c.removesuffix(f" {values[0]}") for c in wide.columns}
+    unit = {c: u for c, u in wide.unit.items() if c in wide.columns}
+    if units:
+        unit |= {name: str(table.cells.loc[key == name, units[0]].iloc[0]) for name in key.unique()}
+    cells = wide.cells.rename(columns=columns)
+    return replace(wide, cells=cells, unit={columns.get(c, c): u for c, u in unit.items()})
+
+
+def _pivot(table: RawTable, moment: str, key: pd.Series) -> RawTable:
+    """One row per time; columns are named by the key and their own names."""
+    cells = table.cells
+    first = pd.factorize(cells[moment])[0]
+    count = int(first.max()) + 1
+    others = [c for c in cells.columns if c != moment and not cells[c].map(_to_label).equals(key)]
+    row = np.full(count, np.iinfo(np.int64).max)
+    np.minimum.at(row, first, table.row)
+    begin = np.full(count, len(cells))
+    np.minimum.at(begin, first, np.arange(len(cells)))
+    columns = {moment: cells[moment].to_numpy(dtype=object)[begin]}
+    unit = {moment: table.unit[moment]} if moment in table.unit else {}
+    for label in _sort_labels(key.unique().tolist()):
+        at = np.flatnonzero((key == label).to_numpy())
+        for column in others:
+            name = f"{label} {column}"
+            columns[name] = np.full(count, "", dtype=object)
+            columns[name][first[at]] = cells[column].to_numpy(dtype=object)[at]
+            if column in table.unit:
+                unit[name] = table.unit[column]
+    wide = pd.DataFrame(columns)
+    order = np.argsort(row, kind="stable")
+    return replace(
+        table, cells=wide.iloc[order].reset_index(drop=True), row=row[order], unit=unit, group={}
+    )
+
+
+def _sort_labels(labels: list[str]) -> list[str]:
+    numbers = all(label.lstrip("-").isdigit() for label in labels)
+    return sorted(labels, key=int) if numbers else labels
+
+
+def _to_label(cell: object) -> str:
+    """Name of an id: a whole number without its point.
+
+    >>> _to_label(3.0), _to_label("12.0"), _to_label("tip")
+    ('3', '12', 'tip')
+    """
+    text = str(cell).strip()
+    return text[:-2] if text.endswith(".0") and text[:-2].lstrip("-").isdigit() else text

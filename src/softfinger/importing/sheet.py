@@ -1,0 +1,224 @@
+"""A sheet of cells, and the tables that it holds."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from softfinger.importing.cells import classify, find_cell_unit, read_numbers
+from softfinger.importing.faults import ImportFault
+from softfinger.importing.headings import (
+    Layout,
+    find_layout,
+    join_levels,
+    make_unique,
+    split_heading,
+)
+from softfinger.importing.table import RawTable
+
+HEAD = 400  # rows that are looked at to find the layout
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """All cells of a text file, or of a sheet of a workbook; `row` numbers them from 1."""
+
+    file: Path
+    name: str
+    cells: pd.DataFrame
+    row: np.ndarray
+    decimal: str = "."
+    notes: tuple[str, ...] = field(default=())
+
+
+def list_tables(
+    sheet: Sheet, headings: Collection[int] = (), missing: Collection[str] = ()
+) -> list[RawTable]:
+    """Tables of a sheet: one, or more where its headings are repeated further down.
+
+    Parameters
+    ----------
+    sheet : Sheet
+    headings
+        Numbers of the heading rows, where declared.
+    missing
+        Words that are gaps.
+
+    Returns
+    -------
+    list of RawTable
+        Empty where there is no table of numbers.
+    """
+    grid = sheet.cells.head(HEAD).to_numpy(dtype=object).tolist()
+    offset = int(sheet.row[0]) if len(sheet.row) else 1
+    layout = find_layout(grid, [number - offset for number in headings])
+    if layout is None:
+        return []
+    tables = []
+    for first, last, above in _cut_blocks(sheet, grid, layout):
+        table = _build_table(sheet, grid, layout, slice(first, last), missing)
+        tables.append(table if above is None else _rename(table, above))
+    return tables
+
+
+def _cut_blocks(
+    sheet: Sheet, grid: list[list[Any]], layout: Layout
+) -> Iterator[tuple[int, int, str | None]]:
+    """First and last row of each block, and the single words above its repeated heading."""
+    end = len(sheet.cells)
+    if not layout.headings:
+        yield layout.first, end, None
+        return
+    lowest = layout.headings[-1]
+    heading = [str(cell).strip() for cell in grid[lowest]]
+    at = int(np.argmax([bool(cell) for cell in heading]))
+    same = sheet.cells.iloc[:, at].astype(str).str.strip().to_numpy() == heading[at]
+    repeats = [r for r in np.flatnonzero(same) if r > layout.first and _matches(sheet, r, heading)]
+    starts = [layout.first, *(r + layout.first - lowest for r in repeats)]
+    ends = [*(_find_end(sheet, r) for r in repeats), end]
+    titles = [None, *(_find_title(sheet, r) for r in repeats)]
+    if len(repeats):
+        titles[0] = _find_title(sheet, layout.headings[0])
+    yield from zip(starts, ends, titles, strict=True)
+
+
+def _matches(sheet: Sheet, row: int, heading: list[str]) -> bool:
+    return [str(cell).strip() for cell in sheet.cells.iloc[row]][: len(heading)] == heading
+
+
+def _find_end(sheet: Sheet, row: int) -> int:
+    """Where the block above a repeated heading ends: before blank and text rows."""
+    while row > 0 and "n" not in [classify(cell) for cell in sheet.cells.iloc[row - 1]]:
+        row -= 1
+    return int(row)
+
+
+def _find_title(sheet: Sheet, row: int) -> str:
+    """Words right above a heading, where they stand alone."""
+    if row == 0:
+        return ""
+    above = [str(cell).strip() for cell in sheet.cells.iloc[row - 1] if str(cell).strip()]
+    return above[0] if len(above) == 1 else ""
+
+
+def _rename(table: RawTable, title: str) -> RawTable:
+    stated = {**table.stated, "title": (title or f"row {table.row[0]}", "")}
+    return RawTable(**{**vars(table), "stated": stated})
+
+
+def _build_table(
+    sheet: Sheet, grid: list[list[Any]], layout: Layout, rows: slice, missing: Collection[str]
+) -> RawTable:
+    width = sheet.cells.shape[1]
+    levels = [
+        [str(c).strip() for c in grid[r]] + [""] * (width - len(grid[r])) for r in layout.headings
+    ]
+    levels = [_strip_comment(level) for level in levels]
+    levels, frames = _drop_scorer(levels)
+    names, groups = join_levels(levels) if levels else ([""] * width, [""] * width)
+    units = [""] * width
+    if layout.units is not None:
+        units = [str(c).strip().strip("[]()") for c in grid[layout.units]]
+    split = [split_heading(name) for name in names]
+    unique = make_unique([name for name, _ in split], groups)
+    if frames:
+        unique[0] = "frame"
+    cells = sheet.cells.iloc[rows].reset_index(drop=True)
+    cells.columns = unique
+    row = sheet.row[rows]
+    cells, row, dropped = _drop_text_rows(cells, row, sheet.decimal, missing)
+    _refuse_long_rows(sheet, cells, row, [name for name, _ in split])
+    cells, gone = _drop_empty_columns(cells)
+    unit = {n: u or s[1] for n, u, s in zip(unique, units, split, strict=True) if u or s[1]}
+    unit |= {c: u for c in cells if c not in unit and (u := find_cell_unit(cells[c]))}
+    top = layout.headings[0] if layout.headings else layout.first
+    return RawTable(
+        sheet.file, sheet.name, cells, row, unit,
+        {n: g for n, g in zip(unique, groups, strict=True) if g},
+        read_preamble(grid[:top]), sheet.decimal, (*sheet.notes, *dropped, *gone), tuple(missing),
+    )  # fmt: skip
+
+
+def _strip_comment(level: list[str]) -> list[str]:
+    """Without the mark of a comment that a heading may begin with."""
+    if level and level[0] in ("#", "%", "//"):
+        return [*level[1:], ""]
+    return [level[0].lstrip("#% ") or level[0], *level[1:]] if level else level
+
+
+def _drop_scorer(levels: list[list[str]]) -> tuple[list[list[str]], bool]:
+    """Heading rows of DeepLabCut without the network's name; whether they are its."""
+    if not levels or levels[-1][0] != "coords":
+        return levels, False
+    kept = [["", *level[1:]] for level in levels if level[0] != "scorer"]
+    return kept, True
+
+
+def _drop_text_rows(
+    cells: pd.DataFrame, row: np.ndarray, decimal: str, missing: Collection[str]
+) -> tuple[pd.DataFrame, np.ndarray, list[str]]:
+    """Drop blank rows, and words below the last row of numbers, with what is summed up there."""
+    filled = (cells.astype(str).to_numpy() != "").any(axis=1)
+    numbers = np.zeros(len(cells), bool)
+    words = None
+    for column in cells:
+        if numbers.all():
+            break
+        values, wrong = read_numbers(cells[column], "", decimal, missing)
+        if words is None and np.isfinite(values).mean() > 0.5:
+            words = wrong
+        numbers |= np.isfinite(values)
+    numbers &= True if words is None else ~words
+    last = int(np.flatnonzero(numbers)[-1]) if numbers.any() else -1
+    keep = filled & (np.arange(len(cells)) <= last)
+    below = filled & ~keep
+    dropped = []
+    if below.any():
+        dropped.append(f"{int(below.sum())} rows of words below row {row[last]}")
+    return cells[keep].reset_index(drop=True), row[keep], dropped
+
+
+def _refuse_long_rows(sheet: Sheet, cells: pd.DataFrame, row: np.ndarray, names: list[str]) -> None:
+    """Refuse text of which a few rows go on beyond the headings; a workbook has remarks there."""
+    named = [k for k, name in enumerate(names) if name]
+    if sheet.name or not named or named[-1] + 1 == len(names):
+        return
+    beyond = (cells.iloc[:, named[-1] + 1 :].astype(str) != "").to_numpy()
+    long = beyond.any(axis=1)
+    if long.any() and not long.all():
+        at = int(np.argmax(long))
+        count = named[-1] + 2 + int(np.flatnonzero(beyond[at])[-1])
+        raise ImportFault(
+            f"{sheet.file}, row {row[at]}: has {count} fields; its heading has {named[-1] + 1}; "
+            "mend the row, or type tables: {delimiter: …} in import.yaml"
+        )
+
+
+def _drop_empty_columns(cells: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
+    empty = [c for c in cells if (cells[c].astype(str) == "").all()]
+    named = [c for c in empty if not c.startswith("column ")]
+    return cells.drop(columns=empty), [f"column '{c}': it is empty" for c in named]
+
+
+def read_preamble(rows: list[list[Any]]) -> dict[str, tuple[Any, str]]:
+    """What is stated above a table: key → (value, unit).
+
+    >>> read_preamble([["Area [mm^2]", 3.1, ""], ["# Sample: A12"], ["just words"]])
+    {'Area': (3.1, 'mm^2'), 'Sample': ('A12', '')}
+    """
+    stated: dict[str, tuple[Any, str]] = {}
+    for row in rows:
+        filled = [cell for cell in row if str(cell).strip()]
+        if len(filled) == 1 and isinstance(filled[0], str) and ":" in filled[0]:
+            filled = [part.strip() for part in filled[0].lstrip("#% ").split(":", 1)]
+        if len(filled) < 2 or not isinstance(filled[0], str):
+            continue
+        key, unit = split_heading(filled[0].lstrip("#% ").rstrip(":= "))
+        more = str(filled[2]).strip("[]() ") if len(filled) == 3 else ""
+        stated.setdefault(key, (filled[1], unit or more))
+    return stated

@@ -1,0 +1,100 @@
+"""Trials side by side in one table: groups of the same columns, or a column each."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+from softfinger.importing.cells import WITH_UNIT
+from softfinger.importing.clock import list_clocks
+from softfinger.importing.faults import ImportFault
+from softfinger.importing.table import RawTable
+
+
+def list_groups(table: RawTable) -> dict[str, dict[str, str]]:
+    """Groups of columns that are trials side by side: group → own name → column.
+
+    Groups are given by an upper heading, else by what names begin or end with. Each must hold the
+    same names.
+    """
+    given: dict[str, dict[str, str]] = {}
+    for column, group in table.group.items():
+        if column in table.cells:
+            given.setdefault(group, {})[column.removeprefix(group).strip()] = column
+    for groups in (given, _split_names(table, 0), _split_names(table, -1)):
+        sizes = [set(members) for members in groups.values()]
+        numbered = bool(sizes) and all(name.strip("()").isdigit() for name in sizes[0])
+        if len(sizes) > 1 and all(size == sizes[0] for size in sizes) and not numbered:
+            return groups
+    return {}
+
+
+def _split_names(table: RawTable, end: int) -> dict[str, dict[str, str]]:
+    """Columns by their first or last part; a number at the end is such a part."""
+    groups: dict[str, dict[str, str]] = {}
+    for column in table.columns:
+        parts = re.split(r"[ _.:-]+", column)
+        if end == -1 and len(parts) == 1:
+            found = re.fullmatch(r"(.*\D)(\d+)", column)
+            parts = [found[1], found[2]] if found else parts
+        if len(parts) > 1:
+            own = " ".join(parts[1:] if end == 0 else parts[:-1])
+            groups.setdefault(parts[end].strip("()"), {})[own] = column
+    return groups
+
+
+def split_groups(table: RawTable) -> list[tuple[str, RawTable]]:
+    """One table per group, under its name; columns of no group belong to each.
+
+    Raises
+    ------
+    ImportFault
+        Its columns form no groups.
+    """
+    groups = list_groups(table)
+    if not groups:
+        said = f"{table.place}: its columns form no groups of the same names; choose trials.by anew"
+        raise ImportFault(said)
+    grouped = {column for members in groups.values() for column in members.values()}
+    shared = [column for column in table.columns if column not in grouped]
+    runs = []
+    for group, members in groups.items():
+        names = {column: column for column in shared} | {c: own for own, c in members.items()}
+        cells = table.cells[list(names)].rename(columns=names)
+        unit = {names[c]: u for c, u in table.unit.items() if c in names}
+        runs.append((group, replace(table, cells=cells, unit=unit, group={})))
+    return runs
+
+
+def list_single_columns(table: RawTable) -> list[str]:
+    """Columns beside the clock, where each is one trial: their names differ in a last part alone.
+
+    That part is a letter, a number, or a load with its unit.
+    """
+    clocks = [column for column, _ in list_clocks(table)]
+    others = [c for c in table.columns if c not in clocks and not c.startswith("column ")]
+    stems = {re.sub(r"[ _-]?(\w|\d+)$", "", column) for column in others}
+    loads = all(WITH_UNIT.fullmatch(column) for column in others)
+    return others if len(others) > 1 and clocks and (len(stems) == 1 or loads) else []
+
+
+def split_columns(table: RawTable) -> list[tuple[str, RawTable]]:
+    """One table per column beside the clock, under its name; the column is called `value`.
+
+    A name that is a load with its unit is stated as the key `load`.
+    """
+    clock = [column for column, _ in list_clocks(table)][:1]
+    runs = []
+    for column in [c for c in table.columns if c not in clock]:
+        cells = table.cells[[*clock, column]].rename(columns={column: "value"})
+        unit = {
+            "value" if c == column else c: table.unit[c]
+            for c in (*clock, column)
+            if c in table.unit
+        }
+        stated = dict(table.stated)
+        if found := WITH_UNIT.fullmatch(column):
+            stated["load"] = (found[1], found[5])
+        alone = replace(table, cells=cells, unit=unit, group={}, stated=stated)
+        runs.append((column, alone))
+    return runs

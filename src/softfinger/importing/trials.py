@@ -1,0 +1,235 @@
+"""Which rows of which tables are one trial."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from softfinger.importing.clock import list_clocks, read_times
+from softfinger.importing.description import Description
+from softfinger.importing.faults import ImportFault
+from softfinger.importing.side_by_side import split_columns, split_groups
+from softfinger.importing.table import RawTable
+from softfinger.importing.vocabulary import LOAD, MOTION, find_quantity, list_tokens
+
+LEAST_ROWS = 4
+SEPARATOR = ": "  # between a topic and its column
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One trial as it was found: one table, or a table for each topic, by the topic's name."""
+
+    name: str
+    tables: dict[str, RawTable]
+
+    @property
+    def columns(self) -> list[str]:
+        """Columns of all tables; with the topic in front, where there are several."""
+        if len(self.tables) == 1:
+            return next(iter(self.tables.values())).columns
+        return [f"{k}{SEPARATOR}{c}" for k, table in self.tables.items() for c in table.columns]
+
+    def find(self, column: str) -> tuple[RawTable, str]:
+        """Find the table of a column, and its name there.
+
+        Raises
+        ------
+        ImportFault
+            There is no such column, or several.
+        """
+        topic, mark, name = column.partition(SEPARATOR)
+        if mark and topic in self.tables and name in self.tables[topic].cells:
+            return self.tables[topic], name
+        found = [table for table in self.tables.values() if column in table.cells]
+        if len(found) == 1:
+            return found[0], column
+        raise ImportFault(
+            f"trial {self.name}: there is {'no' if not found else 'more than one'} column "
+            f"'{column}'; there are {', '.join(self.columns)}"
+        )
+
+    @property
+    def stated(self) -> dict:
+        """What is stated above its tables."""
+        return {k: v for table in self.tables.values() for k, v in table.stated.items()}
+
+
+def split_trials(tables: Sequence[RawTable], description: Description, name: str) -> list[Run]:
+    """Cut tables into trials as described.
+
+    Raises
+    ------
+    ImportFault
+        The column that names the trials is missing.
+    """
+    by, column = description.trials.by, description.trials.column
+    if by == "all":
+        runs = [Run(name, _name_topics(tables))]
+    elif by == "folder":
+        runs = [Run(key, _name_topics(group)) for key, group in group_topics(tables).items()]
+    elif by == "column":
+        if column is None:
+            raise ImportFault("trials: {by: column} needs the column: type trials: {column: …} too")
+        runs = [run for table in tables for run in _split_by_column(table, column, len(tables) > 1)]
+    elif by == "clock":
+        runs = [run for table in tables for run in _split_by_clock(table, description)]
+    elif by == "columns":
+        runs = _split_sideways(tables, split_columns)
+    elif by == "group":
+        runs = _split_sideways(tables, split_groups)
+    else:
+        runs = [
+            Run(key, {"": table}) for key, table in zip(name_tables(tables), tables, strict=True)
+        ]
+    kept = [run for run in _number_repeats(runs) if run.name not in description.trials.leave_out]
+    if not kept:
+        raise ImportFault(f"{name}: no trial is left; see trials.leave_out")
+    return kept
+
+
+def name_tables(tables: Sequence[RawTable]) -> list[str]:
+    """Name each table by what tells it apart: file, sheet, title of its block."""
+    stems = [str(table.file.with_suffix("")) for table in tables]
+    short = [table.file.stem for table in tables]
+    stems = short if len(set(short)) == len(set(stems)) else [s.replace("/", "_") for s in stems]
+    several = len(set(stems)) > 1
+    names = []
+    for stem, table in zip(stems, tables, strict=True):
+        parts = [stem] if several or not table.sheet else []
+        names.append(" ".join([*parts, *filter(None, [table.sheet])]))
+    titles = [str(table.stated.get("title", ("", ""))[0]) for table in tables]
+    if len(set(names)) < len(names):
+        names = [title or name for name, title in zip(names, titles, strict=True)]
+    return names
+
+
+def _number_repeats(runs: list[Run]) -> list[Run]:
+    counts: dict[str, int] = {}
+    for run in runs:
+        counts[run.name] = counts.get(run.name, 0) + 1
+    seen: dict[str, int] = {}
+    numbered = []
+    for run in runs:
+        seen[run.name] = seen.get(run.name, 0) + 1
+        repeated = counts[run.name] > 1
+        numbered.append(replace(run, name=f"{run.name} {seen[run.name]}") if repeated else run)
+    return numbered
+
+
+def _split_by_column(table: RawTable, column: str, several: bool) -> list[Run]:
+    if column not in table.cells:
+        said = f"{table.place}: there is no column '{column}'; it has {', '.join(table.columns)}"
+        raise ImportFault(said)
+    labels = table.cells[column].astype(str).str.strip().str.removesuffix(".0")
+    runs = []
+    for label in labels[labels != ""].unique():
+        rows = np.flatnonzero((labels == label).to_numpy())
+        number = label.replace(".", "").lstrip("-").isdigit()
+        name = f"{column} {label}" if number else label
+        name = f"{table.file.stem} {name}" if several else name
+        runs.append(Run(name, {"": table.take(rows)}))
+    return runs
+
+
+def find_restarts(seconds: np.ndarray) -> np.ndarray:
+    """Rows at which a clock starts anew: it falls back by more than half of what it had run.
+
+    >>> find_restarts(np.array([0.0, 1, 2, 3, 0, 1, 2, 1.9, 3]))
+    array([4])
+    """
+    restarts, begin = [], 0
+    for row in np.flatnonzero(np.diff(seconds) < 0) + 1:
+        span = seconds[row - 1] - seconds[begin]
+        if seconds[row - 1] - seconds[row] > 0.5 * span > 0:
+            restarts.append(int(row))
+            begin = row
+    return np.array(restarts, dtype=int)
+
+
+def _split_by_clock(table: RawTable, description: Description) -> list[Run]:
+    column = description.clock.column or list_clocks(table)[0][0]
+    seconds = read_times(table, column, description.clock.unit).seconds
+    edges = [0, *find_restarts(seconds), len(seconds)]
+    stem = table.sheet or table.file.stem
+    pieces = [np.arange(a, b) for a, b in itertools.pairwise(edges)]
+    return [
+        Run(f"{stem} {k + 1}" if len(pieces) > 1 else stem, {"": table.take(rows)})
+        for k, rows in enumerate(pieces)
+    ]
+
+
+def _split_sideways(
+    tables: Sequence[RawTable], split: Callable[[RawTable], list[tuple[str, RawTable]]]
+) -> list[Run]:
+    several = len(tables) > 1
+    return [
+        Run(f"{table.sheet or table.file.stem} {name}" if several else name, {"": part})
+        for table in tables
+        for name, part in split(table)
+    ]
+
+
+def group_topics(tables: Sequence[RawTable]) -> dict[str, list[RawTable]]:
+    """Tables by recording: those of one folder whose names differ by a quantity's name alone."""
+    groups = _group_by_stem(tables)
+    if groups:
+        return groups
+    for table in tables:
+        own = " ".join(_strip_roles(table.file.stem))
+        folder = "" if str(table.file.parent) == "." else str(table.file.parent)
+        key = " ".join(filter(None, [folder.replace("/", "_"), own]))
+        groups.setdefault(key, []).append(table)
+    folders = {str(table.file.parent) for table in tables}
+    sizes = [len(group) for group in groups.values()]
+    if len(folders) > 1 and max(sizes) == 1:
+        groups = {}
+        for table in tables:
+            groups.setdefault(str(table.file.parent).replace("/", "_"), []).append(table)
+    return groups
+
+
+def _group_by_stem(tables: Sequence[RawTable]) -> dict[str, list[RawTable]]:
+    """Files of one name in folders that are named by a quantity: ``angles/a.csv, load/a.csv``."""
+    groups: dict[str, list[RawTable]] = {}
+    for table in tables:
+        groups.setdefault(table.file.stem, []).append(table)
+    named = all(find_role(table.file.parent.name) for table in tables)
+    alone = any(len({t.file.parent for t in group}) < len(group) for group in groups.values())
+    return groups if named and not alone and max(map(len, groups.values())) > 1 else {}
+
+
+def _strip_roles(stem: str) -> list[str]:
+    return [t for t in list_tokens(stem) if find_role(t) is None]
+
+
+def find_role(name: str) -> str | None:
+    """Role that a name alone speaks of: ``motion``, ``load`` or none.
+
+    >>> find_role("tendon_force"), find_role("bend angle"), find_role("run3")
+    ('load', 'motion', None)
+    """
+    words = [token for token in list_tokens(name) if len(token) > 2]
+    scores = {
+        role: max([find_quantity(word, "", words_of)[1] for word in words], default=0.0)
+        for role, words_of in (("motion", MOTION), ("load", LOAD))
+    }
+    best = max(scores, key=lambda role: scores[role])
+    return best if scores[best] >= 1.5 else None
+
+
+def _name_topics(tables: Sequence[RawTable]) -> dict[str, RawTable]:
+    """Topic → table; topics are named by file (and sheet), without what all of them share."""
+    if len({t.file.stem for t in tables}) == 1 and len({t.file.parent for t in tables}) > 1:
+        return {t.file.parent.name: t for t in tables}
+    stems = [" ".join(filter(None, [t.file.stem, t.sheet])) for t in tables]
+    tokens = [re.split(r"[ _.-]+", stem) for stem in stems]
+    shared = set.intersection(*map(set, tokens)) if len(tokens) > 1 else set()
+    names = ["_".join(t for t in own if t not in shared) or stem
+             for own, stem in zip(tokens, stems, strict=True)]  # fmt: skip
+    names = [re.sub(r"(?:^|_)\d+(?=_|$)", "", name).strip("_") or name for name in names]
+    return dict(zip(names if len(set(names)) == len(names) else stems, tables, strict=True))

@@ -1,0 +1,1 @@
+"""One inference for every model: its likelihood, fit, evidence and sampling."""

@@ -1,0 +1,115 @@
+"""What the fit took for granted, asked of the data: independent parameters, and priors that matter.
+
+Independence. With z = (η − μ)/σ of a trial, the slope of log p(y_i) by the correlation of two
+parameters, at none, is s_i = E[z_a z_b | y_i] (Fisher's identity), with mean 0 if they are
+independent; Σ s_i / √(Σ s_i²) is then about standard normal. No fit with correlations is needed.
+
+Priors. Power-scaling sensitivity of the hyperparameters, by ArviZ, to their own prior and to the
+likelihood with the trials' parameters integrated out.
+
+References
+----------
+Kallioinen, Paananen, Bürkner, Vehtari (2024), Stat. Comput. 34, 57,
+doi:10.1007/s11222-023-10366-5.
+"""
+
+import arviz as az
+import numpy as np
+import xarray as xr
+from scipy.stats import lognorm, norm
+
+from softfinger.inference.priors import Prior
+from softfinger.mechanics import LOG_PARAMETERS
+
+
+def judge_independence(posterior: xr.Dataset) -> xr.Dataset:
+    """Test whether the parameters of a trial go together over trials.
+
+    Parameters
+    ----------
+    posterior
+        Parameters of the trials, mu_… and sigma_….
+
+    Returns
+    -------
+    Dataset
+        mean_product, p_value (own, other_own): Σ s_i / n, which is near the correlation where
+        the trials are well known, and the two-sided p of every pair (1 on the diagonal);
+        smallest_p (), corrected for the number of pairs (Bonferroni).
+    """
+    joints = posterior["joint"].values
+    z = np.stack(
+        [
+            ((posterior[name] - posterior[f"mu_{name}"]) / posterior[f"sigma_{name}"])
+            .transpose("trial", "joint", "chain", "draw")
+            .values
+            for name in LOG_PARAMETERS
+        ],
+        axis=2,
+    )
+    trials = len(z)
+    z = z.reshape(trials, len(joints) * len(LOG_PARAMETERS), -1)
+    slope = np.einsum("iad,ibd->iab", z, z) / z.shape[-1]
+    score = slope.sum(axis=0) / np.sqrt((slope**2).sum(axis=0))
+    p_value = 2 * norm.sf(np.abs(score))
+    np.fill_diagonal(p_value, 1.0)
+    pairs = len(p_value) * (len(p_value) - 1) / 2
+    own = [f"{name}[{joint}]" for joint in joints for name in LOG_PARAMETERS]
+    dims = ("own", "other_own")
+    return xr.Dataset(
+        {
+            "mean_product": (dims, slope.mean(axis=0)),
+            "p_value": (dims, p_value),
+            "smallest_p": ((), min(1.0, pairs * p_value.min())),
+        },
+        {"own": own, "other_own": own},
+    )
+
+
+def measure_prior_sensitivity(
+    posterior: xr.Dataset, recording: xr.DataArray, prior: Prior
+) -> xr.Dataset:
+    """Measure how much every hyperparameter depends on its prior and likelihood.
+
+    Parameters
+    ----------
+    posterior
+        Its draws.
+    recording
+        log p(y_i | population, noise) (chain, draw, trial).
+    prior
+        That of the fit.
+
+    Returns
+    -------
+    Dataset
+        prior, likelihood (level, parameter, joint): ArviZ's psense; above 0.05 is sensitive. Both:
+        the prior and the data disagree. Only the prior: the data say little.
+    """
+    logs = {}
+    for k, name in enumerate(LOG_PARAMETERS):
+        mu, sigma = posterior[f"mu_{name}"], posterior[f"sigma_{name}"]
+        log_mu = norm.logpdf(mu, prior.mu_mean[k], prior.mu_sd[k])
+        log_sigma = lognorm.logpdf(sigma, prior.sigma_log_sd[k], scale=prior.sigma_median[k])
+        logs[f"mu_{name}"], logs[f"sigma_{name}"] = mu.copy(data=log_mu), mu.copy(data=log_sigma)
+    tree = xr.DataTree.from_dict(
+        {
+            "posterior": posterior[[*logs]],
+            "log_prior": xr.Dataset(logs),
+            "log_likelihood": recording.to_dataset(name="recording"),
+        }
+    )
+    found = {}
+    for group in ("prior", "likelihood"):
+        sensitivity = az.psense(tree, group=group)
+        levels = [
+            np.stack([sensitivity[f"{level}_{name}"].values for name in LOG_PARAMETERS])
+            for level in ("mu", "sigma")
+        ]
+        found[group] = (("level", "parameter", "joint"), np.stack(levels))
+    coords = {
+        "level": ["mu", "sigma"],
+        "parameter": list(LOG_PARAMETERS),
+        "joint": posterior["joint"],
+    }
+    return xr.Dataset(found, coords)

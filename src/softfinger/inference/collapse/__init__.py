@@ -1,0 +1,1 @@
+"""The exact fast likelihood of the paper's step solution."""

@@ -1,0 +1,127 @@
+"""Draws of an expanded model, weighed by the model itself.
+
+The sampler's target differs from the posterior by Δ = Σ_i [log p(y_i | η_i, φ) − its expansion].
+Draws with weights exp Δ, Pareto-smoothed, are draws of the posterior; within each chain they are
+drawn anew by these weights, in their order.
+
+References
+----------
+Vehtari, Simpson, Gelman, Yao, Gabry (2024), JMLR 25(72): Pareto smoothed importance sampling.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from arviz_stats.accessors import AzStatsDaAccessor
+from numpy.typing import NDArray
+
+from softfinger.inference.expansion import Expansion, fill_squares
+from softfinger.inference.motion import measure_draws
+from softfinger.inference.problem import Candidate, Problem
+from softfinger.progress import track_progress
+
+MOST_SIMULATED = 120_000  # trials that are moved to weigh draws: under a minute on one core
+MOST_MEASURED = 20_000  # trials that are moved where weighing all would take longer
+FEWEST_WEIGHED = 25  # draws: fewer have no tail to be smoothed
+FEWEST = 1000  # draws that weighing may leave
+AT_ONCE = 2_000  # trials in one call, which bounds the memory
+LARGEST_K = 0.7  # of the weights' Pareto tail: beyond it weighing does not help
+
+
+class Correction(NamedTuple):
+    """How far an expansion's draws are from the model's.
+
+    Attributes
+    ----------
+    kept
+        (chain, draw) places of the draws that weighing keeps, in their order.
+    pareto_k
+        Of the weights; NaN where draws were only sampled, not weighed.
+    error
+        Sd over draws and trials of one trial's Δ [nats].
+    """
+
+    kept: NDArray[np.int64]
+    pareto_k: float
+    error: float
+
+
+def correct_draws(
+    problem: Problem,
+    candidate: Candidate,
+    expansion: Expansion,
+    draws: dict[str, NDArray[np.float64]],
+    rng: np.random.Generator,
+) -> Correction:
+    """Weigh draws by the full model.
+
+    Parameters
+    ----------
+    draws
+        eta (chain, draw, trial, d), effect (chain, draw, p), noise_scale (chain, draw).
+    rng
+        Of the drawing anew.
+
+    Returns
+    -------
+    Correction
+        With so many trials that weighing all draws would take long, every few draws are weighed
+        and kept; where too few would be left, all are kept as they are, and `error` is measured.
+    """
+    chains, count, trials, _ = draws["eta"].shape
+    total = chains * count
+    every = -(-total * trials // MOST_SIMULATED)
+    weighs = total // every >= min(FEWEST, total)
+    every = every if weighs else -(-total * trials // MOST_MEASURED)
+    whole = np.tile(np.arange(count), (chains, 1))
+    change = np.stack(
+        [_measure_change(problem, candidate, expansion, draws, c, every) for c in range(chains)]
+    )
+    error = float(np.nanstd(np.where(np.isfinite(change), change, np.nan)))
+    log_weight = xr.DataArray(change.sum(axis=2), dims=("chain", "draw")).fillna(-np.inf)
+    if not weighs or log_weight.size < FEWEST_WEIGHED:
+        return Correction(whole, float("nan"), error)
+    log_ratio = -log_weight  # ArviZ smooths the weights of a likelihood that is left out
+    smoothed, k = AzStatsDaAccessor(log_ratio).psislw(dim=["chain", "draw"])
+    if not float(k) <= LARGEST_K:
+        return Correction(whole, float(k), error)
+    weight = np.exp(smoothed.values - smoothed.values.max())
+    kept = every * np.stack([resample_in_order(w, rng) for w in weight])
+    return Correction(kept, float(k), error)
+
+
+def resample_in_order(weight: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.int64]:
+    """Draw places (n,) by their weights (n,), systematically: equal weights keep all as they are.
+
+    >>> resample_in_order(np.array([1.0, 1.0, 2.0, 0.0]), np.random.default_rng(1))
+    array([0, 1, 2, 2])
+    """
+    total = np.cumsum(weight) / weight.sum()
+    point = (np.arange(len(weight)) + rng.random()) / len(weight)
+    return np.minimum(np.searchsorted(total, point), len(weight) - 1)
+
+
+def _measure_change(
+    problem: Problem,
+    candidate: Candidate,
+    expansion: Expansion,
+    draws: dict[str, NDArray[np.float64]],
+    chain: int,
+    every: int,
+) -> NDArray[np.float64]:
+    """Δ_i (draw, trial) [nats] of every few draws of a chain."""
+    eta, effect = draws["eta"][chain, ::every], draws["effect"][chain, ::every]
+    scale = draws["noise_scale"][chain, ::every]
+    trials = eta.shape[1]
+    batch = max(AT_ONCE // max(trials, 1), 1)
+    change = np.empty(eta.shape[:2])
+    near = np.empty(trials)
+    for begin in track_progress(range(0, len(eta), batch), "weighing draws by the full model"):
+        some = slice(begin, begin + batch)
+        exact = measure_draws(problem, candidate, eta[some], effect[some])
+        for k, square in enumerate(exact, start=begin):
+            place = (expansion.own, expansion.shared, expansion.gram)
+            fill_squares(np.ascontiguousarray(eta[k].T), effect[k], *place, near)
+            change[k] = -0.5 * (square - near) / scale[k] ** 2
+    return change

@@ -1,0 +1,241 @@
+"""What a wrong log or clock does to the angles: directions in which the noise is larger.
+
+To first order an error of the load log, of a clock, or a drift of the picture adds G z, z normal
+of sd s, with G what the error moves the angles by: the sensitivity of the model to the log, or
+the speed of the finger. Its covariance s² G Gᵀ is of low rank, so with white rows (Σ = 1)
+
+    (1 + s² G Gᵀ)⁻¹ = 1 − s G (1 + s² GᵀG)⁻¹ Gᵀ s
+
+and everything follows from the Gram matrix of [∂F/∂η | ∂F/∂φ | residual | G].
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softfinger.inference.mixed_effects_laplace import solve_linearised
+from softfinger.inference.problem import Candidate, Problem
+from softfinger.inference.reduce import reduce_trials, whiten_residual, whiten_slope
+from softfinger.measurement.components import choose_components
+from softfinger.measurement.trials import Trials
+
+Array = NDArray[np.float64]
+
+SIZES: Mapping[str, Array] = {
+    "noisy_load": np.array([0.001, 0.002, 0.005, 0.01, 0.02]),  # relative sd of a row
+    "timing_jitter": np.array([0.0005, 0.001, 0.002, 0.004, 0.008]),  # [s] sd of a frame's time
+    "clock_offset": np.array([0.001, 0.003, 0.01, 0.03]),  # [s] sd between trials
+    "clock_rate": np.array([1e-4, 3e-4, 1e-3, 3e-3]),  # relative sd between trials
+    "drift": np.array([0.5, 1.0, 2.0, 4.0]),  # sd at the end of a trial, over the noise's sd
+}
+MOST_ROWS = 24  # of a load log that err alone; of a longer one neighbours err together
+MOST_BINS = 40  # of a trial, those in which it moves fastest, in which jitter counts
+SHAPES = 5  # of a random walk that count
+STEP_SHARE = 0.01  # of a row's load by which the model is moved
+STEP_S = 0.002
+ROUNDS = 3
+SLIGHT = 1e-6  # of the noise's variance, that a direction adds
+
+
+def list_disturbances(problem: Problem, candidate: Candidate) -> dict[str, Array]:
+    """What errors of unit size move the angles by: id → (trial, joint, bin · 2, column) [rad].
+
+    Those of a load that was only assumed have no log to err.
+    """
+    speed = _measure_speed(problem, candidate)
+    time = problem.trials.node.reshape(len(speed), 1, -1)
+    found = {
+        "timing_jitter": _spread_jitter(problem.trials, speed),
+        "drift": _list_walks(problem),
+    }
+    if problem.setting.load_known:
+        found["clock_offset"] = speed[..., None]
+        found["clock_rate"] = (speed * time)[..., None]
+        found["noisy_load"] = _move_rows(problem, candidate)
+    return found
+
+
+def fit_disturbances(
+    problem: Problem, candidate: Candidate
+) -> tuple[dict[str, float], dict[str, float], dict[str, Array]]:
+    """Find which disturbances a fitted model's residual shows.
+
+    Returns
+    -------
+    size, evidence, directions
+        Id → size and evidence [nats] of those that are there; `list_disturbances`.
+    """
+    directions = list_disturbances(problem, candidate)
+    fit = candidate.fit
+    angle, slope = problem.simulate(candidate.model, fit.own, fit.shared)
+    known = slope.shape[3]
+    whole = reduce_trials(
+        problem.trials, angle, np.concatenate([slope, *directions.values()], axis=3)
+    )
+    ends = np.cumsum([known, *(g.shape[3] for g in directions.values())])
+    places = {n: np.arange(a, b) for n, a, b in zip(directions, ends, ends[1:], strict=False)}
+    prior, bounds = problem.build_prior(candidate.model), problem.build_bounds(candidate.model)
+    model = np.append(np.arange(known), whole.shape[1] - 1)
+
+    def evaluate(size: Mapping[str, float]) -> float:
+        gram, logdet = soften_gram_array(whole, model, {n: (places[n], s) for n, s in size.items()})
+        place = fit.own, fit.shared
+        value = solve_linearised(gram, prior, bounds, place, fit.omega, rounds=ROUNDS)[1]
+        return value - 0.5 * float(logdet)
+
+    sizes = {name: SIZES[name] for name in directions if np.any(directions[name])}
+    return *choose_components(evaluate, sizes), directions
+
+
+def soften_gram_array(
+    whole: Array, model: NDArray[np.int64], soft: Mapping[str, tuple[NDArray[np.int64], float]]
+) -> tuple[Array, float]:
+    """Gram matrices (trial, …) of some columns under larger noise, and what log|Σ| gains.
+
+    Parameters
+    ----------
+    whole
+        (trial, …) Gram matrices of all columns, white.
+    model
+        Places of the columns that are kept.
+    soft
+        Places of directions and the sd along each.
+
+    Examples
+    --------
+    One number with one direction along it: its variance is 1 + 3.
+
+    >>> gram, logdet = soften_gram_array(np.ones((1, 2, 2)), np.zeros(1, int),
+    ...                                  {"drift": (np.ones(1, int), np.sqrt(3.0))})
+    >>> gram.round(6).tolist(), round(logdet, 6)
+    ([[[0.25]]], 1.386294)
+    """
+    gram = whole[:, model[:, None], model]
+    if not soft:
+        return gram, 0.0
+    place = np.concatenate([places for places, _ in soft.values()])
+    sd = np.concatenate([np.full(len(places), size) for places, size in soft.values()])
+    inner = np.eye(len(place)) + whole[:, place[:, None], place] * np.outer(sd, sd)
+    cross = whole[:, place[:, None], model] * sd[:, None]
+    gram = gram - cross.transpose(0, 2, 1) @ np.linalg.solve(inner, cross)
+    return gram, float(np.linalg.slogdet(inner)[1].sum())
+
+
+def soften(problem: Problem, size: Mapping[str, float], directions: Mapping[str, Array]) -> Problem:
+    """Let the noise be larger along some directions, by their sizes."""
+    trials = problem.trials
+    scaled = np.concatenate([size[name] * directions[name] for name in size], axis=3)
+    parts, gained = [], []
+    for i in range(len(trials.name)):
+        vectors, sd, _ = np.linalg.svd(whiten_slope(trials, scaled, i), full_matrices=False)
+        gained.append(np.log1p(sd**2).sum())
+        kept = sd**2 > SLIGHT
+        shrink = 1.0 - 1.0 / np.sqrt(1.0 + sd[kept] ** 2)
+        parts.append(vectors[:, kept] * np.sqrt(shrink))
+    soft = np.zeros((len(parts), trials.size.max(), max(part.shape[1] for part in parts)))
+    for whole, part in zip(soft, parts, strict=True):
+        whole[: len(part), : part.shape[1]] = part
+    softer = trials._replace(soft=soft, logdet=trials.logdet + np.array(gained))
+    return replace(problem, trials=softer, directions=scaled)
+
+
+def locate_disturbances(problem: Problem, candidate: Candidate, time: Array) -> Array:
+    """Most probable disturbance (trial, joint, frame) [rad] at some times (trial, frame) [s].
+
+    Given the modes of η and φ, and between the bins' nodes by straight lines.
+    """
+    trials, fit, moved = problem.trials, candidate.fit, problem.directions
+    found = np.zeros((len(trials.name), trials.joints, time.shape[1]))
+    if moved is None:
+        return found
+    angle = problem.simulate(candidate.model, fit.own, fit.shared, np.zeros(0, np.int64))[0]
+    stiff = trials._replace(soft=trials.soft[:, :, :0])
+    for i in range(len(trials.name)):
+        white, left = whiten_slope(trials, moved, i), whiten_residual(stiff, angle, i)
+        left = left[:, trials.present[i]].ravel()
+        inner = np.eye(white.shape[1]) + white.T @ white
+        shift = moved[i] @ np.linalg.solve(inner, white.T @ left)
+        for j in range(trials.joints):
+            found[i, j] = np.interp(time[i], trials.node[i].ravel(), shift[j])
+    return found
+
+
+def _simulate(problem: Problem, candidate: Candidate, **changes: Array) -> Array:
+    moved = replace(problem, trials=problem.trials._replace(**changes))
+    nothing = np.zeros(0, np.int64)
+    return moved.simulate(candidate.model, candidate.fit.own, candidate.fit.shared, nothing)[0]
+
+
+def _measure_speed(problem: Problem, candidate: Candidate) -> Array:
+    """Speed (trial, joint, bin · 2) [rad/s], over a few milliseconds."""
+    node = problem.trials.node
+    after, before = (_simulate(problem, candidate, node=node + s) for s in (STEP_S, -STEP_S))
+    return (after - before) / (2 * STEP_S)
+
+
+def _spread_jitter(trials: Trials, speed: Array) -> Array:
+    """One column for each bin in which the finger moves fast: its frames err alone."""
+    count, joints, nodes = speed.shape
+    mean = speed.reshape(count, joints, -1, 2).mean(axis=3)
+    frames = np.ones((count, nodes // 2))
+    for i, starts in enumerate(trials.starts):
+        frames[i, : len(starts) - 1] = np.diff(starts)
+        mean[i, :, len(starts) - 1 :] = 0.0
+    mean = mean / np.sqrt(frames)[:, None]
+    order = np.argsort(-np.abs(mean).max(axis=1), axis=1)[:, :MOST_BINS]
+    columns = np.zeros((count, joints, nodes // 2, order.shape[1]))
+    for k in range(order.shape[1]):
+        at = order[:, k]
+        columns[np.arange(count), :, at, k] = mean[np.arange(count), :, at]
+    return np.repeat(columns, 2, axis=2)
+
+
+def _list_walks(problem: Problem) -> Array:
+    """Leading shapes of a random walk of each joint, of the noise's sd at the end of a trial.
+
+    Karhunen–Loève: √2 sin((k − ½) π t/T) / ((k − ½) π).
+    """
+    trials, joints = problem.trials, problem.trials.joints
+    node = trials.node.reshape(len(trials.name), -1)
+    share = (node - node[:, :1]) / np.maximum(node[:, -1:] - node[:, :1], 1e-300)
+    pitch = (np.arange(SHAPES) + 0.5) * np.pi
+    walk = np.sqrt(2.0) * np.sin(share[..., None] * pitch) / pitch
+    sd = problem.noise["noise_sd"].values
+    columns = np.einsum("tns,jk,j->tjnks", walk, np.eye(joints), sd)
+    return columns.reshape(*columns.shape[:3], joints * SHAPES)
+
+
+def _move_rows(problem: Problem, candidate: Candidate) -> Array:
+    """What a relative error of every row of the load log moves the angles by."""
+    trials = problem.trials
+    rows = [_group_rows(*load) for load in zip(trials.load_time, trials.load_torque, strict=True)]
+    count = max(int(row.max(initial=-1)) + 1 for row, _ in rows)
+    label, sd = (np.stack(part) for part in zip(*rows, strict=True))
+    still = _simulate(problem, candidate)
+    columns = np.zeros((*still.shape, count))
+    for k in range(count):
+        error = np.where(label == k, STEP_SHARE * sd, 0.0)
+        torque = trials.load_torque * (1.0 + error)
+        columns[..., k] = (_simulate(problem, candidate, load_torque=torque) - still) / STEP_SHARE
+    return columns
+
+
+def _group_rows(time: Array, torque: Array) -> tuple[NDArray[np.int64], Array]:
+    """Which knots err together (knot,), −1 where there is no load, and with which sd.
+
+    A jump has two knots; the first of them repeats the row before.
+
+    >>> _group_rows(np.array([0.0, 4.0, 4.0, 9.0]), np.array([2.0, 2.0, 1.0, 1.0]))[0]
+    array([0, 0, 1, 2])
+    """
+    after = np.append(time[1:] == time[:-1], False)
+    repeats = np.append(False, torque[1:] == torque[:-1])
+    same = repeats & (after | np.append(False, time[1:] == time[:-1]))
+    row = np.cumsum(~same) - 1
+    loaded = torque != 0.0
+    _, row[loaded] = np.unique(row[loaded], return_inverse=True)
+    number = int(row[loaded].max(initial=-1)) + 1
+    together = max(1, -(-number // MOST_ROWS))
+    return np.where(loaded, row // together, -1), np.full(len(time), together**-0.5)

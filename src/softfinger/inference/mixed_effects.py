@@ -1,0 +1,230 @@
+"""A linear mixed-effects model, solved from each trial's Gram matrix.
+
+Trial i, whitened to unit noise, with its own parameters η_i and shared parameters φ:
+
+    z_i = A_i η_i + B_i φ + ε_i,   η_i ~ N(μ, Ω),   ε_i ~ N(0, 1),   (μ, φ) ~ N(m, P⁻¹)
+
+needs only G_i = CᵀC of C = [A | B | z]. η_i, μ and φ are integrated exactly; Ω, block-diagonal, is
+the maximum of its restricted likelihood and an inverse-Wishart prior of ν trials of covariance S
+(density taken over log Ω, so that EM is Ω = (ν S + Σ E[b bᵀ]) / (ν + n)), its sds at most `WIDEST`
+times those of S: a trial that shows nothing of a parameter would send both to infinity.
+
+References
+----------
+Laird, Ware (1982), Biometrics 38, 963. Varadhan, Roland (2008), Scand. J. Stat. 35, 335 (SQUAREM).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softfinger.compiled import compiled
+
+LOG_TWO_PI = float(np.log(2.0 * np.pi))
+WIDEST = 20.0
+FARTHEST = 3.0  # that an extrapolation takes the logarithm of an sd: far beyond, Ω is singular
+
+
+class Prior(NamedTuple):
+    """Priors of a mixed-effects model with d own and p shared parameters.
+
+    Attributes
+    ----------
+    mean, precision
+        (d + p,) of μ and φ, independent.
+    spread
+        (d,) typical sd of a parameter between trials: S is its square, diagonal.
+    weight
+        ν, what the typical sd counts in trials.
+    block
+        Own parameters come in blocks of this many (a joint's four) that may be correlated.
+    """
+
+    mean: NDArray[np.float64]
+    precision: NDArray[np.float64]
+    spread: NDArray[np.float64]
+    weight: float
+    block: int
+
+
+class LinearFit(NamedTuple):
+    """What a linear mixed-effects model says.
+
+    Attributes
+    ----------
+    shared, shared_covariance
+        (d + p,), (d + p, d + p): μ and φ.
+    omega
+        (d, d).
+    own, own_covariance
+        (trial, d), (trial, d, d): η_i given the data; covariance given μ and φ.
+    log_evidence
+        log p(z | Ω) + log p(Ω) [nats], without the constants of the noise and of Ω's prior.
+    """
+
+    shared: NDArray[np.float64]
+    shared_covariance: NDArray[np.float64]
+    omega: NDArray[np.float64]
+    own: NDArray[np.float64]
+    own_covariance: NDArray[np.float64]
+    log_evidence: float
+
+
+def fit_linear(
+    gram: NDArray[np.float64],
+    prior: Prior,
+    omega: NDArray[np.float64],
+    *,
+    rounds: int = 30,
+    tolerance: float = 1e-3,
+) -> LinearFit:
+    """Fit the linear mixed-effects model by accelerated EM over Ω.
+
+    Parameters
+    ----------
+    gram
+        (trial, d + p + 1, d + p + 1) Gram matrices of [A | B | z].
+    prior
+        Priors.
+    omega
+        (d, d) to start from.
+    rounds
+        Most rounds of two EM steps and one extrapolation.
+    tolerance
+        Gain of the log evidence in a round [nats] at which to stop.
+
+    Examples
+    --------
+    One trial of one number z = 2 with unit noise and η ~ N(0, Ω = 1): half of it is η's.
+
+    >>> prior = Prior(np.zeros(1), np.full(1, 1e12), np.ones(1), 1e12, 1)
+    >>> fit = fit_linear(np.array([[[1.0, 2.0], [2.0, 4.0]]]), prior, np.eye(1))
+    >>> fit.own.round(6)
+    array([[1.]])
+    """
+    gram = np.ascontiguousarray(gram, float)
+    omega, _ = _climb(gram, *prior, np.ascontiguousarray(omega, float), rounds, tolerance)
+    return LinearFit(*_solve(gram, *prior, omega)[:-1])
+
+
+def hold_omega(gram: NDArray[np.float64], prior: Prior, omega: NDArray[np.float64]) -> LinearFit:
+    """Solve the linear mixed-effects model for a given Ω."""
+    solved = _solve(np.ascontiguousarray(gram, float), *prior, np.ascontiguousarray(omega, float))
+    return LinearFit(*solved[:-1])
+
+
+def subtract_omega(omega: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Change (d²,) from another Ω to this: of the Cholesky factor, its diagonal's in logarithms."""
+    return _pack(np.ascontiguousarray(omega)) - _pack(np.ascontiguousarray(other))
+
+
+def add_omega(omega: NDArray[np.float64], change: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Ω after a change as `subtract_omega` states it.
+
+    >>> one, four = np.eye(1), 4 * np.eye(1)
+    >>> add_omega(one, 0.5 * subtract_omega(four, one)).round(6)
+    array([[2.]])
+    """
+    return _unpack(_pack(np.ascontiguousarray(omega)) + change, len(omega))
+
+
+@compiled
+def _solve(
+    gram: NDArray,
+    mean: NDArray,
+    precision: NDArray,
+    spread: NDArray,
+    weight: float,
+    block: int,
+    omega: NDArray,
+) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray, float, NDArray]:
+    """Everything for a given Ω, and the Ω of the next EM step."""
+    trials, size = gram.shape[0], gram.shape[1]
+    d, m = omega.shape[0], size - 1
+    inverse = np.linalg.inv(omega)
+    kept = np.empty((trials, d, d))
+    normal = np.diag(np.append(precision, 0.0))
+    normal[:m, m] = precision * mean
+    normal[m, m] = np.sum(precision * mean**2)
+    log_omega = np.linalg.slogdet(omega)[1]
+    logdet = 0.0
+    for i in range(trials):
+        total = inverse + gram[i, :d, :d]
+        kept[i] = np.linalg.inv(total)
+        logdet += np.linalg.slogdet(total)[1] + log_omega
+        cross = np.ascontiguousarray(gram[i, :, :d])
+        normal += gram[i] - cross @ kept[i] @ cross.T
+    hessian = np.ascontiguousarray(normal[:m, :m])
+    covariance = np.linalg.inv(hessian)
+    shared = covariance @ np.ascontiguousarray(normal[:m, m])
+    square = normal[m, m] - shared @ np.ascontiguousarray(normal[:m, m])
+    evidence = -0.5 * (square + logdet + np.linalg.slogdet(hessian)[1])
+    evidence += 0.5 * np.sum(np.log(precision))
+    evidence -= 0.5 * weight * (log_omega + np.sum(np.diag(inverse) * spread**2))
+    own = np.empty((trials, d))
+    moment = np.diag(weight * spread**2)
+    for i in range(trials):
+        share = kept[i] @ np.ascontiguousarray(gram[i, :d, :m])
+        shift = kept[i] @ np.ascontiguousarray(gram[i, :d, m]) - share @ shared
+        own[i] = shared[:d] + shift
+        moment += np.outer(shift, shift) + kept[i] + share @ covariance @ share.T
+    for a in range(d):
+        for b in range(d):
+            if a // block != b // block:
+                moment[a, b] = 0.0
+    moment /= weight + trials
+    shrink = np.minimum(1.0, WIDEST * spread / np.sqrt(np.diag(moment)))
+    return shared, covariance, omega, own, kept, evidence, moment * np.outer(shrink, shrink)
+
+
+@compiled
+def _climb(
+    gram: NDArray,
+    mean: NDArray,
+    precision: NDArray,
+    spread: NDArray,
+    weight: float,
+    block: int,
+    omega: NDArray,
+    rounds: int,
+    tolerance: float,
+) -> tuple[NDArray, float]:
+    """SQUAREM: two EM steps, one extrapolation along them, kept only if the evidence rises."""
+    best = -np.inf
+    for _ in range(rounds):
+        one = _solve(gram, mean, precision, spread, weight, block, omega)
+        two = _solve(gram, mean, precision, spread, weight, block, one[6])
+        x0, x1, x2 = _pack(omega), _pack(one[6]), _pack(two[6])
+        step, bend = x1 - x0, x2 - 2.0 * x1 + x0
+        length = np.sqrt(np.sum(step**2) / max(np.sum(bend**2), 1e-300))
+        length = min(max(length, 1.0), 16.0)
+        omega, value = two[6], two[5]
+        away = x0 + 2.0 * length * step + length**2 * bend - x2
+        most = np.max(np.abs(away[:: omega.shape[0] + 1]))  # of logarithms of sds
+        trial = _unpack(x2 + away * FARTHEST / max(most, FARTHEST), omega.shape[0])
+        if np.all(np.isfinite(trial)):
+            far = _solve(gram, mean, precision, spread, weight, block, trial)
+            near = _solve(gram, mean, precision, spread, weight, block, omega)
+            omega, value = (far[6], far[5]) if far[5] > near[5] else (near[6], near[5])
+        if value - best < tolerance:
+            return omega, value
+        best = value
+    return omega, best
+
+
+@compiled
+def _pack(omega: NDArray) -> NDArray:
+    """Cholesky factor of Ω with the logarithm of its diagonal."""
+    factor = np.linalg.cholesky(omega)
+    for a in range(factor.shape[0]):
+        factor[a, a] = np.log(factor[a, a])
+    return factor.ravel()
+
+
+@compiled
+def _unpack(packed: NDArray, d: int) -> NDArray:
+    factor = packed.copy().reshape(d, d)
+    for a in range(d):
+        factor[a, a] = np.exp(min(factor[a, a], 10.0))
+    return factor @ factor.T

@@ -1,0 +1,314 @@
+"""A nonlinear mixed-effects model by repeated linearisation: FOCE with Laplace's evidence.
+
+y_i = F_i(η_i, φ) + ε_i is linearised at each trial's mode, the linear mixed model is solved from
+Gram matrices, and so on until nothing moves. Shared parameters may have bounds: their normal prior
+and posterior are cut there.
+
+References
+----------
+Lindstrom, Bates (1990), Biometrics 46, 673. Wolfinger (1993), Biometrika 80, 791.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softfinger.inference.mixed_effects import (
+    LinearFit,
+    Prior,
+    add_omega,
+    fit_linear,
+    hold_omega,
+    subtract_omega,
+)
+from softfinger.inference.mixed_effects_step import Linearise, Relaxation, take_step
+from softfinger.inference.rectangle import measure_rectangle
+
+SHARE = 1e-4  # of the evidence that a fit gains: the digits that are asked of it
+PINNED = 1e12  # precision, over the prior's, of a parameter held at its bound
+PACE = 8  # last steps that tell how fast a fit gains
+
+
+class SharedBounds(NamedTuple):
+    """Bounds and longest steps of the shared parameters φ (p,)."""
+
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+    step: NDArray[np.float64]
+
+
+class Fit(NamedTuple):
+    """A nonlinear mixed-effects fit.
+
+    Attributes
+    ----------
+    own, own_covariance
+        (trial, d), (trial, d, d): modes of η_i, and covariance given μ and φ.
+    mean, mean_covariance
+        (d,), (d, d): μ.
+    shared, shared_covariance
+        (p,), (p, p): φ.
+    omega
+        (d, d).
+    log_evidence
+        [nats], without the constants of the noise and of Ω's prior.
+    gram
+        (trial, d + p + 1, d + p + 1) of [∂F/∂η | ∂F/∂φ | residual] at the modes, whitened.
+    converged
+        Whether it came to rest.
+    first
+        Log evidence from which its gain counts: as given, or of its first linearisation.
+    """
+
+    own: NDArray[np.float64]
+    own_covariance: NDArray[np.float64]
+    mean: NDArray[np.float64]
+    mean_covariance: NDArray[np.float64]
+    shared: NDArray[np.float64]
+    shared_covariance: NDArray[np.float64]
+    omega: NDArray[np.float64]
+    log_evidence: float
+    gram: NDArray[np.float64]
+    converged: bool
+    first: float = -np.inf
+
+    @property
+    def chi_square(self) -> NDArray[np.float64]:
+        """Squared whitened residual of each trial at its mode (trial,)."""
+        return self.gram[:, -1, -1]
+
+
+def fit_nonlinear(
+    linearise: Linearise,
+    prior: Prior,
+    bounds: SharedBounds,
+    own_step: NDArray[np.float64],
+    start: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]],
+    *,
+    steps: int = 25,
+    tolerance: float = 0.02,
+    first: float = -np.inf,
+    rival: float = -np.inf,
+) -> Fit:
+    """Fit a nonlinear mixed-effects model.
+
+    Parameters
+    ----------
+    linearise
+        (η (trial, d), φ (p,)) → Gram matrices of [∂F/∂η | ∂F/∂φ | y − F], whitened; not finite
+        where the model has no solution.
+    prior
+        Priors of μ and φ (before they are cut at the bounds) and of Ω.
+    bounds
+        Bounds and longest steps of φ.
+    own_step
+        (d,) longest step of η.
+    start
+        η (trial, d), φ (p,), Ω (d, d).
+    steps
+        Most steps; where they are tried again and again, twice as many linearisations end the fit.
+    tolerance
+        Change of the log evidence [nats] at which it has come to rest; of a large gain, `SHARE`.
+    first
+        Log evidence from which the gain counts, where other fits have led to this one.
+    rival
+        Log evidence that is worth reaching: a fit that at its pace would end below it stops.
+    """
+    own, shared, omega = (np.array(a, float) for a in start)
+    gram = linearise(own, shared)
+    best = -np.inf
+    moving, spreading = Relaxation(), Relaxation()
+    tries, converged = 0, False
+    path: list[float] = []
+    for _ in range(steps):
+        moved, near, centre = centre_gram(gram, prior, own, shared)
+        linear = fit_linear(moved, near, omega)
+        change = subtract_omega(linear.omega, omega)
+        part = spreading.limit(change)
+        spreading = spreading.take(part, change, part)
+        if part < 1.0:
+            linear = hold_omega(moved, near, add_omega(omega, part * change))
+        omega = linear.omega
+        linear, target = _hold_bounds(moved, near, bounds, linear, centre)
+        step = linear.own - own
+        moves = step, target - shared
+        wanted = _scale(linear, moves)
+        most = moving.limit(wanted)
+        taken = take_step(linearise, prior, linear, (own, shared), moves, gram, own_step, most)
+        evidence = linear.log_evidence
+        if taken is None:
+            converged = np.isfinite(best)
+            break
+        made = taken.own - own
+        own, shared, gram, fraction, _ = taken
+        moving = moving.take(most, wanted, fraction)
+        # a trial whose step leads back to where it was is at rest, whatever it wants
+        far = np.minimum(np.abs(step), np.abs(made) / fraction)
+        still = np.all(far <= 0.05 * _spread(linear))
+        first = evidence if np.isinf(first) else first
+        converged = abs(evidence - best) < tolerance + SHARE * abs(evidence - first) and still
+        best = evidence
+        tries += taken.tries
+        path.append(evidence)
+        if converged or tries > 2 * steps or _extrapolate(path, steps) < rival:
+            break
+    return _finish(gram, prior, bounds, own, shared, omega, converged=converged, first=first)
+
+
+def _extrapolate(path: list[float], steps: int) -> float:
+    """Log evidence that a fit would reach after so many steps, at the pace of its last ones.
+
+    >>> _extrapolate([0.0] * 5 + [1.0, 2.0, 3.0, 4.0, 5.0], 26)
+    15.0
+    """
+    if len(path) <= PACE:
+        return np.inf
+    pace = max(path[-1] - path[-1 - PACE], 0.0) / PACE
+    return path[-1] + pace * (steps - len(path))
+
+
+def _finish(
+    gram: NDArray,
+    prior: Prior,
+    bounds: SharedBounds,
+    own: NDArray,
+    shared: NDArray,
+    omega: NDArray,
+    *,
+    converged: bool,
+    first: float,
+) -> Fit:
+    d = len(omega)
+    linear, evidence = solve_linearised(gram, prior, bounds, (own, shared), omega, rounds=30)
+    covariance = linear.shared_covariance
+    return Fit(
+        own,
+        linear.own_covariance,
+        linear.shared[:d],
+        covariance[:d, :d],
+        shared,
+        covariance[d:, d:],
+        linear.omega,
+        evidence,
+        gram,
+        bool(converged),
+        float(first),
+    )
+
+
+def solve_linearised(
+    gram: NDArray[np.float64],
+    prior: Prior,
+    bounds: SharedBounds,
+    place: tuple[NDArray[np.float64], NDArray[np.float64]],
+    omega: NDArray[np.float64],
+    *,
+    rounds: int = 0,
+) -> tuple[LinearFit, float]:
+    """Solve the model linearised at (η, φ); its log evidence includes the bounds.
+
+    Parameters
+    ----------
+    gram
+        (trial, …) of [∂F/∂η | ∂F/∂φ | residual] at `place`.
+    rounds
+        Of EM for Ω; 0 holds it.
+    """
+    moved, near, centre = centre_gram(gram, prior, *place)
+    linear = fit_linear(moved, near, omega, rounds=rounds) if rounds else None
+    linear = _restore(linear or hold_omega(moved, near, omega), centre)
+    d = len(omega)
+    found = linear.shared[d:], linear.shared_covariance[d:, d:]
+    priors = prior.mean[d:], prior.precision[d:] ** -0.5
+    return linear, linear.log_evidence + compute_cut_array(*found, *priors, bounds)
+
+
+def compute_cut_array(
+    mean: NDArray[np.float64],
+    covariance: NDArray[np.float64],
+    prior_mean: NDArray[np.float64],
+    prior_sd: NDArray[np.float64],
+    bounds: SharedBounds,
+) -> float:
+    """Compute what bounds add to a log evidence: log posterior mass inside − log prior mass inside.
+
+    >>> far = SharedBounds(np.zeros(1), np.full(1, np.inf), np.ones(1))
+    >>> one = np.ones(1)
+    >>> round(compute_cut_array(9 * one, np.eye(1), 0 * one, one, far), 6)  # half-normal prior
+    0.693147
+    """
+    covariance = np.ascontiguousarray(covariance)  # a part of a larger one, as it comes
+    inside = measure_rectangle(mean, covariance, bounds.low, bounds.high)
+    return inside - measure_rectangle(prior_mean, np.diag(prior_sd**2), bounds.low, bounds.high)
+
+
+def centre_gram(
+    gram: NDArray[np.float64],
+    prior: Prior,
+    own: NDArray[np.float64],
+    shared: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], Prior, NDArray[np.float64]]:
+    """State a linearised model in differences from the mean mode and from φ.
+
+    Only differences keep the digits of very precise recordings.
+
+    Parameters
+    ----------
+    gram
+        (trial, …) of [A | B | residual] at η = `own` and φ = `shared`.
+
+    Returns
+    -------
+    moved, prior, centre
+        Gram matrices of [A | B | z] for fits; the prior about the centre; the centre (d + p,), to
+        be added to what a fit says of μ, φ and η.
+    """
+    middle = own.mean(axis=0)
+    centre = np.concatenate([middle, shared])
+    change = np.tile(np.eye(gram.shape[1]), (len(gram), 1, 1))
+    change[:, : own.shape[1], -1] = own - middle
+    moved = change.transpose(0, 2, 1) @ gram @ change
+    return moved, prior._replace(mean=prior.mean - centre), centre
+
+
+def _restore(linear: LinearFit, centre: NDArray) -> LinearFit:
+    d = len(linear.omega)
+    return linear._replace(shared=linear.shared + centre, own=linear.own + centre[:d])
+
+
+def _hold_bounds(
+    moved: NDArray, prior: Prior, bounds: SharedBounds, linear: LinearFit, centre: NDArray
+) -> tuple[LinearFit, NDArray]:
+    """Where φ may go: within its bounds and steps; η follows the φ that was held."""
+    d = len(linear.omega)
+    low = np.maximum(bounds.low - centre[d:], -bounds.step)
+    high = np.minimum(bounds.high - centre[d:], bounds.step)
+    wanted = linear.shared[d:]
+    target = np.clip(wanted, low, high)
+    held = target != wanted
+    for _ in range(len(target)):
+        if not held.any():
+            break
+        mean, precision = prior.mean.copy(), prior.precision.copy()
+        mean[d:][held] = target[held]
+        precision[d:][held] *= PINNED
+        pinned = hold_omega(moved, prior._replace(mean=mean, precision=precision), linear.omega)
+        wanted = np.where(held, target, pinned.shared[d:])
+        target = np.clip(wanted, low, high)
+        linear = pinned._replace(log_evidence=linear.log_evidence)
+        if np.all(target == wanted):
+            break
+        held |= target != wanted
+    return _restore(linear, centre), target + centre[d:]
+
+
+def _scale(linear: LinearFit, moves: tuple[NDArray, NDArray]) -> NDArray:
+    """A step in units of what is uncertain."""
+    d = len(linear.omega)
+    sd = np.sqrt(np.diag(linear.shared_covariance)[d:]) + 1e-12
+    return np.concatenate([(moves[0] / _spread(linear)).ravel(), moves[1] / sd])
+
+
+def _spread(linear: LinearFit) -> NDArray:
+    return np.sqrt(np.einsum("tii->ti", linear.own_covariance)) + 1e-12

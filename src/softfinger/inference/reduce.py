@@ -1,0 +1,121 @@
+"""From a model's angles and derivatives at the bins' nodes to each trial's whitened Gram matrix."""
+
+import numpy as np
+from numba import prange
+from numpy.typing import NDArray
+
+from softfinger.compiled import compiled
+from softfinger.measurement.trials import Trials
+
+
+def reduce_trials(
+    trials: Trials, angle: NDArray[np.float64], slope: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Reduce a model to Gram matrices (trial, column + 1, column + 1) of [slope | residual].
+
+    Parameters
+    ----------
+    trials
+        Binned recordings.
+    angle, slope
+        (trial, joint, bin · 2) [rad] at the nodes, and (trial, joint, bin · 2, column).
+    """
+    return _reduce(
+        angle,
+        slope,
+        trials.angle,
+        trials.bins,
+        trials.present,
+        trials.scale,
+        trials.protocol,
+        trials.band,
+        trials.first,
+        trials.soft,
+    )
+
+
+@compiled(parallel=True)
+def _reduce(
+    angle: NDArray,
+    slope: NDArray,
+    seen: NDArray,
+    bins: NDArray,
+    present: NDArray,
+    scale: NDArray,
+    protocol: NDArray,
+    band: NDArray,
+    first: NDArray,
+    soft: NDArray,
+) -> NDArray:
+    trials, columns = angle.shape[0], slope.shape[3]
+    gram = np.empty((trials, columns + 1, columns + 1))
+    for i in prange(trials):
+        kind = protocol[i]
+        rows = _collect_rows(angle[i], slope[i], seen[i], bins[i], present[i], scale[i])
+        white = _soften(_whiten_band(band[kind], first[kind], rows), soft[i])
+        gram[i] = white.T @ white
+    return gram
+
+
+@compiled
+def _collect_rows(
+    angle: NDArray, slope: NDArray, seen: NDArray, bins: int, present: NDArray, scale: NDArray
+) -> NDArray:
+    """Rows (bin · present joint, column + 1): means of each bin's two nodes, joints fastest.
+
+    Each over the scale of its noise.
+    """
+    columns = slope.shape[2]
+    rows = np.empty((bins * present.sum(), columns + 1))
+    row = 0
+    for b in range(bins):
+        for j in range(present.size):
+            if present[j]:
+                half = 0.5 / scale[b, j]
+                for c in range(columns):
+                    rows[row, c] = half * (slope[j, 2 * b, c] + slope[j, 2 * b + 1, c])
+                mean = 0.5 * (angle[j, 2 * b] + angle[j, 2 * b + 1])
+                rows[row, columns] = (seen[b, j] - mean) / scale[b, j]
+                row += 1
+    return rows
+
+
+@compiled
+def _whiten_band(band: NDArray, first: NDArray, rows: NDArray) -> NDArray:
+    white = np.zeros_like(rows)
+    for i in range(rows.shape[0]):
+        for a in range(first[i], i + 1):
+            weight = band[i, a - first[i]]
+            for c in range(rows.shape[1]):
+                white[i, c] += weight * rows[a, c]
+    return white
+
+
+@compiled
+def _soften(white: NDArray, soft: NDArray) -> NDArray:
+    """Rows x − D Dᵀ x."""
+    if soft.shape[1] == 0:
+        return white
+    direction = np.ascontiguousarray(soft[: white.shape[0]])
+    return white - direction @ (direction.T @ white)
+
+
+def whiten_slope(trials: Trials, slope: NDArray[np.float64], trial: int) -> NDArray[np.float64]:
+    """Whitened rows (row, column) of slopes (trial, joint, bin · 2, column), in one trial."""
+    present, kind = trials.present[trial], trials.protocol[trial]
+    nothing = np.zeros(slope.shape[1:3])
+    slope, seen = np.ascontiguousarray(slope[trial]), np.zeros_like(trials.angle[trial])
+    rows = _collect_rows(nothing, slope, seen, trials.bins[trial], present, trials.scale[trial])
+    return _whiten_band(trials.band[kind], trials.first[kind], rows)[:, :-1]
+
+
+def whiten_residual(trials: Trials, angle: NDArray[np.float64], trial: int) -> NDArray[np.float64]:
+    """Whitened residual (bin, joint) of one trial; NaN for joints that were not seen."""
+    empty = np.zeros((*angle.shape[1:], 0))
+    present, kind = trials.present[trial], trials.protocol[trial]
+    seen, scale = trials.angle[trial], trials.scale[trial]
+    rows = _collect_rows(angle[trial], empty, seen, trials.bins[trial], present, scale)
+    white = np.full((trials.bins[trial], trials.joints), np.nan)
+    rows = _soften(_whiten_band(trials.band[kind], trials.first[kind], rows), trials.soft[trial])
+    white[:, present] = rows.reshape(-1, present.sum())
+    return white

@@ -1,0 +1,1 @@
+"""What recordings are: frames that count, their noise, time bins, changes of load."""

@@ -1,0 +1,79 @@
+"""Which components of a measurement are there: chosen by evidence, one after the other."""
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+LEAST_NATS = 6.0  # evidence from which a component is there
+MOST_EVALUATIONS = 60
+
+Sizes = dict[str, float]
+
+
+def choose_components(
+    evaluate: Callable[[Mapping[str, float]], float], sizes: Mapping[str, NDArray[np.float64]]
+) -> tuple[Sizes, Sizes]:
+    """Choose components and their sizes.
+
+    A component's evidence is averaged over its possible sizes; the best one joins while it gains
+    `LEAST_NATS`, and then the sizes of all are sought.
+
+    Parameters
+    ----------
+    evaluate
+        Component → size, to the log evidence [nats]; components not named are absent.
+    sizes
+        Component → the sizes (n,) that it may have.
+
+    Returns
+    -------
+    size, evidence
+        Component → size, and evidence [nats] beside the others; only those that are there.
+
+    Examples
+    --------
+    >>> def evaluate(size):
+    ...     return -(np.log(size["a"]) ** 2) if "a" in size else -20.0
+    >>> choose_components(evaluate, {"a": np.array([0.5, 2.0]), "b": np.ones(1)})[0]
+    {'a': 1.0}
+    """
+    size: Sizes = {}
+    absent = list(sizes)
+    while absent:
+        gain = {name: _weigh(evaluate, size, name, sizes[name]) for name in absent}
+        name = max(gain, key=lambda name: gain[name])
+        if gain[name] < LEAST_NATS:
+            break
+        absent.remove(name)
+        known = dict(size)
+        size[name] = float(max(sizes[name], key=lambda s: evaluate(known | {name: s})))
+        size = _refine(evaluate, size)
+    evidence = {}
+    for name in size:
+        rest = {key: value for key, value in size.items() if key != name}
+        evidence[name] = _weigh(evaluate, rest, name, sizes[name])
+    return size, evidence
+
+
+def _weigh(
+    evaluate: Callable[[Mapping[str, float]], float],
+    size: Sizes,
+    name: str,
+    sizes: NDArray[np.float64],
+) -> float:
+    """Evidence [nats] for one more component, averaged over its sizes."""
+    values = [evaluate(size | {name: float(s)}) for s in sizes]
+    return float(np.logaddexp.reduce(values) - np.log(len(values)) - evaluate(size))
+
+
+def _refine(evaluate: Callable[[Mapping[str, float]], float], size: Sizes) -> Sizes:
+    names = list(size)
+    found = minimize(
+        lambda x: -evaluate(dict(zip(names, np.exp(x).tolist(), strict=True))),
+        np.log([size[name] for name in names]),
+        method="Nelder-Mead",
+        options={"xatol": 0.03, "fatol": 0.03, "maxfev": MOST_EVALUATIONS},
+    )
+    return {name: round(float(np.exp(x)), 12) for name, x in zip(names, found.x, strict=True)}

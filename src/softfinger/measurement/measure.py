@@ -1,0 +1,266 @@
+"""What the recordings of a campaign suffer from: which frames inform, and the size of their noise.
+
+Everything is learnt from what a model leaves, and in ways that the model's own misfit hardly
+touches: outliers against frames as long after a change of load, sizes from quiet windows, in which
+a quartic takes up whatever moves slowly.
+"""
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.stats import t as student
+
+from softfinger.measurement.components import LEAST_NATS
+from softfinger.measurement.frames import LEAST_FRAMES, select_frames
+from softfinger.measurement.noise import NoiseFit, complete_noise, fit_noise
+from softfinger.measurement.outliers import find_outliers
+from softfinger.measurement.reml import DEGREE, LEAST_SD, profile_windows
+from softfinger.measurement.repeats import find_repeated_frames, find_rounding
+from softfinger.measurement.scales import Scales, WindowVariances, fit_scales
+
+LAYOUT = ("trial", "joint", "frame")
+FRAMES = ("trial", "frame")
+FREEDOMS = np.array([3.0, 4.0, 6.0, 10.0, 20.0])  # of heavy tails
+USUAL = 1e-3  # share of its frames that a sound recording loses
+GROSS = 6.0  # sd of what is no tail, but a slip
+
+Array = NDArray[np.float64]
+
+
+def measure(angles: xr.Dataset, motion: Array | None = None) -> xr.Dataset:
+    """Measure which frames inform and how large their noise is.
+
+    Parameters
+    ----------
+    angles
+        The `angles` artifact.
+    motion
+        (trial, joint, frame) [rad] of a fitted model; without it, only gross errors are sought and
+        all trials share one noise.
+
+    Returns
+    -------
+    Dataset
+        used, repeated (trial, frame); outlier_distance (trial, frame), t² of a frame that was left
+        out as an outlier, else 0; present, trial_factor (trial, joint); frame_scale (trial,
+        frame); noise_factor (trial, joint, frame); frame_interval [s]; noise_sd [rad],
+        recorded_noise_sd [rad], which differs where an sd is declared, noise_autocorrelation,
+        window_count (joint), noise_correlation (joint, other_joint);
+        noise_per_rad; component_size, component_evidence [nats] (component), of what is there.
+
+    Raises
+    ------
+    Fault
+        If no trial has enough frames.
+    """
+    frames = _prepare_frames(angles)
+    left = angles["joint_angle"].transpose(*LAYOUT)
+    left = left if motion is None else left - motion
+    angles = angles.assign(joint_angle=left)
+    every = frames["used"]
+    frames = _leave_out(frames, _find_outliers(angles, frames, None))
+    if motion is None:
+        return _complete(angles, frames, fit_noise(angles, frames), {})
+    moved = _measure_deflection(motion, frames)
+    fit = fit_noise(angles, frames)
+    scales = fit_scales(_list_variances(fit, moved, frames))
+    if scales.size:
+        grown = np.sqrt(1.0 + (scales.per_rad * np.nan_to_num(moved)) ** 2)
+        frames = frames.assign(
+            trial_factor=(LAYOUT[:2], scales.factor),
+            noise_factor=(LAYOUT, scales.factor[:, :, None] * grown),
+        )
+        fit = fit_noise(angles, frames)
+    known = complete_noise(fit.noise, angles, frames)
+    frames = frames.assign(used=every)
+    frames = _leave_out(frames, _find_outliers(angles, frames, known))
+    fit = fit_noise(angles, frames)
+    found = _list_components(scales, fit, frames)
+    return _complete(angles, frames, fit, found).assign(
+        noise_per_rad=scales.per_rad, recorded_noise_sd=("joint", _measure_sd(angles, frames, fit))
+    )
+
+
+def add_components(
+    measurement: xr.Dataset, size: dict[str, float], evidence: dict[str, float]
+) -> xr.Dataset:
+    """Add what was found besides: component → size, and evidence [nats]."""
+    known = measurement[["component_size", "component_evidence"]]
+    more = xr.Dataset(
+        {
+            "component_size": ("component", list(size.values())),
+            "component_evidence": ("component", [evidence[name] for name in size]),
+        },
+        {"component": list(size)},
+    )
+    both = xr.concat([known, more], "component")
+    return measurement.drop_dims("component").merge(both)
+
+
+def assume_noise(angles: xr.Dataset, known: xr.Dataset) -> xr.Dataset:
+    """Take the noise of all joints from another campaign, without what its trials suffer from."""
+    names = [name for name in known.data_vars if "trial" not in known[name].dims]
+    return _prepare_frames(angles).assign(
+        {name: known[name] for name in names if name not in ("frame_interval",)}
+    )
+
+
+def _prepare_frames(angles: xr.Dataset) -> xr.Dataset:
+    """Frames that inform before outliers are sought, all of one noise."""
+    frames = select_frames(angles)
+    repeated = find_repeated_frames(angles, frames)
+    shape = tuple(angles.sizes[dim] for dim in LAYOUT)
+    return frames.assign(
+        used=(FRAMES, frames["used"].values & ~repeated),
+        repeated=(FRAMES, repeated),
+        outlier_distance=(FRAMES, np.zeros(repeated.shape)),
+        trial_factor=(LAYOUT[:2], np.ones(shape[:2])),
+        noise_factor=(LAYOUT, np.ones(shape)),
+        rounding_sd=("joint", find_rounding(angles, frames)),
+        lost=((), _count_lost(angles, frames)),
+    )
+
+
+def _measure_sd(angles: xr.Dataset, frames: xr.Dataset, fit: NoiseFit) -> Array:
+    """Sd (joint,) [rad] that the recordings show, whatever is declared."""
+    if not np.isfinite(angles.attrs.get("noise_sd_rad", np.nan)):
+        return fit.noise["noise_sd"].values
+    return fit_noise(angles.assign_attrs(noise_sd_rad=np.nan), frames).noise["noise_sd"].values
+
+
+def _count_lost(angles: xr.Dataset, frames: xr.Dataset) -> float:
+    """How many frames are missing between those that were seen."""
+    time = angles["time"].transpose(*FRAMES).values
+    gaps = [np.diff(t[u]) for t, u in zip(time, frames["used"].values, strict=True)]
+    gap = np.round(np.concatenate(gaps) / float(frames["frame_interval"]))
+    return float(np.maximum(gap - 1.0, 0.0).sum())
+
+
+def _find_outliers(angles: xr.Dataset, frames: xr.Dataset, noise: xr.Dataset | None) -> Array:
+    scale = frames["frame_scale"].values[:, None] * frames["noise_factor"].values
+    return find_outliers(angles["joint_angle"].values / scale, angles, frames, noise)
+
+
+def _leave_out(frames: xr.Dataset, distance: Array) -> xr.Dataset:
+    used = frames["used"].values & (distance == 0.0)
+    used &= (used.sum(axis=1) >= LEAST_FRAMES)[:, None]
+    return frames.assign(used=(FRAMES, used), outlier_distance=(FRAMES, distance))
+
+
+def _measure_deflection(motion: Array, frames: xr.Dataset) -> Array:
+    """How far (trial, joint, frame) [rad] a joint is from where it was first seen."""
+    first = frames["used"].values.argmax(axis=1)
+    return np.abs(motion - np.take_along_axis(motion, first[:, None, None], axis=2))
+
+
+def _list_variances(fit: NoiseFit, moved: Array, frames: xr.Dataset) -> WindowVariances:
+    """Variance of every quiet window over its joint's."""
+    trials, joints, count = moved.shape
+    parts = [np.empty((0, 5))]
+    for joint, (windows, rho) in enumerate(zip(fit.windows, fit.autocorrelation, strict=True)):
+        if windows.dof <= 0 or not np.isfinite(rho):
+            continue
+        residual = np.empty(len(windows.rows))
+        rss, _ = profile_windows(rho, *windows[:3], residual)
+        freedom = np.diff(windows.start) - DEGREE - 1.0
+        usual = rss.sum() / freedom.sum()
+        begin = windows.start[:-1]
+        trial, frame = windows.place // count, windows.place % count
+        away = np.add.reduceat(moved[trial, joint, frame], begin) / np.diff(windows.start)
+        value = np.maximum(rss / freedom, LEAST_SD**2) / max(usual, LEAST_SD**2)
+        freedom = freedom / (1.0 + 0.5 * _measure_tail(residual, windows.start))
+        parts.append(np.column_stack([value, freedom, trial[begin], 0 * value + joint, away]))
+    value, freedom, trial, joint, away = np.concatenate(parts).T
+    return WindowVariances(
+        value, freedom, trial.astype(int), joint.astype(int), away, trials, joints
+    )
+
+
+def _measure_tail(residual: Array, start: NDArray) -> Array:
+    """Excess kurtosis of what each window leaves (window,), at least 0.
+
+    The variance of a window that holds a slip, or noise with heavy tails, is known less well.
+    """
+    sizes = np.diff(start)
+    square, fourth = (np.add.reduceat(residual**k, start[:-1]) / sizes for k in (2, 4))
+    return np.maximum(fourth / np.maximum(square, LEAST_SD**2) ** 2 - 3.0, 0.0)
+
+
+def _list_components(
+    scales: Scales, fit: NoiseFit, frames: xr.Dataset
+) -> dict[str, tuple[float, float]]:
+    """Component → size and evidence [nats]."""
+    found = {}
+    if {"trial", "cell"} & set(scales.size):
+        size = np.hypot(scales.size.get("trial", 0.0), scales.size.get("cell", 0.0))
+        evidence = sum(scales.evidence.get(name, 0.0) for name in ("trial", "cell"))
+        found["uneven_noise"] = float(size), evidence
+    if "signal" in scales.size:
+        found["signal_noise"] = scales.per_rad, scales.evidence["signal"]
+    found |= _weigh_outliers(frames) | _weigh_tails(fit)
+    found |= _count_frames("repeated_frames", frames["repeated"].values.sum(), frames)
+    found |= _count_frames("lost_frames", float(frames["lost"]), frames)
+    return {name: pair for name, pair in found.items() if pair[1] >= LEAST_NATS}
+
+
+def _weigh_outliers(frames: xr.Dataset) -> dict[str, tuple[float, float]]:
+    """Share of outliers, against noise that is normal all through: wider noise of one size."""
+    distance = frames["outlier_distance"].values
+    out, count = distance[distance > 0], frames["used"].values.sum()
+    if not out.size:
+        return {}
+    share = out.size / (out.size + count)
+    freedom = np.maximum(frames["present"].values.sum(axis=1), 1)
+    freedom = np.broadcast_to(freedom[:, None], distance.shape)[distance > 0]
+    wide = out.sum() / freedom.sum()
+    evidence = 0.5 * np.sum(out * (1.0 - 1.0 / wide) - freedom * np.log(wide))
+    evidence += out.size * np.log(share) + count * np.log1p(-share)
+    return {"outliers": (float(share), float(evidence))}
+
+
+def _weigh_tails(fit: NoiseFit) -> dict[str, tuple[float, float]]:
+    """Student's t in place of a normal distribution for what quiet windows leave."""
+    units = [np.empty(0)]
+    for windows, rho in zip(fit.windows, fit.autocorrelation, strict=True):
+        if windows.dof > 0 and np.isfinite(rho):
+            residual = np.empty(len(windows.rows))
+            profile_windows(rho, *windows[:3], residual)
+            sizes = np.diff(windows.start)
+            sd = np.sqrt(np.add.reduceat(residual**2, windows.start[:-1]) / sizes)
+            units.append(residual / np.repeat(np.maximum(sd, LEAST_SD), sizes))
+    unit = np.concatenate(units)
+    unit = unit[np.abs(unit) < GROSS]
+    if not unit.size:
+        return {}
+    normal = -0.5 * np.sum(unit**2 + np.log(2 * np.pi))
+    scale = np.sqrt((FREEDOMS - 2.0) / FREEDOMS)
+    gain = np.array(
+        [student.logpdf(unit, f, scale=s).sum() for f, s in zip(FREEDOMS, scale, strict=True)]
+    )
+    evidence = float(np.logaddexp.reduce(gain - normal) - np.log(len(gain)))
+    return {"heavy_tails": (float(FREEDOMS[gain.argmax()]), evidence)}
+
+
+def _count_frames(name: str, count: float, frames: xr.Dataset) -> dict[str, tuple[float, float]]:
+    """Share of frames that are of no use, and what a sound recording's share says against it."""
+    used = float(frames["used"].values.sum())
+    share = count / (count + used)
+    if share <= USUAL:
+        return {}
+    evidence = count * np.log(share / USUAL) + used * (np.log1p(-share) - np.log1p(-USUAL))
+    return {name: (share, float(evidence))}
+
+
+def _complete(
+    angles: xr.Dataset, frames: xr.Dataset, fit: NoiseFit, found: dict[str, tuple[float, float]]
+) -> xr.Dataset:
+    noise = complete_noise(fit.noise, angles, frames)
+    size, evidence = np.array(list(found.values()), float).reshape(-1, 2).T
+    return frames.assign(
+        {name: noise[name] for name in noise.data_vars}
+        | {
+            "noise_per_rad": ((), 0.0),
+            "component_size": ("component", size),
+            "component_evidence": ("component", evidence),
+        }
+    ).assign_coords(component=np.array(list(found), str))

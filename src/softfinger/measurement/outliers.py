@@ -1,0 +1,175 @@
+"""Frames that stand out from their neighbours, found in what a model leaves.
+
+With r what the model leaves, less its running median (which keeps steps, so that a slip is none),
+and Λ the precision of the noise, what frame i adds to all the others is t_i² = (Λr)_iᵀ (Λ_ii)⁻¹
+(Λr)_i, which is χ² with one degree of freedom a joint if the model is right. Where it is wrong,
+many trials stand out at the same time after a change of load; so t_i² counts relative to its median
+among the frames, of all trials and changes, that have as long a time since the last change of load,
+and a model's misfit is not cleaned away: where fewer than `LEAST_IN_BIN` frames compare, none is
+judged; and no frame is compared with one before the last change. An outlier makes its neighbours
+stand out as well, so only the peaks are taken, round after round.
+
+ASSUME: outliers are rare. A trial that would lose more than `MOST_SHARE` of its frames keeps all.
+"""
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.ndimage import median_filter
+from scipy.stats import chi2
+
+from softfinger.compiled import compiled
+from softfinger.measurement.covariance import compute_innovation_covariance_array
+from softfinger.measurement.quiet import compute_time_since_array
+
+TAIL = 1e-6  # chance of a good frame to be left out
+MOST_SHARE = 0.2
+ROUNDS = 10
+BINS_PER_DECADE = 8
+LEAST_IN_BIN = 6
+MEDIAN_FRAMES = 15  # of the running median: bursts shorter than half of it stand out
+
+Array = NDArray[np.float64]
+
+
+def find_outliers(
+    residual: Array, angles: xr.Dataset, frames: xr.Dataset, noise: xr.Dataset | None
+) -> Array:
+    """Find the used frames that stand out: their t² (trial, frame), 0 for all others.
+
+    Parameters
+    ----------
+    residual
+        (trial, joint, frame) [rad] that a model leaves, over the factor of each frame's noise.
+    angles, frames
+        The `angles` artifact, and its frames as `select_frames` describes them.
+    noise
+        As from `estimate_noise`; None where it is not known yet: then frames count by their size
+        over the trial's usual one.
+    """
+    used, present = frames["used"].values, frames["present"].values
+    time = angles["time"].transpose("trial", "frame").values
+    interval = float(frames["frame_interval"])
+    found = np.zeros(used.shape)
+    freedom = np.maximum(present.sum(axis=1), 1)[:, None]
+    distance, since = (np.full(used.shape, np.nan) for _ in range(2))
+    changed = used.any(axis=1)
+    for _ in range(ROUNDS):
+        for trial in np.flatnonzero(changed):
+            here, some = np.flatnonzero(present[trial]), used[trial] & (found[trial] == 0)
+            load = (angles[name].values[trial] for name in ("load_time", "load_torque"))
+            moment = time[trial, some]
+            distance[trial], since[trial] = np.nan, np.nan
+            since[trial, some] = compute_time_since_array(moment, *load)
+            gap = np.diff(moment) / interval
+            gap[np.diff(since[trial, some]) < 0] = np.inf
+            rows = subtract_median_array(residual[trial, here][:, some].T, gap)
+            if noise is None:
+                distance[trial, some] = compare_usual_array(rows)
+            else:
+                distance[trial, some] = measure_distance_array(rows, gap, *_read(noise, here))
+        usual = _find_usual(distance / chi2.median(freedom), since)
+        standing = (distance > usual * chi2.isf(TAIL, freedom)) & _find_peaks(distance)
+        found = np.where(standing, distance, found)
+        changed = standing.any(axis=1)
+        if not changed.any():
+            break
+    too_many = (found > 0).sum(axis=1) > MOST_SHARE * used.sum(axis=1)
+    return np.where(too_many[:, None], 0.0, found)
+
+
+def _read(noise: xr.Dataset, here: NDArray) -> tuple[Array, Array, Array]:
+    """Noise of the joints that are present: sd, autocorrelation, correlation."""
+    sd, rho = noise["noise_sd"].values[here], noise["noise_autocorrelation"].values[here]
+    return sd, rho, noise["noise_correlation"].values[np.ix_(here, here)]
+
+
+def subtract_median_array(rows: Array, gap: Array) -> Array:
+    """Subtract from series (n, joint) their running median, between infinite gaps (n − 1,).
+
+    >>> step = np.repeat([[0.0], [1.0]], 20, axis=0)
+    >>> step[7] = 5.0
+    >>> np.flatnonzero(subtract_median_array(step, np.ones(39)))
+    array([7])
+    """
+    parts = np.split(rows, np.flatnonzero(~np.isfinite(gap)) + 1)
+    return np.concatenate(
+        [part - median_filter(part, (MEDIAN_FRAMES, 1), mode="mirror") for part in parts]
+    )
+
+
+def compare_usual_array(rows: Array) -> Array:
+    """Squared size (n,) of frames (n, joint), in units of each joint's usual one, summed."""
+    usual = np.median(np.abs(rows), axis=0) / 0.6745
+    return ((rows / np.where(usual > 0, usual, np.inf)) ** 2).sum(axis=1)
+
+
+def measure_distance_array(
+    residual: Array, gap: Array, sd: Array, autocorrelation: Array, correlation: Array
+) -> Array:
+    """Measure t² (n,) of each frame against its neighbours.
+
+    Parameters
+    ----------
+    residual
+        (n, joint) [rad], of the joints that are present.
+    gap
+        (n − 1,) between frames, in median intervals; infinite between those to be kept apart.
+    sd, autocorrelation, correlation
+        (joint,), (joint,), (joint, joint) of their noise.
+    """
+    noise = sd, autocorrelation, correlation
+    kinds, index = np.unique(np.round(gap, 3), return_inverse=True)
+    covariance = [compute_innovation_covariance_array(g, *noise) for g in kinds]
+    first = compute_innovation_covariance_array(np.inf, *noise)
+    precision = np.linalg.inv(np.stack([*covariance, first]))
+    return _sum_distance(residual, autocorrelation ** kinds[:, None], precision, index)
+
+
+@compiled(error_model="numpy")
+def _sum_distance(residual: NDArray, kept: NDArray, precision: NDArray, index: NDArray) -> NDArray:
+    """Λ of frame i: P of its own gain plus what its share in the next frame's adds."""
+    count, joints = residual.shape
+    distance = np.empty(count)
+    for i in range(count):
+        own = precision[-1] if i == 0 else precision[index[i - 1]]
+        gain = residual[i].copy()
+        if i > 0:
+            gain -= kept[index[i - 1]] * residual[i - 1]
+        pull, diagonal = own @ gain, own.copy()
+        if i < count - 1:
+            share = kept[index[i]]
+            after = precision[index[i]]
+            lost = after @ (residual[i + 1] - share * residual[i])
+            for j in range(joints):
+                pull[j] -= share[j] * lost[j]
+                for k in range(joints):
+                    diagonal[j, k] += share[j] * share[k] * after[j, k]
+        distance[i] = pull @ np.linalg.solve(diagonal, pull)
+    return distance
+
+
+def _find_peaks(distance: Array) -> NDArray[np.bool_]:
+    """Mark the frames that stand out at least as much as the used ones beside them."""
+    peaks = np.zeros(distance.shape, bool)
+    for row, mark in zip(distance, peaks, strict=True):
+        some = np.flatnonzero(np.isfinite(row))
+        padded = np.pad(row[some], 1, constant_values=-np.inf)
+        mark[some] = (padded[1:-1] >= padded[:-2]) & (padded[1:-1] >= padded[2:])
+    return peaks
+
+
+def _find_usual(excess: Array, since: Array) -> Array:
+    """How many times its due a usual frame has, at each time since a change.
+
+    At least 1; infinite where too few frames compare.
+    """
+    finite = np.isfinite(excess)
+    floor = np.median(since[finite]) * 1e-3
+    place = np.floor(BINS_PER_DECADE * np.log10(np.maximum(since, floor) / floor))
+    usual = np.full(excess.shape, np.inf)
+    for value in np.unique(place[finite]):
+        some = finite & (place == value)
+        if some.sum() >= LEAST_IN_BIN:
+            usual[some] = max(float(np.median(excess[some])), 1.0)
+    return usual

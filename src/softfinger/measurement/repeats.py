@@ -1,0 +1,60 @@
+"""Frames that a camera or a reader held, and angles that were rounded to a step.
+
+A frame whose angles are all exactly those of the frame before tells nothing: it was held. Where
+angles are rounded so coarsely that equal neighbours come by chance, none is taken for held; but an
+angle rounded to a step errs by at least step/√12.
+"""
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+CHANCE = 1e-3  # of equal neighbours by rounding alone, below which they are held frames
+LEAST_DIFFERENCES = 20
+
+
+def find_repeated_frames(angles: xr.Dataset, frames: xr.Dataset) -> NDArray[np.bool_]:
+    """Find the used frames (trial, frame) that repeat the used frame before."""
+    angle = angles["joint_angle"].transpose("trial", "joint", "frame").values
+    used, present = frames["used"].values, frames["present"].values
+    found = np.zeros_like(used)
+    for trial in np.flatnonzero(used.any(axis=1)):
+        some = np.flatnonzero(used[trial])
+        rows = angle[trial, present[trial]][:, some]
+        same = (np.diff(rows, axis=1) == 0.0).all(axis=0)
+        if same.any() and np.prod([_expect_equal(row) for row in rows]) < CHANCE:
+            found[trial, some[1:]] = same
+    return found
+
+
+def _expect_equal(values: NDArray[np.float64]) -> float:
+    """Chance that two neighbours (n,) are equal by rounding, from the size of their differences."""
+    change = np.abs(np.diff(values))
+    change = change[change > 0]
+    if not change.size:
+        return 1.0
+    return float(min(1.0, find_step_array(values) / np.median(change)))
+
+
+def find_rounding(angles: xr.Dataset, frames: xr.Dataset) -> NDArray[np.float64]:
+    """Find the sd (joint,) [rad] of the rounding of angles: a step over √12; 0 where none shows."""
+    angle = angles["joint_angle"].transpose("joint", "trial", "frame").values
+    used = frames["used"].values
+    steps = [[find_step_array(row[u & np.isfinite(row)]) for row, u in zip(rows, used, strict=True)]
+             for rows in angle]  # fmt: skip
+    return np.median(steps, axis=1) / np.sqrt(12.0)
+
+
+def find_step_array(values: NDArray[np.float64]) -> float:
+    """Find the step to which values (n,) were rounded; 0 where no step shows.
+
+    >>> find_step_array(0.5 * np.arange(30) // 1)
+    1.0
+    """
+    distinct = np.unique(np.round(values, 12))
+    gaps = np.diff(distinct)
+    if len(values) < LEAST_DIFFERENCES or not gaps.size:
+        return 0.0
+    step = float(gaps.min())
+    away = np.abs(gaps / step - np.round(gaps / step))
+    return step if away.max() < 1e-3 * max(1.0, gaps.max() / step) and step > 1e-9 else 0.0

@@ -1,0 +1,146 @@
+"""How the noise's size differs: between trials and joints, and with the deflection.
+
+The noise of joint j in trial t is that of the campaign times e^{b_tj/2} √(1 + c² x²), x being how
+far the joint is from where it began. Each quiet window's variance s² (ν degrees of freedom)
+measures it: log s² is all but normal about the truth, with variance 4/ν-like ψ'(ν/2), more where
+the noise has heavy tails. The b are normal, with a part that all joints of a trial share; windows
+may scatter by more than chance. Every component must win its place: its evidence is averaged over
+sizes, and it is left out where that gains less than `LEAST_NATS`.
+
+References
+----------
+Bartlett, Kendall (1946), Suppl. J. R. Stat. Soc. 8, 128: the logarithm of a sample variance.
+"""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import digamma, polygamma
+
+from softfinger.measurement.components import choose_components
+
+Array = NDArray[np.float64]
+
+SIZES: Mapping[str, Array] = {
+    "trial": np.array([0.05, 0.1, 0.2, 0.4, 0.8]),  # sd of log sd
+    "cell": np.array([0.05, 0.1, 0.2, 0.4, 0.8]),
+    "signal": np.array([0.3, 0.6, 1.2, 2.5, 5.0]),  # c times the largest deflection
+}
+WINDOW_SCATTER = np.array([0.0, 0.05, 0.1, 0.2, 0.4])  # of log variance
+UNKNOWN = 1e6  # variance of what no window measures
+
+
+class WindowVariances(NamedTuple):
+    """What quiet windows say of the noise.
+
+    Attributes
+    ----------
+    value, freedom
+        (window,) variance over that of the campaign's noise; degrees of freedom.
+    trial, joint
+        (window,) places.
+    deflection
+        (window,) [rad].
+    trials, joints
+        How many there are.
+    """
+
+    value: Array
+    freedom: Array
+    trial: NDArray[np.int64]
+    joint: NDArray[np.int64]
+    deflection: Array
+    trials: int
+    joints: int
+
+
+class Scales(NamedTuple):
+    """Size of the noise relative to the campaign's.
+
+    Attributes
+    ----------
+    factor
+        (trial, joint).
+    per_rad
+        c [1/rad]; 0 where the noise does not grow.
+    size, evidence
+        Component → size, and evidence [nats]; only those that are there.
+    """
+
+    factor: Array
+    per_rad: float
+    size: dict[str, float]
+    evidence: dict[str, float]
+
+
+def fit_scales(windows: WindowVariances) -> Scales:
+    """Find the components that the windows show, their sizes, and each trial's and joint's factor.
+
+    Examples
+    --------
+    Windows that scatter no more than they should show nothing.
+
+    >>> n = np.arange(40)
+    >>> even = WindowVariances(np.ones(40), np.full(40, 100.0), n // 8, n % 2, 0.1 * n, 5, 2)
+    >>> fit_scales(even).size
+    {}
+    """
+    sizes = {name: grid for name, grid in SIZES.items() if _is_testable(windows, name)}
+    size, evidence = choose_components(lambda some: _evaluate(windows, some), sizes)
+    factor = np.exp(0.5 * _locate(windows, size))
+    largest = float(windows.deflection.max(initial=0.0))
+    per_rad = size["signal"] / largest if "signal" in size else 0.0
+    return Scales(factor, per_rad, size, evidence)
+
+
+def _is_testable(windows: WindowVariances, name: str) -> bool:
+    if not len(windows.value):
+        return False
+    if name == "trial":
+        return windows.trials > 1
+    if name == "cell":
+        return windows.trials > 1 and windows.joints > 1
+    return bool(np.ptp(windows.deflection) > 0)
+
+
+def _evaluate(windows: WindowVariances, size: Mapping[str, float]) -> float:
+    """Log evidence at given sizes, the windows' own scatter averaged out."""
+    values = [_solve(windows, size, scatter)[0] for scatter in WINDOW_SCATTER]
+    return float(np.logaddexp.reduce(values) - np.log(len(values)))
+
+
+def _locate(windows: WindowVariances, size: Mapping[str, float]) -> Array:
+    """Posterior mean of b (trial, joint), at the most probable scatter of the windows."""
+    solved = [_solve(windows, size, scatter) for scatter in WINDOW_SCATTER]
+    return max(solved, key=lambda one: one[0])[1]
+
+
+def _solve(
+    windows: WindowVariances, size: Mapping[str, float], scatter: float
+) -> tuple[float, Array]:
+    """Log evidence, each joint's level integrated, and the posterior mean of b (trial, joint)."""
+    trials, joints = windows.trials, windows.joints
+    half = 0.5 * windows.freedom
+    largest = max(float(windows.deflection.max(initial=0.0)), 1e-300)
+    growth = np.log1p((size.get("signal", 0.0) * windows.deflection / largest) ** 2)
+    value = np.log(windows.value) - digamma(half) + np.log(half) - growth
+    precision = 1.0 / (polygamma(1, half) + scatter**2)
+    place = windows.trial * joints + windows.joint
+    weight = np.bincount(place, precision, trials * joints)
+    mean = np.bincount(place, precision * value, trials * joints) / np.maximum(weight, 1e-300)
+    within = np.sum(precision * (value - mean[place]) ** 2 - np.log(precision))
+    own = np.where(weight > 0, 1.0 / np.maximum(weight, 1e-300), UNKNOWN)
+    within -= np.log(own[weight > 0]).sum()
+    own, mean = own.reshape(trials, joints), mean.reshape(trials, joints)
+    shared, apart = 4.0 * size.get("trial", 0.0) ** 2, 4.0 * size.get("cell", 0.0) ** 2
+    between = shared * np.ones((joints, joints)) + apart * np.eye(joints)
+    inverse = np.linalg.inv(between + own[:, :, None] * np.eye(joints))
+    normal = inverse.sum(axis=0)
+    level = np.linalg.solve(normal, np.einsum("tjk,tk->j", inverse, mean))
+    left = mean - level
+    pull = np.einsum("tjk,tk->tj", inverse, left)
+    square = np.sum(left * pull) - np.linalg.slogdet(inverse)[1].sum()
+    square += np.linalg.slogdet(normal)[1]
+    return -0.5 * float(within + square), pull @ between

@@ -1,0 +1,146 @@
+"""A free law: a smooth curve in an effect's own place.
+
+A textbook form is one curve that nature may have. A free law is any smooth curve of the same
+argument: Chebyshev terms that vanish at x = 0, higher ones shrunk more by their prior,
+
+    law(x) = Σ w_k [T_k(2 x − 1) − T_k(−1)],   w_k ~ N(0, (size/k²)²),   x = argument / reach.
+
+The terms are parameters like any other, so fit, evidence and prediction know nothing of it.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike, NDArray
+
+from softfinger.faults import Fault
+from softfinger.mechanics.effects.effect import FREE, Form, Parameter, Values, signed
+from softfinger.mechanics.forward.curve import KNOTS, build_weights, draw_curve
+
+FLOOR = 2e-3  # of a term's prior sd
+MOST_TERMS = KNOTS - 4
+"""That the knots can follow."""
+_PLACES = np.linspace(0.0, 1.0, KNOTS)  # of the reach: values there determine a curve
+
+
+@dataclass(frozen=True, eq=False)
+class Law:
+    """What a free law depends on, how far it goes, and how large it may be.
+
+    Attributes
+    ----------
+    name
+        Of its terms; where the forward model has a slot for it, the slot's.
+    argument
+        What it depends on, its unit as suffix.
+    reach
+        Where the law ends, in the argument's unit: one for all joints, or (joint,).
+    size
+        Prior scale of the law.
+    terms
+        How many.
+    per
+        One law for the chain, or one for each joint.
+    kind
+        What a reader is shown: the `factor` 1 + law, the `exponential` e^law, or the law itself
+        as a `sum`.
+    """
+
+    name: str
+    argument: str
+    reach: ArrayLike
+    size: float
+    terms: int = 7
+    per: Literal["chain", "joint"] = "chain"
+    kind: Literal["factor", "exponential", "sum"] = "factor"
+
+    def __post_init__(self) -> None:
+        """Refuse a law that would not be a finite, smooth curve."""
+        reach = np.asarray(self.reach, float)
+        faults = {
+            f"reach is {self.reach}; expected positive numbers": not np.all(
+                np.isfinite(reach) & (reach > 0.0)
+            ),
+            f"size is {self.size}; expected a positive number": not 0.0 < self.size < np.inf,
+            f"terms is {self.terms}; expected 1 to {MOST_TERMS}": not 1 <= self.terms <= MOST_TERMS,
+        }
+        for fault, is_there in faults.items():
+            if is_there:
+                raise Fault(f"law {self.name!r} of {self.argument!r}: its {fault}")
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """One parameter for each term."""
+        sizes = [float(self.size / k**2) for k in range(1, self.terms + 1)]
+        return tuple(
+            signed(f"{self.name}_{k}", sd, per=self.per, floor=FLOOR * sd, term=True)
+            for k, sd in enumerate(sizes, start=1)
+        )
+
+    def show(self, law: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Turn the law into what a reader is shown."""
+        return {"factor": 1.0 + law, "exponential": np.exp(law), "sum": law}[self.kind]
+
+    def hide(self, shown: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Turn what a reader is shown into the law."""
+        if self.kind == "exponential":
+            return np.log(shown)
+        return shown - 1.0 if self.kind == "factor" else shown
+
+    def get_reach(self, place: tuple[int, ...]) -> float:
+        """Where the law ends at one place: a joint, or () for all."""
+        reach = np.asarray(self.reach, float)
+        return float(reach[place[0]] if place and reach.ndim else reach)
+
+    def fill(self, values: Values) -> NDArray[np.float64]:
+        """Coefficients of the curve, (knot,) or (joint, knot)."""
+        terms = [np.asarray(values[parameter.name])[..., None] for parameter in self.parameters]
+        return np.concatenate(terms, axis=-1) @ build_terms(self.terms)
+
+    def evaluate(self, values: Values, argument: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The law at arguments (n,): (n,) or (joint, n)."""
+        return draw_curve(self.fill(values), argument / np.asarray(self.reach))
+
+
+def build_curves(terms: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Build the matrix (n, term) from the terms of a law to its values at x (n,) of the reach."""
+    return build_weights(x) @ build_terms(terms).T
+
+
+def build_terms(terms: int) -> NDArray[np.float64]:
+    """Build the coefficients (term, knot) of the curves of all terms.
+
+    Examples
+    --------
+    >>> draw_curve(build_terms(1), np.array([0.0, 0.5, 1.0])).round(9) + 0.0
+    array([[0., 1., 2.]])
+    """
+    x = 2.0 * _PLACES - 1.0
+    curves = np.array([chebyshev.Chebyshev.basis(k)(x) for k in range(1, terms + 1)])
+    return np.linalg.solve(build_weights(_PLACES), (curves - curves[:, :1]).T).T
+
+
+def free_form(
+    law: Law, constants: Mapping[str, ArrayLike], form: Form | None = None, *, local: bool = False
+) -> Form:
+    """Build the free form of an effect whose law has a slot.
+
+    Parameters
+    ----------
+    constants
+        Slots that go with it: where the law ends, what it is a law of.
+    form
+        A textbook form to which it is added.
+    local
+        As in `Form`.
+    """
+    known = () if form is None else form.parameters
+
+    def slots(values: Values) -> dict:
+        rest = {} if form is None else form.slots({p.name: values[p.name] for p in known})
+        return {**rest, **constants, law.name: law.fill(values)}
+
+    return Form(FREE, (*known, *law.parameters), slots, local=local, law=law)

@@ -1,0 +1,1 @@
+"""Forms of effects: their columns, scores and fits."""

@@ -1,0 +1,157 @@
+"""Whitened columns of every form at every start, on top of a fitted model: one linearisation each.
+
+They serve the score of each form, the bootstrap of the largest score, and masking tables.
+"""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softfinger.faults import Fault
+from softfinger.inference.problem import Candidate, Problem
+from softfinger.inference.reduce import reduce_trials
+from softfinger.mechanics.effects.model import EffectModel, Piece
+
+
+class Block(NamedTuple):
+    """The amplitudes of one form at one of its starts.
+
+    Attributes
+    ----------
+    model
+        The fitted model with the form added.
+    shared
+        (p,) where it starts.
+    new
+        (a,) which numbers of φ the columns belong to.
+    added
+        How many numbers of φ the form has.
+    columns
+        (a,) where they stand among all.
+    """
+
+    model: EffectModel
+    shared: NDArray[np.float64]
+    new: NDArray[np.int64]
+    added: int
+    columns: NDArray[np.int64]
+
+
+def join_blocks(one: Block, other: Block) -> Block | None:
+    """Put two forms on top of one fitted model; None where both claim a slot in another sense."""
+    model = one.model.extend(other.model.pieces[-1])
+    known = len(other.shared) - other.added
+    shared = np.concatenate([one.shared, other.shared[known:]])
+    try:
+        model.fill_slots(shared)
+    except (ValueError, ArithmeticError):
+        return None
+    new = np.concatenate([one.new, other.new + len(one.shared) - known])
+    columns = np.concatenate([one.columns, other.columns])
+    return Block(model, shared, new, one.added + other.added, columns)
+
+
+class ScoreColumns(NamedTuple):
+    """Whitened columns of every form at every start: amplitudes only.
+
+    Attributes
+    ----------
+    blocks
+        One for each form and start.
+    gram
+        (trial, d + p + c + 1, …) of [∂F/∂η | ∂F/∂φ | all columns | residual], η and φ those of the
+        fitted model.
+    own
+        d + p.
+    sd
+        (c,) prior sd of each column's amplitude.
+    positive
+        (c,) amplitudes that cannot be negative.
+    """
+
+    blocks: list[Block]
+    gram: NDArray[np.float64]
+    own: int
+    sd: NDArray[np.float64]
+    positive: NDArray[np.bool_]
+
+    @property
+    def bare(self) -> NDArray[np.float64]:
+        """Gram matrices (trial, d + c, d + c) of [∂F/∂η | all columns] alone."""
+        p = len(self.blocks[0].shared) - self.blocks[0].added if self.blocks else 0
+        known = np.s_[self.own - p : self.own]
+        return np.delete(np.delete(self.gram[:, :-1, :-1], known, axis=1), known, axis=2)
+
+    @property
+    def first(self) -> NDArray[np.int64]:
+        """Where each block's columns begin (block,)."""
+        return np.array([block.columns[0] for block in self.blocks], int)
+
+    @property
+    def count(self) -> NDArray[np.int64]:
+        """How many columns each block has (block,)."""
+        return np.array([len(block.new) for block in self.blocks], int)
+
+    @property
+    def label(self) -> list[str]:
+        """Id of each block's effect."""
+        return [block.model.pieces[-1].effect.id for block in self.blocks]
+
+    def linearise(self, block: Block) -> NDArray[np.float64]:
+        """Gram matrices (trial, …) of [∂F/∂η | ∂F/∂φ | residual] of one block, at its start.
+
+        Numbers of φ that are no amplitudes have no slope where the effect is all but absent.
+        """
+        d = self.own - (len(block.shared) - block.added)
+        size = d + len(block.shared) + 1
+        place = np.full(size, -1)
+        place[: self.own] = np.arange(self.own)
+        place[d + block.new] = self.own + block.columns
+        place[-1] = self.gram.shape[1] - 1
+        there = np.flatnonzero(place >= 0)
+        gram = np.zeros((len(self.gram), size, size))
+        kept = place[there]
+        gram[:, there[:, None], there] = self.gram[:, kept[:, None], kept]
+        start = np.zeros(size)
+        start[d + block.new] = block.shared[block.new]
+        moved = gram @ start  # the residual falls by what the start's amplitudes add
+        gram[:, -1, -1] += moved @ start - 2.0 * moved[:, -1]
+        gram[:, -1, :-1] -= moved[:, :-1]
+        gram[:, :-1, -1] -= moved[:, :-1]
+        return gram
+
+
+def collect_columns(problem: Problem, origin: Candidate, pieces: Iterable[Piece]) -> ScoreColumns:
+    """Collect the whitened columns of all forms at all their starts, on top of a fitted model.
+
+    A start at which a form has no motion is left out.
+    """
+    own, known = origin.fit.own, origin.fit.shared
+    angle, slope = problem.simulate(origin.model, own, known)
+    slopes, blocks, total = [slope], [], 0
+    for piece in pieces:
+        model = origin.model.extend(piece)
+        new = np.flatnonzero(model.amplitudes & (np.arange(len(model.entries)) >= len(known)))
+        for start in model.list_starts(len(origin.model.pieces)):
+            shared = np.concatenate([known, model.place_start(len(origin.model.pieces), start)])
+            try:
+                column = problem.simulate(model, own, shared, only=new)[1]
+            except (ArithmeticError, Fault):
+                continue
+            if np.isfinite(column).all():
+                slopes.append(column.astype(np.float32))
+                place = total + np.arange(len(new))
+                blocks.append(Block(model, shared, new, len(shared) - len(known), place))
+                total += len(new)
+    gram = reduce_trials(problem.trials, angle, np.concatenate(slopes, axis=3))
+    sd = [block.model.shared_prior[1][block.new] for block in blocks]
+    positive = [block.model.low[block.new] == 0.0 for block in blocks]
+    return ScoreColumns(
+        blocks,
+        gram,
+        own.shape[1] + len(known),
+        np.concatenate([np.zeros(0), *sd]),
+        np.concatenate([np.zeros(0, bool), *positive]),
+    )

@@ -1,0 +1,105 @@
+"""The same effects in other forms, from where they were found.
+
+The form that fits best alone may have taken the part of an effect that is still missing, and hold
+on to it: a lag of two stages stands in for the links' mass, and leaves no room for it. So a further
+effect is tried beside another form too, and a set that was found is tried in its other forms.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softfinger.inference.problem import Candidate, Problem
+from softfinger.mechanics.effects.model import EffectModel, Piece
+from softfinger.mismatch.candidates.rank import FIRST_STEPS, LEADING, REACH, go_on, prune
+
+Start = tuple[EffectModel, NDArray[np.float64]]
+
+
+def find_other_form(found: Iterable[Candidate], best: Candidate) -> Candidate | None:
+    """Find the best fitted model of the same effects in which one of them has another form."""
+    others = [
+        c
+        for c in found
+        if c.fit is not None
+        and c.model.ids == best.model.ids
+        and _name_forms(c.model) != _name_forms(best.model)
+    ]
+    return max(others, key=lambda c: c.log_evidence, default=None)
+
+
+def keep_leading(pieces: Iterable[Piece], larger: list[Candidate], best: Candidate) -> list[Piece]:
+    """Keep the forms of those effects that said most on top of the best model."""
+    leading: dict[str, None] = {}
+    for candidate in sorted(larger, key=lambda c: -c.log_evidence):
+        if best.model.ids < candidate.model.ids:
+            leading |= dict.fromkeys(candidate.model.ids - best.model.ids)
+    chosen = set(list(leading)[:LEADING])
+    return [piece for piece in pieces if piece.effect.id in chosen]
+
+
+def swap_forms(problem: Problem, candidate: Candidate, pieces: list[Piece]) -> list[Candidate]:
+    """Fit a model with the form of one effect swapped, again and again while that gains.
+
+    Returns
+    -------
+    list of Candidate
+        Models that came to rest, round by round, each round's best last; empty where none gains.
+    """
+    fitted: list[Candidate] = []
+    while True:
+        best = fitted[-1] if fitted else candidate
+        fits = (_fit_near(problem, best, start) for start in _list_swaps(best, pieces))
+        swapped = [c for c in fits if c is not None]
+        top = max(swapped, key=lambda c: c.log_evidence, default=best)
+        if top.log_evidence <= best.log_evidence:
+            return fitted
+        fitted += [*(c for c in swapped if c is not top), top]
+
+
+def _name_forms(model: EffectModel) -> dict[str, str]:
+    return {piece.effect.id: piece.form.name for piece in model.pieces}
+
+
+def _list_swaps(candidate: Candidate, pieces: list[Piece]) -> Iterator[Start]:
+    """List models with one other form, at each start; what both forms name alike stays."""
+    for number, old in enumerate(candidate.model.pieces):
+        for new in pieces:
+            same = new.effect.id == old.effect.id and new.places == old.places
+            if same and new.form.name != old.form.name:
+                kept = list(candidate.model.pieces)
+                kept[number] = new
+                model = replace(candidate.model, pieces=tuple(kept))
+                yield from ((model, shared) for shared in _list_starts(candidate, model, number))
+
+
+def _list_starts(
+    candidate: Candidate, model: EffectModel, number: int
+) -> list[NDArray[np.float64]]:
+    known = dict(zip(_name_entries(candidate.model), candidate.fit.shared, strict=True))
+    names = _name_entries(model)
+    starts = {}
+    for start in model.list_starts(number):
+        fresh = [start.get(entry.parameter.name, 0.0) for entry in model.entries]
+        values = [known.get(name, value) for name, value in zip(names, fresh, strict=True)]
+        starts[tuple(values)] = np.clip(values, model.low, model.high)
+    return list(starts.values())
+
+
+def _name_entries(model: EffectModel) -> list[tuple[str, str]]:
+    return [(model.pieces[entry.piece].effect.id, entry.name) for entry in model.entries]
+
+
+def _fit_near(problem: Problem, best: Candidate, start: Start) -> Candidate | None:
+    """Fit a model that soon comes near the best one; None where it does not come to rest."""
+    model, shared = start
+    before = best.fit.own, shared, best.fit.omega
+    fit = problem.fit(model, before, steps=FIRST_STEPS, first=best.fit.first)
+    if fit is None or fit.log_evidence < best.log_evidence - REACH:
+        return None
+    fit = go_on(problem, model, fit)
+    if fit is None or not fit.converged:
+        return None
+    return prune(problem, Candidate(model, fit, fit.log_evidence))

@@ -1,0 +1,73 @@
+"""Pairs of effects that hide each other, found where neither says much alone.
+
+Forward addition meets a pair only through one of its members. The columns of every form on top of
+one fitted model stand in one Gram matrix, so any two of them are scored together as one alone.
+"""
+
+from collections import Counter
+from collections.abc import Iterable
+from itertools import combinations
+
+from softfinger.inference.problem import Candidate, Problem
+from softfinger.mismatch.candidates.columns import Block, ScoreColumns, join_blocks
+from softfinger.mismatch.candidates.rank import (
+    Progress,
+    Score,
+    choose_starts,
+    find_best,
+    fit_scored,
+    score_block,
+)
+
+FORMS = 3  # of each effect, those that say most alone, that are tried in pairs
+SETS = 4  # pairs of effects that are fitted
+
+
+def rank_pairs(
+    problem: Problem,
+    origin: Candidate,
+    columns: ScoreColumns,
+    known: Iterable[Candidate],
+    asked: float,
+    progress: Progress,
+) -> list[Candidate]:
+    """Fit the pairs of effects that score best over a fitted model, but for those known.
+
+    Parameters
+    ----------
+    columns
+        Of the catalogue, on top of the fitted model.
+    known
+        Pairs that were fitted before.
+    asked
+        Log evidence [nats] that a pair must reach to be believed.
+    """
+    before = {c.model.ids for c in known if c.fit is not None}
+    best: dict[frozenset[str], Score] = {}
+    for score in score_pairs(problem, origin, columns):
+        best.setdefault(score.model.ids, score)
+    fresh = [score for ids, score in list(best.items())[:SETS] if ids not in before]
+    return fit_scored(problem, origin, fresh, progress, max(asked, find_best(known)))
+
+
+def score_pairs(problem: Problem, origin: Candidate, columns: ScoreColumns) -> list[Score]:
+    """Score forms two by two, best first: the linearised gain of both over the fitted model."""
+    scores = []
+    for one, other in combinations(_choose_forms(problem, origin, columns), 2):
+        distinct = one.model.pieces[-1].effect.id != other.model.pieces[-1].effect.id
+        pair = join_blocks(one, other) if distinct else None
+        if pair is not None:
+            gain = score_block(problem, origin, columns, pair)
+            scores.append(Score(pair.model, gain, pair.shared))
+    return sorted(scores, key=lambda score: -score.gain)
+
+
+def _choose_forms(problem: Problem, origin: Candidate, columns: ScoreColumns) -> list[Block]:
+    starts = sorted(choose_starts(problem, origin, columns), key=lambda start: -start[0])
+    chosen, taken = [], Counter()
+    for _, block in starts:
+        name = block.model.pieces[-1].effect.id
+        if taken[name] < FORMS:
+            taken[name] += 1
+            chosen.append(block)
+    return chosen

@@ -1,0 +1,260 @@
+"""Every effect in every form, ranked by evidence.
+
+A form is scored by one linearisation at each of its starts; the promising ones are fitted, from
+the best start, and freed of joints that they do not need.
+"""
+
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softfinger.inference.mixed_effects_laplace import Fit, solve_linearised
+from softfinger.inference.problem import Candidate, Problem
+from softfinger.mechanics.effects import list_effects
+from softfinger.mechanics.effects.effect import Setting
+from softfinger.mechanics.effects.model import EffectModel, Piece
+from softfinger.mismatch.candidates.columns import Block, ScoreColumns
+
+FIRST_STEPS = 4  # linearisations before candidates are compared
+LEADING = 4  # effects whose best form is fitted however far it lies behind
+NEAR, NEAR_SHARE = 2.0, 0.7  # nats, or share of the best gain, within which a form is fitted
+REACH, REACH_SHARE = 20.0, 0.5  # nats, or share of the best gain, within which a fit goes on
+RIVAL_NATS, RIVAL_SHARE = 10.0, 0.15  # nats, or share of the best gain, within which sets compete
+HOPELESS = -2.0  # nats: no form whose linearised gain is lower is fitted
+
+Progress = Callable[[Iterable, str], Iterable]
+
+
+class Score(NamedTuple):
+    """What one linearisation says of a model: gain [nats] from the best start, and that start."""
+
+    model: EffectModel
+    gain: float
+    shared: NDArray[np.float64]
+
+    @property
+    def effect(self) -> str:
+        """Id of the effect that is scored."""
+        return self.model.pieces[-1].effect.id
+
+
+def list_pieces(setting: Setting) -> tuple[list[Piece], dict[str, str]]:
+    """List every form that a campaign allows, and why the other effects cannot show.
+
+    Returns
+    -------
+    pieces, refused
+        `refused`: effect id → reason.
+    """
+    pieces, refused = [], {}
+    for effect in list_effects().values():
+        forms = effect.list_forms(setting)
+        if isinstance(forms, str):
+            refused[effect.id] = forms
+            continue
+        for form in forms:
+            pieces.append(Piece(effect, form, _places(form.parameters, setting)))
+            if form.local and setting.joints > 1:
+                pieces += [Piece(effect, form, ((j,),)) for j in range(setting.joints)]
+    return pieces, refused
+
+
+def _places(parameters: Iterable, setting: Setting) -> tuple[tuple[int, ...], ...]:
+    kinds = {parameter.per for parameter in parameters}
+    joints = range(setting.joints)
+    if "pair" in kinds:
+        return tuple((j, k) for j in joints for k in (j - 1, j + 1) if 0 <= k < setting.joints)
+    if "neighbours" in kinds:
+        return tuple((j, j + 1) for j in joints[:-1])
+    return tuple((j,) for j in joints) if "joint" in kinds else ()
+
+
+def score_pieces(problem: Problem, origin: Candidate, columns: ScoreColumns) -> list[Score]:
+    """Score every form that was collected, best first: the linearised gain from its best start.
+
+    Places that the linearised model does not need are dropped.
+    """
+    scores = []
+    for _, block in choose_starts(problem, origin, columns):
+        there = _stand(origin, columns, block)
+        smaller, evidence = drop_places(problem, block.model, there, rounds=0)
+        shared = block.shared[block.model.match(smaller)]
+        scores.append(Score(smaller, evidence - origin.log_evidence, shared))
+    return sorted(scores, key=lambda score: -score.gain)
+
+
+def choose_starts(
+    problem: Problem, origin: Candidate, columns: ScoreColumns
+) -> list[tuple[float, Block]]:
+    """Choose each form's best start: its linearised gain [nats], and its block."""
+    best: dict[Piece, tuple[float, Block]] = {}
+    for block in columns.blocks:
+        gain = score_block(problem, origin, columns, block)
+        piece = block.model.pieces[-1]
+        if piece not in best or gain > best[piece][0]:
+            best[piece] = gain, block
+    return list(best.values())
+
+
+def score_block(problem: Problem, origin: Candidate, columns: ScoreColumns, block: Block) -> float:
+    """Linearised gain [nats] over the fitted model, all places kept."""
+    there = _stand(origin, columns, block)
+    return _evaluate(problem, block.model, there, 0) - origin.log_evidence
+
+
+def _stand(origin: Candidate, columns: ScoreColumns, block: Block) -> "Linearised":
+    gram = columns.linearise(block)
+    return Linearised(gram, origin.fit.own, block.shared, origin.fit.omega)
+
+
+class Linearised(NamedTuple):
+    """A model linearised at (η, φ): Gram matrices of [∂F/∂η | ∂F/∂φ | residual], and Ω."""
+
+    gram: NDArray[np.float64]
+    own: NDArray[np.float64]
+    shared: NDArray[np.float64]
+    omega: NDArray[np.float64]
+
+
+def drop_places(
+    problem: Problem, model: EffectModel, there: Linearised, *, rounds: int
+) -> tuple[EffectModel, float]:
+    """Drop places of the last piece one by one while the linearised evidence rises."""
+    now, evidence = model, _evaluate(problem, model, there, rounds)
+    while True:
+        last = len(now.pieces) - 1
+        smaller = [
+            now.without(e)
+            for e in now.entries
+            if e.parameter.amplitude
+            and e.place
+            and e.piece == last
+            and len(now.pieces[last].places) > 1
+        ]
+        values = [evaluate_without(problem, model, there, other, rounds) for other in smaller]
+        if not values or max(values) <= evidence:
+            return now, evidence
+        now, evidence = smaller[int(np.argmax(values))], max(values)
+
+
+def evaluate_without(
+    problem: Problem, model: EffectModel, there: Linearised, smaller: EffectModel, rounds: int
+) -> float:
+    """Log evidence of a model with fewer numbers in φ, linearised where the larger one is."""
+    d = len(there.omega)
+    kept = model.match(smaller)
+    absent = np.setdiff1d(np.flatnonzero(model.amplitudes), kept)
+    shift = np.eye(there.gram.shape[1])  # the residual without what the absent amplitudes add
+    shift[d + absent, -1] = there.shared[absent]
+    columns = np.concatenate([np.arange(d), d + kept, [len(shift) - 1]])
+    gram = (shift.T @ there.gram @ shift)[:, columns[:, None], columns]
+    there = there._replace(gram=gram, shared=there.shared[kept])
+    return _evaluate(problem, smaller, there, rounds)
+
+
+def _evaluate(problem: Problem, model: EffectModel, there: Linearised, rounds: int) -> float:
+    return solve_linearised(
+        there.gram,
+        problem.build_prior(model),
+        problem.build_bounds(model),
+        (there.own, there.shared),
+        there.omega,
+        rounds=rounds,
+    )[1]
+
+
+def prune(problem: Problem, candidate: Candidate) -> Candidate:
+    """Drop places that the fitted model does not need, and fit what is left."""
+    fit = candidate.fit
+    there = Linearised(fit.gram, fit.own, fit.shared, fit.omega)
+    model, _ = drop_places(problem, candidate.model, there, rounds=5)
+    if model is candidate.model:
+        return candidate
+    start = fit.own, fit.shared[candidate.model.match(model)], fit.omega
+    refit = problem.fit(model, start, first=fit.first, rival=candidate.log_evidence)
+    if refit is None or not refit.converged or refit.log_evidence < candidate.log_evidence:
+        return candidate
+    return Candidate(model, refit, refit.log_evidence)
+
+
+def rank_pieces(
+    problem: Problem,
+    origin: Candidate,
+    columns: ScoreColumns,
+    progress: Progress,
+    floor: float = -np.inf,
+) -> tuple[list[Candidate], list[Score]]:
+    """Score every form on top of a fitted model, and fit the promising ones; best first.
+
+    `floor` as in `fit_scored`.
+    """
+    scores = score_pieces(problem, origin, columns)
+    return fit_scored(problem, origin, scores, progress, floor), scores
+
+
+def fit_scored(
+    problem: Problem,
+    origin: Candidate,
+    scores: list[Score],
+    progress: Progress,
+    floor: float = -np.inf,
+) -> list[Candidate]:
+    """Fit every promising form among those that were scored, best first.
+
+    `floor` is the log evidence [nats] below which none of them could be chosen: what others of
+    their kind have reached, or what is asked of them.
+
+    Promising are the best forms of the leading effects, and every form whose score is near the best
+    fit so far. Each gets a few linearisations; one that then leads goes on at once, for only a fit
+    that has come to rest may set the measure for others. Those within reach of the best go on as
+    well. One that does not come to rest cannot be chosen, and counts by what it has reached. Forms
+    that are not fitted count by their score.
+    """
+    leading = set(list(dict.fromkeys(s.effect for s in scores))[:LEADING])
+    begun, candidates, best = [], [], max(origin.log_evidence, floor)
+    for score in progress(scores, "fitting effects"):
+        gain = best - origin.log_evidence
+        near = score.gain >= max(0.0, gain - max(NEAR, NEAR_SHARE * gain))
+        if not near and (score.effect not in leading or score.gain <= HOPELESS):
+            candidates.append(Candidate(score.model, None, origin.log_evidence + score.gain))
+            continue
+        leading.discard(score.effect)
+        start = origin.fit.own, score.shared, origin.fit.omega
+        fit = problem.fit(score.model, start, steps=FIRST_STEPS, first=origin.fit.first)
+        if fit is not None and fit.log_evidence > best:
+            fit = go_on(problem, score.model, fit, best - competing_nats(gain))
+        if fit is None:
+            continue
+        if fit.converged:
+            best = max(best, fit.log_evidence)
+        begun.append((score.model, fit))
+    reach = max(REACH, REACH_SHARE * (best - origin.log_evidence))
+    for model, fit in begun:
+        if fit.log_evidence < best - reach:
+            candidates.append(Candidate(model, None, fit.log_evidence))
+            continue
+        fit = go_on(problem, model, fit, best - competing_nats(best - origin.log_evidence))
+        if fit is not None and fit.converged:
+            candidates.append(prune(problem, Candidate(model, fit, fit.log_evidence)))
+        elif fit is not None:
+            candidates.append(Candidate(model, None, fit.log_evidence))
+    return sorted(candidates, key=lambda c: -c.log_evidence)
+
+
+def find_best(candidates: Iterable[Candidate]) -> float:
+    """Best log evidence [nats] of those that were fitted; −∞ of none."""
+    return max((c.log_evidence for c in candidates if c.fit is not None), default=-np.inf)
+
+
+def competing_nats(gain: float) -> float:
+    """Distance [nats] from the best model, of such a gain, within which others compete with it."""
+    return max(RIVAL_NATS, RIVAL_SHARE * gain)
+
+
+def go_on(problem: Problem, model: EffectModel, fit: Fit, rival: float = -np.inf) -> Fit | None:
+    """Fit on until it comes to rest, or clearly will not reach the log evidence of a rival."""
+    if fit.converged:
+        return fit
+    return problem.fit(model, (fit.own, fit.shared, fit.omega), first=fit.first, rival=rival)

@@ -1,0 +1,1 @@
+"""What a fitted model leaves: where, when, and of which shape."""

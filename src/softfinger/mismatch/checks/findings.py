@@ -1,0 +1,96 @@
+"""What the best model leaves besides the evidence of listed effects."""
+
+from typing import NamedTuple
+
+import xarray as xr
+from scipy.special import expit
+
+from softfinger.inference.problem import Candidate, Problem
+from softfinger.mismatch.checks.free_form import FreeForm
+from softfinger.mismatch.checks.jumps import Jumps, find_jumps
+from softfinger.mismatch.checks.lines import Line, find_line
+from softfinger.mismatch.checks.summary import compute_excess, compute_residual
+from softfinger.mismatch.search.stepwise import Search, allow_rest
+
+MISSING = 1e-3  # p-value of a misfit from which something is missing
+SCATTER_LEFT = 0.5  # of the excess: with more scatter than that left, effects are not it
+
+
+class Findings(NamedTuple):
+    """What is left besides the evidence of listed effects.
+
+    Attributes
+    ----------
+    base_excess, base_p, best_excess, best_p
+        Excess χ² within trials of the base and the best model, and its p-value.
+    line
+        The strongest spectral line that the best model leaves.
+    jumps
+        Jumps in single trials that it leaves.
+    free
+        The best free-form term on top of the best model; None where nothing calls for one.
+    gain
+        Gain [nats] of the best one or two listed effects over the base model.
+    further
+        What a third effect adds to that [nats].
+    """
+
+    base_excess: float
+    base_p: float
+    best_excess: float
+    best_p: float
+    line: Line
+    jumps: Jumps
+    free: FreeForm | None
+    gain: float
+    further: float
+
+    @property
+    def left(self) -> float:
+        """Evidence [nats] for what two effects leave: a third, a shape, a line, or jumps."""
+        free = 0.0 if self.free is None else self.free.gain
+        return max(self.further, free, self.line.gain, self.jumps.gain)
+
+    def is_unlisted(self, needed: float) -> bool:
+        """Whether something is missing that one or two listed effects do not mostly explain.
+
+        Scatter may be noise that was misjudged; evidence for a shape, a line or jumps is not, so
+        less of that may be left.
+        """
+        scatter = self.best_p < MISSING
+        scatter &= self.best_excess > SCATTER_LEFT * max(self.base_excess, 0.0)
+        return bool(scatter or self.left > allow_rest(self.gain, needed))
+
+
+def examine(problem: Problem, search: Search, angles: xr.Dataset, *, needed: float) -> Findings:
+    """Examine what the best model leaves: scatter, a line, a shape.
+
+    What `shape_rest` makes of a search is asked for.
+    """
+    rows = problem.trials.size[problem.trials.protocol]
+    base, best = (compute_excess(c.fit, rows) for c in (search.base, search.best))
+    time = angles.sel(trial=problem.trials.name)["time"].transpose("trial", "frame").values
+    line = find_line(problem, compute_residual(problem, search.best, angles), time)
+    free = search.shape.free
+    free = free if free is not None and free.gain > needed else None
+    few = [c for c in (search.base, search.best, *search.candidates) if _is_small(search, c)]
+    best_few = max(c.log_evidence for c in few)
+    gain = best_few - search.base.log_evidence
+    further = max(search.best.log_evidence - best_few, 0.0)
+    jumps = find_jumps(problem, search.best, angles)
+    return Findings(*base, *best, line, jumps, free, gain, further)
+
+
+def weigh_against_shape(search: Search, findings: Findings) -> float:
+    """Probability that what is missing is the best effects and a rest, and not a shape alone.
+
+    What no effect explains may make effects seem to be there that only take its part. A free-form
+    term on top of the base model takes it without them; both have prior ½.
+    """
+    shape = search.base.log_evidence + search.alone.gain
+    rest = 0.0 if findings.free is None else findings.free.gain
+    return float(expit(search.best.log_evidence + rest - shape))
+
+
+def _is_small(search: Search, candidate: Candidate) -> bool:
+    return candidate.fit is not None and len(candidate.model.ids - search.base.model.ids) <= 2

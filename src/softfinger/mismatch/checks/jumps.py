@@ -1,0 +1,155 @@
+"""Jumps in single trials: angles that are off by a constant from some moment on, as after a slip.
+
+Each joint's residual, frame by frame, is weighed against a step of normal size at any moment at
+which the finger is quiet. The trial's own parameters are free to adapt, and the evidence is
+averaged over joints, moments and sizes. A jump has to beat two rivals (Fox 1972), weighed in the
+same way, which noise with heavy tails brings: one wrong frame, and one large innovation, which
+AR(1) noise forgets only slowly. Trials jump with an unknown probability, over which it is averaged
+as well. Each joint is weighed by itself: what its noise shares with its neighbours' is not used.
+
+References
+----------
+Fox (1972), J. R. Stat. Soc. B 34, 350. Chen, Liu (1993), J. Am. Stat. Assoc. 88, 284.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from softfinger.inference.disturbances import locate_disturbances
+from softfinger.inference.problem import LAYOUT, OWN, Candidate, Problem, simulate_frames
+from softfinger.measurement.quiet import find_quiet_array
+from softfinger.measurement.reml import whiten_array
+
+SIZES_RAD = (0.003, 0.01, 0.03)
+SHARES = (0.02, 0.1, 0.3, 0.6, 0.95)  # of the trials that jump
+LEAST_FRAMES = 10  # of a joint in a trial
+SURE = 5.0  # nats of a trial from which it is listed
+
+Array = NDArray[np.float64]
+
+
+class Jumps(NamedTuple):
+    """Evidence for jumps [nats], the trials that jump, and the joints (from 1) that do."""
+
+    gain: float
+    trials: list[str]
+    joints: list[int]
+
+
+class Series(NamedTuple):
+    """One joint in one trial: whitened rows, and the joint's own parameters.
+
+    rows (n, OWN + 1) of [∂F/∂η | residual]; weight, carried (n,): row i is weight · (x_i −
+    carried · x_{i−1}); pull (OWN,) = Ω⁻¹(μ − η) and precision Ω⁻¹ of η; quiet (n,).
+    """
+
+    rows: Array
+    weight: Array
+    carried: Array
+    pull: Array
+    precision: Array
+    quiet: NDArray[np.bool_]
+
+
+def find_jumps(problem: Problem, candidate: Candidate, angles: xr.Dataset) -> Jumps:
+    """Weigh jumps in single trials on top of a fitted model, `angles` being the artifact."""
+    trials = problem.trials
+    evidence = np.full((len(trials.name), trials.joints), -np.inf)
+    rival = evidence.copy()
+    for i, j, series, sd in _list_series(problem, candidate, angles):
+        sizes = np.array(SIZES_RAD) / sd
+        evidence[i, j] = weigh_shapes(series, *project_steps(series), sizes)
+        rivals = [weigh_shapes(series, *shape, sizes) for shape in project_outliers(series)]
+        rival[i, j] = np.logaddexp(*rivals) - np.log(2.0)
+    seen = np.isfinite(evidence).any(axis=1)
+    if not seen.any():
+        return Jumps(0.0, [], [])
+    trial, other = (_average(x[seen]) for x in (evidence, rival))
+    trial = trial - np.maximum(other, 0.0)
+    mixed = [np.logaddexp(np.log1p(-p), np.log(p) + trial).sum() for p in SHARES]
+    jumping = np.flatnonzero(seen)[trial > SURE]
+    joints = sorted({int(evidence[i].argmax()) + 1 for i in jumping})
+    gain = float(np.logaddexp.reduce(mixed) - np.log(len(mixed)))
+    return Jumps(gain, [trials.name[i] for i in jumping], joints)
+
+
+def project_steps(series: Series) -> tuple[Array, Array]:
+    """Products of whitened steps that begin at frame s with the rows (s, OWN + 1), and norms² (s,).
+
+    A step is weight at s and weight · (1 − carried) later.
+    """
+    later = series.weight * (1.0 - series.carried)
+    tail = _sum_after(series.rows * later[:, None])
+    return series.rows * series.weight[:, None] + tail, series.weight**2 + _sum_after(later**2)
+
+
+def project_outliers(series: Series) -> list[tuple[Array, Array]]:
+    """Project one wrong frame, and one large innovation, as `project_steps` does steps."""
+    back = np.append(series.weight[1:] * series.carried[1:], 0.0)
+    here = series.rows * series.weight[:, None]
+    after = np.concatenate([series.rows[1:], np.zeros((1, series.rows.shape[1]))])
+    wrong = here - after * back[:, None], series.weight**2 + back**2
+    return [wrong, (here, series.weight**2)]
+
+
+def weigh_shapes(series: Series, product: Array, square: Array, sizes: Array) -> float:
+    """Evidence [nats] for one of the shapes, over the quiet moments and sizes (of unit noise)."""
+    own, left = series.rows[:, :-1], series.rows[:, -1]
+    cross, pull = product[series.quiet, :-1], product[series.quiet, -1]
+    inner = np.linalg.inv(series.precision + own.T @ own)
+    adapted = inner @ (own.T @ left + series.pull)  # where η would go without the shape
+    norm = np.maximum(square[series.quiet] - np.einsum("sa,ab,sb->s", cross, inner, cross), 0.0)
+    pull = pull - cross @ adapted
+    each = [0.5 * (pull**2 / (norm + s**-2.0) - np.log1p(norm * s**2)) for s in sizes]
+    return float(np.logaddexp.reduce(np.ravel(each)) - np.log(np.size(each)))
+
+
+def _sum_after(values: Array) -> Array:
+    """Sums over all later rows."""
+    return values[::-1].cumsum(axis=0)[::-1] - values
+
+
+def _average(evidence: Array) -> Array:
+    """Average over the joints (trial, joint) that were seen."""
+    return np.logaddexp.reduce(evidence, axis=1) - np.log(np.isfinite(evidence).sum(axis=1))
+
+
+def _list_series(
+    problem: Problem, candidate: Candidate, angles: xr.Dataset
+) -> list[tuple[int, int, Series, float]]:
+    """Place of trial and joint, its series and the noise's sd, where enough was seen."""
+    trials, fit = problem.trials, candidate.fit
+    noise = problem.noise[["noise_sd", "noise_autocorrelation"]].to_dataarray().values
+    factor = problem.noise["noise_factor"].sel(trial=trials.name).transpose(*LAYOUT).values
+    chosen = angles.sel(trial=trials.name)
+    recorded = chosen["joint_angle"].transpose(*LAYOUT).values
+    time = chosen["time"].transpose("trial", "frame").values
+    recorded = recorded - locate_disturbances(problem, candidate, time)
+    angle, slope = simulate_frames(problem, candidate, angles, gradient=True)
+    found = []
+    for i, used in enumerate(trials.used):
+        quiet = find_quiet_array(time[i, used], trials.load_time[i], trials.load_torque[i])
+        gap = np.diff(time[i, used], prepend=-np.inf) / trials.interval
+        if quiet.sum() < LEAST_FRAMES:
+            continue
+        for j in np.flatnonzero(trials.present[i]):
+            sd, rho = noise[:, j]
+            own = slice(OWN * j, OWN * (j + 1))
+            residual = recorded[i, j, used] - angle[i, j, used]
+            rows = np.column_stack([slope[i, j, used, own], residual]) / sd
+            rows /= factor[i, j, used, None]
+            carried = np.where(np.isfinite(gap), rho**gap, 0.0)
+            precision = np.linalg.inv(fit.omega[own, own])
+            series = Series(
+                whiten_array(rows, gap, rho)[0],
+                1.0 / np.sqrt(1.0 - carried**2),
+                carried,
+                precision @ (fit.mean[own] - fit.own[i, own]),
+                precision,
+                quiet,
+            )
+            found.append((i, int(j), series, float(sd)))
+    return found

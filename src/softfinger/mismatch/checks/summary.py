@@ -1,0 +1,113 @@
+"""Numbers of a verdict that come straight from two fits: residuals, spread, elpd, bias."""
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.stats import norm
+
+from softfinger.inference.disturbances import locate_disturbances
+from softfinger.inference.mixed_effects import Prior
+from softfinger.inference.mixed_effects_laplace import Fit
+from softfinger.inference.mixed_effects_loo import compute_left_out
+from softfinger.inference.problem import OWN, Candidate, Problem, predict_frames
+from softfinger.measurement.noise import NOISE_VARIANCE_SD
+from softfinger.mismatch.checks.locate import PARAMETERS
+from softfinger.mismatch.verdict.schema import Elpd
+
+
+def compute_residual(
+    problem: Problem, candidate: Candidate, angles: xr.Dataset
+) -> NDArray[np.float64]:
+    """Recorded minus predicted angle (trial, joint, frame) [rad]; NaN where a frame is not used.
+
+    What a wrong log or clock most probably did counts as predicted.
+    """
+    chosen = angles.sel(trial=problem.trials.name)
+    recorded = chosen["joint_angle"].transpose("trial", "joint", "frame").values
+    time = chosen["time"].transpose("trial", "frame").values
+    residual = recorded - predict_frames(problem, candidate, angles)
+    residual = residual - locate_disturbances(problem, candidate, time)
+    used = np.zeros(residual.shape[::2], bool)
+    for i, frames in enumerate(problem.trials.used):
+        used[i, frames] = True
+    return np.where(used[:, None] & problem.trials.present[:, :, None], residual, np.nan)
+
+
+def compute_elpd(problem: Problem, base: Candidate, final: Candidate) -> Elpd | None:
+    """Leave-one-trial-out elpd of two fits; None for a single trial."""
+    before, after = ((c.fit, problem.build_prior(c.model)) for c in (base, final))
+    return compare_elpd(problem, before, after)
+
+
+def compare_elpd(
+    problem: Problem, before: tuple[Fit, Prior], after: tuple[Fit, Prior]
+) -> Elpd | None:
+    """Leave-one-trial-out elpd of two fits with their priors; None for a single trial."""
+    trials = problem.trials
+    if len(trials.name) < 2:
+        return None
+    rows, logdet = trials.size[trials.protocol], trials.logdet
+    before, after = (compute_left_out(*fitted, rows, logdet) for fitted in (before, after))
+    difference = after - before
+    return Elpd(
+        baseline=float(before.sum()),
+        final=float(after.sum()),
+        difference=float(difference.sum()),
+        se=float(np.sqrt(len(difference) * difference.var(ddof=1))),
+    )
+
+
+def compute_spread(problem: Problem, candidate: Candidate) -> NDArray[np.float64]:
+    """Variance between trials (joint, 4) of each parameter."""
+    return np.diag(candidate.fit.omega).reshape(problem.trials.joints, OWN)
+
+
+def explain_spread(
+    problem: Problem, base: Candidate, final: Candidate
+) -> dict[str, dict[str, float]]:
+    """Share of the trial-to-trial variance that the final model's physics explains."""
+    share = 1.0 - compute_spread(problem, final) / compute_spread(problem, base)
+    return {
+        name: {str(j + 1): float(share[j, k]) for j in range(len(share))}
+        for k, name in enumerate(PARAMETERS)
+    }
+
+
+def compare_parameters(problem: Problem, base: Candidate, final: Candidate) -> xr.Dataset:
+    """Population means before and after, and the bias that the omission caused.
+
+    Returns
+    -------
+    Dataset
+        before, before_sd, after, after_sd, bias (joint, parameter); bias = before − after: of a
+        logarithm about the relative error.
+    """
+    shape = (problem.trials.joints, OWN)
+    values = {}
+    for word, candidate in (("before", base), ("after", final)):
+        values[word] = candidate.fit.mean.reshape(shape)
+        values[f"{word}_sd"] = np.sqrt(np.diag(candidate.fit.mean_covariance)).reshape(shape)
+    values["bias"] = values["before"] - values["after"]
+    return xr.Dataset(
+        {name: (("joint", "parameter"), value) for name, value in values.items()},
+        coords={"joint": np.arange(1, shape[0] + 1), "parameter": list(PARAMETERS)},
+    )
+
+
+def compute_excess(fit: Fit, rows: NDArray[np.int64]) -> tuple[float, float]:
+    """Excess of χ² within trials over its expectation, per number, and its p-value.
+
+    Each trial's residual is taken perpendicular to what its own parameters could still take up, so
+    the population has no part in it.
+    """
+    d = len(fit.omega)
+    square, freedom = 0.0, 0
+    for gram, n in zip(fit.gram, rows, strict=True):
+        own, cross = gram[:d, :d], gram[:d, -1]
+        rank = int(np.linalg.matrix_rank(own, tol=1e-9 * np.trace(own), hermitian=True))
+        square += gram[-1, -1] - cross @ np.linalg.pinv(own, rcond=1e-9, hermitian=True) @ cross
+        freedom += n - rank
+    freedom = max(freedom - len(fit.shared), 1)
+    excess = square / freedom - 1.0
+    sd = np.hypot(np.sqrt(2.0 / freedom), NOISE_VARIANCE_SD)
+    return float(excess), float(norm.sf(excess / sd))

@@ -1,0 +1,1 @@
+"""The search for sets of effects, and its false alarms."""

@@ -1,0 +1,214 @@
+"""How large the best gain of the whole catalogue gets by chance: a parametric bootstrap.
+
+Campaigns are drawn from the fitted base model, on the campaign's own loads and frames, but only in
+the whitened reduced space: of a trial z* = A b + e nothing is needed but Cᵀz*, which is normal with
+covariance CᵀC + (CᵀA) Ω (AᵀC). Each replicate is fitted anew (Ω and μ); every form's gain is its
+one-step score: the log evidence of the linear model with the form's amplitudes.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import norm
+
+from softfinger.compiled import compiled
+from softfinger.inference.mixed_effects import Prior, _climb, _solve, fit_linear
+from softfinger.inference.problem import Candidate, Problem
+from softfinger.mismatch.candidates.columns import ScoreColumns
+
+REPLICATES = 199
+REFITTED = 1  # forms of a replicate, the best by their score, whose gain is that of a fit
+TAIL_SHARE = 0.2  # of the replicates, from which the tail of the largest gain is learnt
+
+
+class FalseAlarms(NamedTuple):
+    """Largest gain over the catalogue in each replicate (replicate,) [nats]."""
+
+    gain: NDArray[np.float64]
+
+    def p_value(self, gain: float) -> float:
+        """Probability that chance alone gains this much or more.
+
+        Beyond the replicates' upper fifth the tail is exponential, with its own mean excess.
+
+        >>> FalseAlarms(np.arange(100.0)).p_value(49.5)
+        0.5
+        """
+        ordered = np.sort(self.gain)
+        edge = ordered[-int(np.ceil(TAIL_SHARE * len(ordered)))]
+        if gain <= edge:
+            return float(np.mean(self.gain >= gain))
+        beyond = ordered[ordered >= edge] - edge
+        share = np.mean(self.gain >= edge)
+        return float(share * np.exp(-(gain - edge) / max(beyond.mean(), 0.5)))
+
+    def threshold(self, probability: float) -> float:
+        """Gain [nats] that chance exceeds with a probability (below the tail's share)."""
+        ordered = np.sort(self.gain)
+        edge = ordered[-int(np.ceil(TAIL_SHARE * len(ordered)))]
+        beyond = ordered[ordered >= edge] - edge
+        share = np.mean(self.gain >= edge)
+        return float(edge + max(beyond.mean(), 0.5) * np.log(share / probability))
+
+
+def calibrate_false_alarms(
+    columns: ScoreColumns,
+    problem: Problem,
+    base: Candidate,
+    rng: np.random.Generator,
+    replicates: int = REPLICATES,
+) -> FalseAlarms:
+    """Draw replicates of the base model and find the largest gain in each."""
+    d = len(base.fit.omega)
+    whole = np.ascontiguousarray(columns.bare)
+    factor = np.stack([_root(gram) for gram in whole])
+    own_factor = np.linalg.cholesky(base.fit.omega)
+    prior = problem.build_prior(base.model)
+    prior = prior._replace(mean=prior.mean[:d], precision=prior.precision[:d])
+    largest = np.empty(replicates)
+    for k in range(replicates):
+        noise = rng.standard_normal((len(factor), factor.shape[2]))
+        own = rng.standard_normal((len(factor), d)) @ own_factor.T
+        product = np.einsum("tcr,tr->tc", factor, noise)
+        product += np.einsum("tcd,td->tc", whole[:, :, :d], base.fit.mean + own)
+        gains = score_columns_array(columns, whole, product, prior, base.fit.omega)
+        gains = np.where(np.isfinite(gains), gains, -np.inf)
+        for form in np.argsort(-gains)[:REFITTED]:
+            again = _refit(columns, whole, product, prior, base.fit.omega, form)
+            gains[form] = max(gains[form], again)
+        largest[k] = gains.max(initial=0.0)
+    return FalseAlarms(largest)
+
+
+def _refit(
+    columns: ScoreColumns,
+    whole: NDArray,
+    product: NDArray,
+    prior: Prior,
+    omega: NDArray,
+    form: int,
+) -> float:
+    """Gain [nats] of one form with Ω fitted anew: what differs between trials may shrink."""
+    d = len(omega)
+    own, more = np.arange(d), columns.first[form] + np.arange(columns.count[form])
+    wider = prior._replace(
+        mean=np.append(prior.mean, np.zeros(len(more))),
+        precision=np.append(prior.precision, columns.sd[more] ** -2.0),
+    )
+    evidence = []
+    for kept, known in ((own, prior), (np.append(own, d + more), wider)):
+        gram = np.zeros((len(product), len(kept) + 1, len(kept) + 1))
+        gram[:, :-1, :-1] = whole[:, kept[:, None], kept]
+        gram[:, :-1, -1] = gram[:, -1, :-1] = product[:, kept]
+        evidence.append(fit_linear(gram, known, omega, rounds=3, tolerance=0.1).log_evidence)
+    return evidence[1] - evidence[0]
+
+
+def score_columns_array(
+    columns: ScoreColumns,
+    gram: NDArray[np.float64],
+    product: NDArray[np.float64],
+    prior: tuple,
+    omega: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Gain [nats] of each form (form,), Ω fitted under the base model.
+
+    Parameters
+    ----------
+    gram, product
+        CᵀC (trial, d + c, d + c) of the columns alone, and Cᵀz (trial, d + c).
+    """
+    gain, mean, sd = _score(gram, product, columns.first, columns.count, columns.sd, *prior, omega)
+    inside = norm.logcdf(mean / sd) + np.log(2.0)
+    cut = np.where(columns.positive, inside, 0.0)
+    add = np.add.reduceat(cut, columns.first) if len(columns.first) else np.zeros(0)
+    return gain + add
+
+
+def _root(gram: NDArray) -> NDArray:
+    """Root R of a Gram matrix of any rank, R Rᵀ = G: symmetric in scaled columns.
+
+    Rounding hardly moves it, whereas a Cholesky factor of columns that hide in each other hangs on
+    the order of its pivots.
+    """
+    size = np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    values, vectors = np.linalg.eigh(gram / np.outer(size, size))
+    root = (vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T
+    return root * size[:, None]
+
+
+@compiled
+def _score(
+    gram: NDArray,
+    product: NDArray,
+    first: NDArray,
+    count: NDArray,
+    amplitude_sd: NDArray,
+    mean: NDArray,
+    precision: NDArray,
+    spread: NDArray,
+    weight: float,
+    block: int,
+    omega: NDArray,
+) -> tuple[NDArray, NDArray, NDArray]:
+    """Gain of each form, and mean and sd of each amplitude: one Ω, one inverse for each trial."""
+    trials, d = gram.shape[0], omega.shape[0]
+    own = np.zeros((trials, d + 1, d + 1))
+    own[:, :d, :d] = gram[:, :d, :d]
+    own[:, :d, d] = product[:, :d]
+    own[:, d, :d] = product[:, :d]
+    omega, _ = _climb(own, mean, precision, spread, weight, block, omega, 3, 1e-1)
+    shared, covariance = _solve(own, mean, precision, spread, weight, block, omega)[:2]
+    inverse = np.linalg.inv(omega)
+    size = amplitude_sd.size
+    cross, direct = np.zeros((size, d)), np.zeros(size)
+    kept = np.empty((trials, d, d))
+    for i in range(trials):
+        kept[i] = np.linalg.inv(inverse + own[i, :d, :d])
+        side = np.ascontiguousarray(gram[i, d:, :d])
+        taken = side @ kept[i]
+        cross += side - taken @ np.ascontiguousarray(own[i, :d, :d])
+        direct += product[i, d:] - taken @ product[i, :d]
+    direct -= cross @ shared
+    gain = np.empty(first.size)
+    location, sd = np.zeros(size), np.ones(size)
+    for form in range(first.size):
+        p, begin = count[form], first[form]
+        part = slice(begin, begin + p)
+        hessian = np.diag(amplitude_sd[part] ** -2.0)
+        hessian -= cross[part] @ covariance @ cross[part].T
+        for i in range(trials):
+            side = np.ascontiguousarray(gram[i, d + begin : d + begin + p, :d])
+            inner = gram[i, d + begin : d + begin + p, d + begin : d + begin + p]
+            hessian += inner - side @ kept[i] @ side.T
+        inside = np.linalg.inv(hessian)
+        place = inside @ direct[part]
+        location[part] = place
+        for a in range(p):
+            sd[begin + a] = np.sqrt(inside[a, a])
+        volume = np.linalg.slogdet(hessian)[1] + 2.0 * np.sum(np.log(amplitude_sd[part]))
+        gain[form] = 0.5 * (place @ direct[part] - volume)
+    return gain, location, sd
+
+
+def project_columns_array(
+    gram: NDArray[np.float64],
+    d: int,
+    precision: NDArray[np.float64],
+    omega: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """What is left of columns after η ~ N(μ, Ω) and μ have taken up what they can.
+
+    Returns
+    -------
+    left, shift
+        Gram matrix (c, c) of what is left; what each column adds to μ (d, c).
+    """
+    inverse = np.linalg.inv(omega)
+    kept = np.linalg.inv(inverse + gram[:, :d, :d])
+    cross = gram[:, :, :d]
+    marginal = (gram - cross @ kept @ cross.transpose(0, 2, 1)).sum(axis=0)
+    mean = marginal[:d, :d] + np.diag(precision)
+    shift = np.linalg.solve(mean, marginal[:d, d:])
+    return marginal[d:, d:] - marginal[d:, :d] @ shift, shift

@@ -1,0 +1,128 @@
+"""From fitted models to a decision: which effects, how probable, what cannot be told apart.
+
+Prior ½ on the base model, the rest shared evenly by the sets of effects that were fitted, and
+within a set by its forms. Where several sets remain that share an effect and differ in what they
+add to it, and that adds hardly anything, the shared part is what is known.
+"""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from softfinger.mismatch.candidates.rank import Candidate
+from softfinger.mismatch.search.stepwise import Search
+
+SURE = 0.95  # posterior probability from which one set of effects is named
+SLIGHT = 0.02  # of what effects gain: additions that disagree and gain less are not claimed
+
+Ids = frozenset[str]
+
+
+class Posterior(NamedTuple):
+    """Posterior probabilities.
+
+    Attributes
+    ----------
+    sets
+        Set of effect ids → probability, most probable first; the empty set is the base model.
+    inclusion
+        Effect id → probability that it is needed.
+    best
+        Set of effect ids → its best model.
+    """
+
+    sets: dict[Ids, float]
+    inclusion: dict[str, float]
+    best: dict[Ids, Candidate]
+
+    @property
+    def equivalent(self) -> list[Ids]:
+        """The fewest sets of effects that reach `SURE` together."""
+        total, chosen = 0.0, []
+        for ids, probability in self.sets.items():
+            chosen.append(ids)
+            total += probability
+            if total >= SURE:
+                break
+        return chosen
+
+    def doubt(self, probability: float) -> "Posterior":
+        """Keep in mind that, but for this probability, what is missing is not in the catalogue."""
+        inclusion = {name: probability * p for name, p in self.inclusion.items()}
+        return self._replace(inclusion=inclusion)
+
+
+def weigh_models(base: Candidate, others: Iterable[Candidate]) -> Posterior:
+    """Weigh the base model and every other fitted model by evidence and prior."""
+    groups: dict[Ids, list[Candidate]] = {}
+    for candidate in others:
+        groups.setdefault(candidate.model.ids - base.model.ids, []).append(candidate)
+    groups.pop(frozenset(), None)
+    log_weight = {frozenset(): np.log(0.5) + base.log_evidence}
+    for ids, members in groups.items():
+        evidence = np.array([member.log_evidence for member in members])
+        share = np.logaddexp.reduce(evidence) - np.log(len(members))
+        log_weight[ids] = share + np.log(0.5 / len(groups))
+    total = np.logaddexp.reduce(list(log_weight.values()))
+    sets = {ids: float(np.exp(weight - total)) for ids, weight in log_weight.items()}
+    sets = dict(sorted(sets.items(), key=lambda item: (-item[1], sorted(item[0]))))
+    names = dict.fromkeys(name for ids in sets for name in sorted(ids))
+    inclusion = {name: sum(p for ids, p in sets.items() if name in ids) for name in names}
+    best = {ids: max(members, key=lambda c: c.log_evidence) for ids, members in groups.items()}
+    best[frozenset()] = base
+    return Posterior(sets, inclusion, best)
+
+
+def settle_search(search: Search) -> Search:
+    """Keep what the likely sets of effects share, where they disagree about a slight rest.
+
+    Such a rest is too small, and too little like any one effect, to be given a name. Where
+    the base model is still the most probable, though a gain has passed the test of false alarms, as
+    one in a hundred does by chance, nothing is said to be missing.
+    """
+    posterior = weigh_models(search.base, search.candidates)
+    likely = posterior.equivalent
+    if not likely[0]:
+        return search._replace(best=search.base)
+    core = frozenset.intersection(*likely)
+    kept = posterior.best.get(core) if len(likely) > 1 and core else None
+    if kept is None or kept.fit is None:
+        return search
+    added = search.best.log_evidence - kept.log_evidence
+    if added > SLIGHT * (kept.log_evidence - search.base.log_evidence):
+        return search
+    size = len(kept.model.ids)
+    fewer = [c for c in search.candidates if len(c.model.ids) <= size]
+    more = [c for c in search.candidates if len(c.model.ids) > size]
+    return search._replace(candidates=fewer, rejected=[*more, *search.rejected], best=kept)
+
+
+def drop_negligible(search: Search) -> Search:
+    """Take back what lies below an effect's floor: a good rig's own errors reach that far.
+
+    What is taken back has been explained; so no rival of it, and no larger set, is claimed either.
+    """
+    best, base = search.best, search.base
+    negligible = best.model.list_negligible(best.fit.shared) - base.model.ids
+    if not negligible:
+        return search
+    kept = weigh_models(base, search.candidates).best.get(
+        best.model.ids - base.model.ids - negligible
+    )
+    kept = base if kept is None or kept.fit is None else kept
+    size = len(kept.model.ids)
+    fewer = [
+        c for c in search.candidates if base.model.ids < c.model.ids and len(c.model.ids) <= size
+    ]
+    more = [c for c in search.candidates if len(c.model.ids) > size]
+    return search._replace(candidates=fewer, rejected=[*more, *search.rejected], best=kept)
+
+
+def join_ids(ids: Ids) -> str:
+    """Name a set of effects.
+
+    >>> join_ids(frozenset({"gravity", "actuator_lag"}))
+    'actuator_lag+gravity'
+    """
+    return "+".join(sorted(ids)) or "none"

@@ -1,0 +1,193 @@
+"""Every leading model is judged with the measurement that its own residual asks for.
+
+What a model leaves may come from the recordings: a load log that scatters, clocks, a picture that
+drifts. Each may take an effect's place only where its evidence is better. So the measurement that
+goes with the search is that of whichever leads, the base model or an effect, each at its best; and
+the sets of effects that are found are compared once more, each with its own.
+"""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from softfinger.inference.disturbances import fit_disturbances, soften
+from softfinger.inference.mixed_effects_laplace import SHARE
+from softfinger.inference.problem import Candidate, Problem, predict_frames
+from softfinger.measurement.measure import add_components, measure
+from softfinger.measurement.trials import prepare_trials
+from softfinger.mismatch.search.stepwise import Search
+
+TOLERANCE = 0.02  # nats within which a refit is at rest
+LEADERS = 2  # single effects that are judged beside the base model before the search
+COMPONENT_NATS = 3.0  # a disturbance's size is one of a few, and one campaign in four has it
+FINALISTS = 6  # sets of effects that are judged after it
+
+
+class Judged(NamedTuple):
+    """A model with a measurement of its own: the problem with it, and its log evidence [nats].
+
+    The noise's own level counts, so that models with different measurements compare.
+    """
+
+    problem: Problem
+    candidate: Candidate
+    evidence: float
+
+
+def settle_measurement(
+    plain: Problem, base: Candidate, singles: list[Candidate], needed: float
+) -> tuple[Problem, Candidate]:
+    """Take the measurement of whichever leads: the base model, or one of the best effects.
+
+    Parameters
+    ----------
+    plain
+        Without disturbances.
+    singles
+        Models of one effect, best first.
+    needed
+        Gain [nats] from which an effect is judged at all.
+
+    Returns
+    -------
+    problem, base
+        With that measurement; as they are where it has no disturbance.
+    """
+    leaders: dict[frozenset[str], Candidate] = {}
+    for candidate in singles:
+        gain = candidate.log_evidence - base.log_evidence
+        if candidate.fit is not None and gain > needed and len(leaders) < LEADERS:
+            leaders.setdefault(candidate.model.ids, candidate)
+    judging = (judge(plain, c, plain, base) for c in (base, *leaders.values()))
+    best = max((j for j in judging if j is not None), key=lambda j: j.evidence, default=None)
+    if best is None or best.problem is plain:
+        return plain, base
+    if best.candidate.model is base.model:
+        return best.problem, best.candidate
+    again = _fit(best.problem, base, base)
+    return (plain, base) if again is None else (best.problem, again)
+
+
+def judge_finalists(
+    plain: Problem, problem: Problem, search: Search, angles: xr.Dataset, needed: float
+) -> tuple[Problem, Search]:
+    """Judge the leading sets of effects anew, each with its own measurement.
+
+    Frames that count are those that do not stand out from the best model. A model leads only if
+    what it has more than a simpler one gains more than `needed` nats.
+
+    Parameters
+    ----------
+    plain, problem
+        Without disturbances, and as the search had it.
+
+    Returns
+    -------
+    problem, search
+        With the measurement of the model that then leads; its candidates are the finalists.
+    """
+    measured = measure_again(plain, search.best, angles)
+    finalists: dict[frozenset[str], Candidate] = {search.base.model.ids: search.base}
+    for candidate in search.candidates:
+        if candidate.fit is not None and len(finalists) <= FINALISTS:
+            finalists.setdefault(candidate.model.ids, candidate)
+    finalists.setdefault(search.best.model.ids, search.best)
+    fitted = problem if measured is plain else None
+    judging = (judge(measured, c, fitted, search.base) for c in finalists.values())
+    judged = [j for j in judging if j is not None]
+    best = max(judged, key=lambda j: j.evidence, default=None)
+    if best is None or (best.problem is plain and plain is problem and _agree(judged, plain)):
+        return problem, search
+    level = best.evidence - best.candidate.log_evidence
+    settled = []
+    for other in judged:
+        same = other.problem is best.problem
+        again = other.candidate if same else _fit(best.problem, other.candidate, search.base)
+        if again is not None:
+            settled.append(again._replace(log_evidence=other.evidence - level))
+    return best.problem, _settle(search, settled, needed)
+
+
+def judge(
+    plain: Problem, candidate: Candidate, fitted: Problem | None, base: Candidate
+) -> Judged | None:
+    """Fit a model with the disturbances that its residual shows; None where that fails.
+
+    Parameters
+    ----------
+    plain
+        Without disturbances.
+    fitted
+        The problem that the candidate was fitted to.
+    base
+        From which its gain counts.
+    """
+    size, evidence, directions = fit_disturbances(plain, candidate)
+    problem = plain
+    if size:
+        noise = add_components(plain.noise, size, evidence)
+        problem = replace(soften(plain, size, directions), noise=noise)
+    again = candidate if problem is fitted else _fit(problem, candidate, base)
+    if again is None:
+        return None
+    cost = COMPONENT_NATS * len(size)
+    return Judged(problem, again, again.log_evidence + _measure_level(problem) - cost)
+
+
+def measure_again(problem: Problem, candidate: Candidate, angles: xr.Dataset) -> Problem:
+    """Judge the frames against a better model; the problem as it is where the same ones count."""
+    chosen = angles.sel(trial=problem.trials.name)
+    noise = measure(chosen, predict_frames(problem, candidate, chosen))
+    known = problem.noise["used"].sel(trial=problem.trials.name).values
+    if np.array_equal(noise["used"].values, known):
+        return problem
+    trials = prepare_trials(chosen, noise)
+    if trials.name != problem.trials.name:
+        return problem
+    return replace(problem, trials=trials, noise=noise)
+
+
+def _agree(judged: list[Judged], plain: Problem) -> bool:
+    """Whether no model has a disturbance."""
+    return all(j.problem is plain for j in judged)
+
+
+def _settle(search: Search, settled: list[Candidate], needed: float) -> Search:
+    settled = sorted(settled, key=lambda c: -c.log_evidence)
+    base = next((c for c in settled if c.model.ids == search.base.model.ids), None)
+    if base is None:
+        return search
+    best = settled[0]
+    for simpler in sorted(settled, key=lambda c: len(c.model.ids)):
+        close = best.log_evidence - simpler.log_evidence <= needed
+        if close and simpler.model.ids < best.model.ids:
+            best = simpler
+    size = len(best.model.ids)
+    rest = [c for c in settled if c is not base]
+    kept = [c for c in rest if len(c.model.ids) <= max(size, len(base.model.ids) + 1)]
+    first_gain = max(best.log_evidence - base.log_evidence, 0.0)
+    return search._replace(
+        base=base,
+        candidates=kept,
+        rejected=[],
+        best=best,
+        first_gain=first_gain,
+        shape=None,
+        alone=None,
+    )
+
+
+def _measure_level(problem: Problem) -> float:
+    """What the noise itself adds to a log evidence [nats]."""
+    return -0.5 * float(problem.trials.logdet.sum())
+
+
+def _fit(problem: Problem, candidate: Candidate, base: Candidate) -> Candidate | None:
+    fit, gain = candidate.fit, candidate.log_evidence - base.log_evidence
+    start = fit.own, fit.shared, fit.omega
+    again = problem.fit(candidate.model, start, tolerance=max(TOLERANCE, SHARE * gain))
+    if again is None or not again.converged:
+        return None
+    return Candidate(candidate.model, again, again.log_evidence)

@@ -1,0 +1,308 @@
+"""Which effects together: forward addition, backward elimination, every model kept.
+
+What one effect leaves may be the error of its textbook form. So a further effect has a free-form
+term on top of the effects before as its rival: it is believed where its few numbers say more than a
+spline in time, load or angle does.
+"""
+
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from softfinger.inference.mixed_effects_laplace import Fit
+from softfinger.inference.problem import Candidate, Problem
+from softfinger.mechanics.effects.model import Piece
+from softfinger.mismatch.candidates.columns import ScoreColumns, collect_columns
+from softfinger.mismatch.candidates.other_forms import find_other_form, keep_leading, swap_forms
+from softfinger.mismatch.candidates.pairs import rank_pairs
+from softfinger.mismatch.candidates.rank import (
+    RIVAL_NATS,
+    Progress,
+    Score,
+    competing_nats,
+    find_best,
+    prune,
+    rank_pieces,
+)
+from softfinger.mismatch.checks.free_form import FreeForm, fit_free_form
+
+MOST_EFFECTS = 3
+FORM_ERROR = 0.005  # of what effects explain: what their textbook forms may leave to others
+SHAPE_LEFT = 0.25  # of what effects gain: with more than that left to a shape, they are not it
+LEAST_LEFT = float(np.log(10 / 0.01))  # nats that ten such terms exceed by chance in 1 %
+RIVALS = 2  # sets of effects from which a further effect is tried
+
+
+class Shape(NamedTuple):
+    """The best free-form term on top of a fit; None where there is none.
+
+    `ahead` is what the fitted model gains by a measurement of its own [nats].
+    """
+
+    fit: Fit
+    free: FreeForm | None
+    ahead: float = 0.0
+
+    @property
+    def gain(self) -> float:
+        """Its gain [nats]."""
+        return 0.0 if self.free is None else max(self.free.gain - self.ahead, 0.0)
+
+
+class Search(NamedTuple):
+    """Everything that was fitted.
+
+    Attributes
+    ----------
+    base
+        The base model.
+    candidates
+        The models that compete, best first: those of no more effects than were accepted.
+    rejected
+        Models with one effect more, which gained no more than chance does.
+    best
+        The set that addition and elimination end with.
+    first_gain
+        Largest gain of one effect over the base model [nats].
+    refused
+        Effect id → why the campaign cannot show it.
+    scores
+        One-step scores of every form over the base model.
+    shape
+        The last free-form term that was fitted on top of effects.
+    alone
+        The best free-form term on top of the base model.
+    """
+
+    base: Candidate
+    candidates: list[Candidate]
+    rejected: list[Candidate]
+    best: Candidate
+    first_gain: float
+    refused: dict[str, str]
+    scores: list[Score]
+    shape: Shape | None = None
+    alone: Shape | None = None
+
+
+def search_effects(
+    problem: Problem,
+    base: Candidate,
+    catalogue: tuple[list[Piece], dict[str, str]],
+    columns: ScoreColumns,
+    needed: float,
+    progress: Progress,
+    ranked: tuple[list[Candidate], list[Score]],
+) -> Search:
+    """Add effects while the best addition gains more than `needed` nats; then eliminate.
+
+    Parameters
+    ----------
+    catalogue
+        Every form that the campaign allows, and why it refuses the other effects.
+    columns
+        Of the catalogue, on top of the base model.
+    needed
+        Gain [nats] that chance exceeds in 1 % of campaigns, over the whole catalogue.
+    ranked
+        What `rank_pieces` says of the catalogue on top of the base model.
+    """
+    pieces, refused = catalogue
+    singles, scores = ranked
+    found, larger, shape, alone = list(singles), [], None, None
+    fitted = [c for c in singles if c.fit is not None]
+    best = max(fitted, key=lambda c: c.log_evidence, default=base)
+    first_gain = best.log_evidence - base.log_evidence
+    if first_gain <= needed:
+        return Search(base, found, [], base, max(first_gain, 0.0), refused, scores)
+    for size in range(2, MOST_EFFECTS + 1):
+        larger = []
+        explained = best.log_evidence - base.log_evidence
+        if len(best.model.ids - base.model.ids) == MOST_EFFECTS - 1:
+            # a last effect that gains more than this is too much for two to leave: unlisted
+            most = allow_rest(explained, needed)
+            shape, alone = measure_shape(problem, best), measure_shape(problem, base)
+            if shape.gain > most or _excels(alone, explained + most):
+                break
+        more = require_gain(needed, explained, pieces, best)
+        asked = best.log_evidence + more
+        rivals = _list_rivals(base, found, len(best.model.ids))
+        for rival in rivals:
+            if size == 2 or _can_lead(rival, best, larger):
+                larger += _extend(problem, rival, pieces, progress, max(asked, find_best(larger)))
+        other = find_other_form(found, best)
+        if other is not None and (size == 2 or _can_lead(other, best, larger)):
+            leading = keep_leading(pieces, larger, best)
+            larger += _extend(problem, other, leading, progress, max(asked, find_best(larger)))
+        if size == 2:
+            larger += rank_pairs(problem, base, columns, larger, asked, progress)
+        fitted = [c for c in larger if c.fit is not None]
+        top = max(fitted, key=lambda c: c.log_evidence, default=best)
+        gain = top.log_evidence - best.log_evidence
+        if gain <= more:
+            break
+        if shape is None or shape.fit is not best.fit:
+            shape = measure_shape(problem, best)
+        if gain <= shape.gain:
+            break
+        found += larger
+        larger = []
+        found += swap_forms(problem, top, pieces)
+        if size == 2:
+            tried = {rival.model.ids for rival in rivals}
+            found += _try_partners(problem, top, tried, pieces, progress)
+        top = max((top, *found), key=lambda c: c.log_evidence if c.fit is not None else -np.inf)
+        best = _eliminate(problem, top, more, found)
+    found.sort(key=lambda c: -c.log_evidence)
+    return Search(base, found, larger, best, first_gain, refused, scores, shape, alone)
+
+
+def require_gain(needed: float, explained: float, pieces: list[Piece], best: Candidate) -> float:
+    """Gain [nats] that a further effect must bring to be believed.
+
+    As much as a first one, and what it costs that there are so many more pairs than effects. Where
+    an effect before has no free law, also more than the error that its textbook forms may have.
+    """
+    effects = len({piece.effect.id for piece in pieces})
+    more = needed + float(np.log(max(effects, 1)))
+    free = {piece.effect.id for piece in pieces if piece.form.is_free}
+    if best.model.ids <= free:
+        return more
+    return more + FORM_ERROR * max(explained, 0.0)
+
+
+def allow_rest(explained: float, needed: float) -> float:
+    """Evidence [nats] that effects which explain so much may leave to a shape, a line or jumps."""
+    return max(needed, LEAST_LEFT, SHAPE_LEFT * explained)
+
+
+def measure_shape(problem: Problem, candidate: Candidate) -> Shape:
+    """Fit the best free-form term on top of a fitted model."""
+    ahead = candidate.log_evidence - candidate.fit.log_evidence
+    return Shape(candidate.fit, fit_free_form(problem, candidate), ahead)
+
+
+def shape_rest(problem: Problem, search: Search) -> Search:
+    """Have the free-form term on top of the best model, unless it was fitted before."""
+    if search.shape is not None and search.shape.fit is search.best.fit:
+        return search
+    return search._replace(shape=measure_shape(problem, search.best))
+
+
+def hold_against_shape(problem: Problem, search: Search) -> Search:
+    """Hold the effects that were found against a free-form term alone.
+
+    One with which they do not compete shows something of which they only take the part; then it
+    stands in their place. A little more than they do any spline says where the evidence is large,
+    for no recording has the textbook form.
+    """
+    if search.best is search.base:
+        return search
+    alone = search.alone or measure_shape(problem, search.base)
+    if _excels(alone, search.best.log_evidence - search.base.log_evidence):
+        return search._replace(best=search.base, shape=alone, alone=alone)
+    return search._replace(alone=alone)
+
+
+def _excels(shape: Shape, explained: float) -> bool:
+    """Whether effects that explain so much do not compete with a free-form term."""
+    return shape.gain > explained + competing_nats(explained)
+
+
+def _list_rivals(base: Candidate, found: list[Candidate], size: int) -> list[Candidate]:
+    """Best models of the closest sets of effects of one size."""
+    best: dict[frozenset[str], Candidate] = {}
+    for candidate in sorted(found, key=lambda c: -c.log_evidence):
+        if candidate.fit is not None and len(candidate.model.ids) == size:
+            best.setdefault(candidate.model.ids, candidate)
+    rivals = list(best.values())[:RIVALS]
+    leading = rivals[0].log_evidence
+    behind = competing_nats(leading - base.log_evidence)
+    return [c for c in rivals if c.log_evidence > leading - behind]
+
+
+def _can_lead(rival: Candidate, best: Candidate, larger: list[Candidate]) -> bool:
+    """Whether a set is no farther behind the best than a further effect brings the best ahead."""
+    behind = best.log_evidence - rival.log_evidence
+    return behind <= max(find_best(larger) - best.log_evidence, RIVAL_NATS)
+
+
+def _extend(
+    problem: Problem,
+    rival: Candidate,
+    pieces: Iterable[Piece],
+    progress: Progress,
+    floor: float,
+) -> list[Candidate]:
+    """Rank every further effect on top of a fitted model; `floor` as in `fit_scored`."""
+    more = _compatible(rival, [p for p in pieces if p.effect.id not in rival.model.ids])
+    columns = collect_columns(problem, rival, progress(more, "trying effects"))
+    return rank_pieces(problem, rival, columns, progress, floor)[0]
+
+
+def _try_partners(
+    problem: Problem,
+    pair: Candidate,
+    tried: set[frozenset[str]],
+    pieces: list[Piece],
+    progress: Progress,
+) -> list[Candidate]:
+    """Rank every partner of either effect of a pair, but for those `tried` with all others.
+
+    One that says little alone is met through the other only, which need not be its true partner
+    (floating search: Pudil, Novovičová and Kittler 1994, Pattern Recognit. Lett. 15, 1119).
+    """
+    found = []
+    for piece in _list_added(problem, pair):
+        if pair.model.ids - {piece.effect.id} in tried:
+            continue
+        alone = _fit_without(problem, pair, piece)
+        if alone is not None:
+            found += _extend(problem, alone, pieces, progress, pair.log_evidence)
+    return found
+
+
+def _list_added(problem: Problem, candidate: Candidate) -> list[Piece]:
+    return [p for p in candidate.model.pieces if p.effect.id not in problem.base.ids]
+
+
+def _fit_without(problem: Problem, candidate: Candidate, piece: Piece) -> Candidate | None:
+    """Fit what is left of a fitted model without a piece; None where it does not come to rest."""
+    kept = tuple(p for p in candidate.model.pieces if p is not piece)
+    model = replace(candidate.model, pieces=kept)
+    shared = candidate.fit.shared[candidate.model.match(model)]
+    start = candidate.fit.own, shared, candidate.fit.omega
+    fit = problem.fit(model, start, first=candidate.fit.first)
+    if fit is None or not fit.converged:
+        return None
+    return prune(problem, Candidate(model, fit, fit.log_evidence))
+
+
+def _compatible(candidate: Candidate, pieces: Iterable[Piece]) -> list[Piece]:
+    """Pieces that claim no slot that the model already uses in another sense."""
+    fitting = []
+    for piece in pieces:
+        try:
+            model = candidate.model.extend(piece)
+            model.fill_slots(model.shared_prior[0])
+        except (ValueError, ArithmeticError):
+            continue
+        fitting.append(piece)
+    return fitting
+
+
+def _eliminate(
+    problem: Problem, candidate: Candidate, needed: float, found: list[Candidate]
+) -> Candidate:
+    """Drop effects whose absence costs less than `needed` nats; each smaller model is kept."""
+    while len(added := _list_added(problem, candidate)) > 1:
+        fits = (_fit_without(problem, candidate, piece) for piece in added)
+        smaller = [c for c in fits if c is not None]
+        found += smaller
+        top = max(smaller, key=lambda c: c.log_evidence, default=None)
+        if top is None or candidate.log_evidence - top.log_evidence > needed:
+            return candidate
+        candidate = top
+    return candidate

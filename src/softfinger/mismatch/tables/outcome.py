@@ -1,0 +1,112 @@
+"""Everything behind a verdict, as the artifacts of a diagnosis, and its repaired model."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from softfinger.mechanics.effects.law_curve import compute_law_curves
+from softfinger.mechanics.effects.model_file import FittedTo, ModelFile, describe_model
+from softfinger.mismatch.checks.free_form import FreeForm
+from softfinger.mismatch.checks.summary import compare_elpd, compute_excess
+from softfinger.mismatch.diagnose import Diagnosis
+from softfinger.mismatch.tables.evidence import tabulate_location, tabulate_ranking
+from softfinger.mismatch.tables.repair import measure_repair
+
+MEASURED = (
+    "present",
+    "used",
+    "repeated",
+    "outlier_distance",
+    "frame_scale",
+    "trial_factor",
+    "noise_sd",
+    "noise_autocorrelation",
+    "noise_correlation",
+    "noise_per_rad",
+    "window_count",
+    "component_size",
+    "component_evidence",
+)
+"""What the artifact `measurement` keeps."""
+
+
+def tabulate_diagnosis(
+    diagnosis: Diagnosis, angles: xr.Dataset, config: Mapping[str, Any], seed: int
+) -> dict[str, xr.Dataset]:
+    """Tabulate a diagnosis: artifact name → Dataset.
+
+    Parameters
+    ----------
+    angles
+        The `angles` artifact that was diagnosed.
+    config
+        The `mismatch` block of the configuration.
+    seed
+        Of the predictions.
+    """
+    problem, search = diagnosis.problem, diagnosis.search
+    models = search.base, search.best
+    needed = diagnosis.false_alarms.threshold(config["false_alarm_probability"])
+    tables = {
+        "ranking": tabulate_ranking(search, diagnosis.posterior, diagnosis.false_alarms, needed),
+        "location": tabulate_location(problem, *models, diagnosis.findings.line),
+        "masking": diagnosis.masking,
+        "repair": measure_repair(problem, *models, angles, np.random.default_rng(seed)),
+        "free_form": tabulate_free_form(diagnosis),
+        "measurement": problem.noise[list(MEASURED)].reset_coords(drop=True),
+        "laws": compute_law_curves(
+            search.best.model, search.best.fit.shared, search.best.fit.shared_covariance
+        ),
+    }
+    verdict = diagnosis.verdict
+    said: dict[str, Any] = {
+        "campaign": str(angles.attrs["campaign"]),
+        "source": str(angles.attrs["source"]),
+        "decision": verdict.decision,
+        "effects": "+".join(effect.id for effect in verdict.effects),
+    }
+    return {name: table.assign_attrs(said) for name, table in tables.items()}
+
+
+def tabulate_free_form(diagnosis: Diagnosis) -> xr.Dataset:
+    """Tabulate the shape of what no effect explains; without any quantity where none is needed."""
+    free, nan = diagnosis.findings.free, float("nan")
+    if free is not None and diagnosis.verdict.free_form is not None:
+        shape = free.shape.assign_attrs(argument=free.argument, gain_nats=free.gain)
+        return shape.assign(measure_free_form(diagnosis, free))
+    empty = np.zeros((0, 0))
+    return xr.Dataset(
+        {"value": (("quantity", "place"), empty), "sd": (("quantity", "place"), empty)}
+        | dict.fromkeys(("elpd_difference", "elpd_se", "excess", "excess_without"), ((), nan)),
+        coords={"quantity": np.array([], dtype=str), "place": np.zeros(0)},
+        attrs={"argument": "", "gain_nats": 0.0},
+    )
+
+
+def measure_free_form(diagnosis: Diagnosis, free: FreeForm) -> dict[str, float]:
+    """Measure what a free-form term does to the fit and to the prediction of left-out trials.
+
+    Returns
+    -------
+    dict
+        elpd_difference, elpd_se [nats], NaN for a single trial; excess, excess_without: of the
+        variance within trials, over the noise's.
+    """
+    problem, best = diagnosis.problem, diagnosis.search.best
+    without = best.fit, problem.build_prior(best.model)
+    elpd = compare_elpd(problem, without, (free.fit, free.prior))
+    rows = problem.trials.size[problem.trials.protocol]
+    return {
+        "elpd_difference": float("nan") if elpd is None else elpd.difference,
+        "elpd_se": float("nan") if elpd is None else elpd.se,
+        "excess": compute_excess(free.fit, rows)[0],
+        "excess_without": compute_excess(best.fit, rows)[0],
+    }
+
+
+def describe_repair(diagnosis: Diagnosis, fitted_to: FittedTo) -> ModelFile:
+    """Describe the repaired model, as a model file."""
+    best = diagnosis.search.best
+    return describe_model(best.model, best.fit.shared, best.fit.shared_covariance, fitted_to)

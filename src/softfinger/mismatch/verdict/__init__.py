@@ -1,0 +1,1 @@
+"""The verdict: its schema, its sentences, its figures."""

@@ -1,0 +1,141 @@
+"""From a search to a verdict."""
+
+import numpy as np
+import xarray as xr
+
+from softfinger.inference.problem import Candidate, Problem
+from softfinger.mismatch.checks.findings import Findings, weigh_against_shape
+from softfinger.mismatch.checks.free_form import FreeForm
+from softfinger.mismatch.checks.locate import WINDOWS_S, list_trial_covariates, locate_within
+from softfinger.mismatch.checks.summary import compute_elpd, compute_residual, explain_spread
+from softfinger.mismatch.search.decide import SURE, Posterior, join_ids
+from softfinger.mismatch.search.stepwise import Search
+from softfinger.mismatch.verdict.describe import list_effects
+from softfinger.mismatch.verdict.schema import FreeForm as FreeFormNote
+from softfinger.mismatch.verdict.schema import Location, Remaining, ResidualRms, SetAside, Verdict
+from softfinger.mismatch.verdict.sufferings import describe_measurement
+
+FALSE_DISCOVERIES = 0.05  # rate among located cells
+NO_FRAME = "too few frames inform: they are missing, flagged, held or gross errors"
+LIKELY = 0.5  # probability from which an effect is stated to be a part of what is unlisted
+
+
+def conclude(
+    problem: Problem,
+    search: Search,
+    posterior: Posterior,
+    findings: Findings,
+    angles: xr.Dataset,
+    hidden: set[str],
+    needed: float,
+) -> Verdict:
+    """Write the verdict; `hidden` could not show alone, but may beside what was found."""
+    final = search.best
+    decision = choose_decision(search, posterior, findings.is_unlisted(needed))
+    if decision == "unlisted" and search.best is not search.base:
+        posterior = posterior.doubt(weigh_against_shape(search, findings))
+    effects = [] if decision == "adequate" else list_effects(problem, search, posterior, decision)
+    if decision == "unlisted":
+        effects = [effect for effect in effects if effect.probability > LIKELY]
+    location = effects[0].location if effects else None
+    if decision == "unlisted":
+        location = locate_misfit(problem, search.best, findings)
+    rms = [
+        float(np.sqrt(np.nanmean(compute_residual(problem, c, angles) ** 2)))
+        for c in (search.base, final)
+    ]
+    noise = float(np.sqrt(np.mean(problem.noise["noise_sd"].values ** 2)))
+    sets = posterior.equivalent
+    return Verdict(
+        campaign=str(angles.attrs.get("campaign", "")),
+        decision=decision,
+        effects=effects,
+        equivalent=[[join_ids(ids) for ids in sets]] if decision == "ambiguous" else [],
+        location=location,
+        elpd=compute_elpd(problem, search.base, final),
+        residual_rms_rad=ResidualRms(baseline=rms[0], final=rms[1], noise=noise),
+        explained_spread={}
+        if final is search.base
+        else explain_spread(problem, search.base, final),
+        not_testable=sorted(hidden - final.model.ids - {effect.id for effect in effects}),
+        free_form=describe_free_form(findings.free) if decision == "unlisted" else None,
+        n_trials=len(problem.trials.name),
+        set_aside=list_set_aside(angles, problem.trials.name),
+        next_experiment=None,
+        measurement=describe_measurement(problem.noise),
+        remaining=describe_remaining(problem, final, findings),
+    )
+
+
+def choose_decision(search: Search, posterior: Posterior, unlisted: bool) -> str:
+    """Choose among adequate, named, ambiguous and unlisted."""
+    if unlisted:
+        return "unlisted"
+    if search.best is search.base:
+        return "adequate"
+    top = next(iter(posterior.sets.values()))
+    return "named" if top >= SURE else "ambiguous"
+
+
+def describe_remaining(problem: Problem, candidate: Candidate, findings: Findings) -> Remaining:
+    """What is left of χ² within trials, over what the noise alone leaves, and where most of it."""
+    cells = locate_within(problem, candidate)
+    place = cells["q_value"].fillna(1.0).stack(cell=("joint", "phase", "window"))
+    worst = place[int(np.argmin(place.values))]
+    where = "nowhere more than by chance"
+    if float(worst) < FALSE_DISCOVERIES:
+        joint, phase, since = worst["cell"].item()
+        where = f"joint {joint}, {phase}, from {since:g} s after a change of load"
+    rms = float(np.sqrt(max(1.0 + findings.best_excess, 0.0)))
+    return Remaining(rms_over_noise=rms, p_value=findings.best_p, where=where)
+
+
+def describe_free_form(free: FreeForm | None) -> FreeFormNote | None:
+    """Point to the free-form term."""
+    if free is None:
+        return None
+    return FreeFormNote(argument=free.argument, joints=free.joints, artifact="free_form.nc")
+
+
+def locate_misfit(problem: Problem, candidate: Candidate, findings: Findings) -> Location:
+    """Where an unlisted misfit lies: between trials if its shape does, else in cells of time."""
+    cells = locate_within(problem, candidate)
+    p_value = cells["p_value"].fillna(1.0)
+    joints = {
+        str(int(j)): float(
+            min(1.0, p_value.sel(joint=j).min() * cells["p_value"].sel(joint=j).count())
+        )
+        for j in cells["joint"].values
+    }
+    free, jumps = findings.free, findings.jumps
+    slipped = bool(jumps.trials) and jumps.gain == findings.left
+    between = free is not None and free.argument in list_trial_covariates(problem) and not slipped
+    if slipped:
+        joints = {name: 1e-3 if int(name) in jumps.joints else p for name, p in joints.items()}
+    if between:
+        joints = {name: 1e-3 if int(name) in free.joints else p for name, p in joints.items()}
+    worst = cells["q_value"].fillna(1.0).min(("joint", "phase")).values
+    hit = np.flatnonzero(worst < FALSE_DISCOVERIES)
+    last = float(problem.setting.duration)
+    times = (WINDOWS_S[hit[0]], min(WINDOWS_S[hit[-1] + 1], last)) if hit.size else None
+    return Location(
+        level="measurement" if slipped else "between_trials" if between else "within_trial",
+        joints=joints,
+        times_s=None if between else times,
+        trials=jumps.trials if slipped else None,
+        covariate=free.argument if between else None,
+    )
+
+
+def list_set_aside(angles: xr.Dataset, used: list[str]) -> list[SetAside]:
+    """Trials that were set aside before, and those of which no frame informs."""
+    silent = [str(name) for name in angles["trial"].values if str(name) not in used]
+    nothing = [SetAside(trial=name, reason=NO_FRAME) for name in silent]
+    if "set_aside_reason" not in angles:
+        return nothing
+    return nothing + [
+        SetAside(trial=str(name), reason=str(reason))
+        for name, reason in zip(
+            angles["set_aside_trial"].values, angles["set_aside_reason"].values, strict=True
+        )
+    ]

@@ -1,0 +1,119 @@
+"""The effects of a verdict: where each acts, how large it is, in figures and in words."""
+
+import numpy as np
+from scipy.stats import norm
+
+from softfinger.inference.problem import Candidate, Problem
+from softfinger.mechanics.effects.model import Entry
+from softfinger.mismatch.checks.locate import find_window
+from softfinger.mismatch.search.decide import Posterior
+from softfinger.mismatch.search.stepwise import Search
+from softfinger.mismatch.verdict.law import state_law
+from softfinger.mismatch.verdict.schema import (
+    Effect,
+    Estimate,
+    Location,
+    estimate_lognormal,
+    estimate_normal,
+)
+from softfinger.mismatch.verdict.statements import state_effect
+
+LEVELS = (np.arange(1000) + 0.5) / 1000  # at which a normal law stands for its draws
+
+
+def list_effects(
+    problem: Problem, search: Search, posterior: Posterior, decision: str
+) -> list[Effect]:
+    """Effects of the best model; under `ambiguous` also every member of the set."""
+    final = search.best
+    given = search.base.model.ids
+    chosen = [(final, k) for k, p in enumerate(final.model.pieces) if p.effect.id not in given]
+    if decision == "ambiguous":
+        for ids in posterior.equivalent:
+            other = posterior.best[ids]
+            known = {c.model.pieces[k].effect.id for c, k in chosen}
+            chosen += [
+                (other, k)
+                for k, piece in enumerate(other.model.pieces)
+                if piece.effect.id not in known | given and other.fit is not None
+            ]
+    others = [*search.candidates, *search.rejected]
+    effects = [
+        describe(problem, search.base, c, k, posterior).model_copy(
+            update={"law": state_law(c, k, others)}
+        )
+        for c, k in chosen
+    ]
+    return sorted(effects, key=lambda effect: -effect.probability)
+
+
+def describe(
+    problem: Problem, base: Candidate, candidate: Candidate, number: int, posterior: Posterior
+) -> Effect:
+    """Describe one effect of a model."""
+    piece = candidate.model.pieces[number]
+    parameters = estimate_parameters(candidate, number)
+    probability = min(1.0, posterior.inclusion[piece.effect.id])
+    return Effect(
+        id=piece.effect.id,
+        joints=piece.joints,
+        probability=probability,
+        parameters=parameters,
+        statement=state_effect(
+            piece.effect, piece.form.name, piece.joints, probability, parameters
+        ),
+        location=locate_effect(problem, base, candidate, number),
+    )
+
+
+def estimate_parameters(candidate: Candidate, number: int) -> dict[str, Estimate]:
+    """Posterior of each parameter of one piece, under the names of the verdict."""
+    sd = np.sqrt(np.diag(candidate.fit.shared_covariance))
+    estimates = {}
+    for k, entry in enumerate(candidate.model.entries):
+        if entry.piece == number:
+            estimates |= estimate_entry(entry, float(candidate.fit.shared[k]), float(sd[k]))
+    return estimates
+
+
+def estimate_entry(entry: Entry, mean: float, sd: float) -> dict[str, Estimate]:
+    """Posterior of one number of φ, by name; what is reported otherwise goes by its quantiles."""
+    parameter = entry.parameter
+    if parameter.term:
+        return {}
+    if not parameter.report:
+        estimate = estimate_lognormal if parameter.log else estimate_normal
+        return {entry.name: estimate(mean, sd)}
+    internal = np.clip(mean + sd * norm.ppf(LEVELS), parameter.low, None)
+    estimates = {}
+    for name, values in entry.report(internal).items():
+        low, lower, middle, upper, high = np.quantile(values, (0.05, 0.16, 0.5, 0.84, 0.95))
+        estimates[name] = Estimate(mean=middle, sd=(upper - lower) / 2, q05=low, q95=high)
+    return estimates
+
+
+def locate_effect(problem: Problem, base: Candidate, candidate: Candidate, number: int) -> Location:
+    """Where one effect acts: the p-value of each joint that its amplitudes have."""
+    piece = candidate.model.pieces[number]
+    sd = np.sqrt(np.diag(candidate.fit.shared_covariance))
+    joints = {str(j + 1): 1.0 for j in range(problem.trials.joints)}
+    for k, entry in enumerate(candidate.model.entries):
+        if entry.piece == number and entry.parameter.amplitude:
+            tail = 2 * norm.sf(abs(candidate.fit.shared[k]) / sd[k])
+            tail = float(min(1.0, max(tail, 1e-300) * problem.trials.joints))
+            touched = [entry.place[0]] if entry.place else range(problem.trials.joints)
+            for j in touched:
+                joints[str(j + 1)] = min(joints[str(j + 1)], tail)
+    between = piece.effect.level == "between_trials"
+    return Location(
+        level=piece.effect.level,
+        joints=joints,
+        times_s=None if between else find_window(problem, base, candidate),
+        trials=None,
+        covariate=name_covariate(piece) if between else None,
+    )
+
+
+def name_covariate(piece: object) -> str:
+    """What a between-trials effect moves with."""
+    return piece.form.covariate or "trial_number"

@@ -1,0 +1,37 @@
+"""What a verdict says of an effect's free law, and of the textbook's against it."""
+
+from collections.abc import Iterable
+
+from softfinger.inference.problem import Candidate
+from softfinger.mechanics.effects.law_curve import list_laws
+from softfinger.mismatch.verdict.schema import Law
+
+
+def state_law(candidate: Candidate, number: int, others: Iterable[Candidate]) -> Law | None:
+    """State the free law of one effect of a model; None where its form is a textbook's.
+
+    Parameters
+    ----------
+    others
+        Other fitted models: of those with the same effects, the best of each textbook form tells
+        how far that form is from the law [nats].
+    """
+    piece = candidate.model.pieces[number]
+    mine = [one for one in list_laws(candidate.model) if one.effect == piece.effect.id]
+    if not mine:
+        return None
+    nats: dict[str, float] = {}
+    for other in others:
+        if other.fit is None or other.model.ids != candidate.model.ids:
+            continue
+        form = next(p.form for p in other.model.pieces if p.effect.id == piece.effect.id)
+        if not form.is_free:
+            behind = other.log_evidence - candidate.log_evidence
+            nats[form.name] = max(behind, nats.get(form.name, behind))
+    return Law(
+        argument=mine[0].law.argument,
+        form=piece.form.name,
+        range=(0.0, max(one.law.get_reach(one.place) for one in mine)),
+        artifact="laws.nc",
+        forms_nats=nats,
+    )

@@ -1,0 +1,87 @@
+"""A verdict whose effects' parameters come from sampling the full model, not from its curvature."""
+
+from typing import Any, NamedTuple
+
+import arviz as az
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from softfinger.inference.posterior import prepare_candidate, sample_posterior
+from softfinger.mechanics.effects.model import Entry
+from softfinger.mismatch.diagnose import Diagnosis
+from softfinger.mismatch.verdict.schema import Effect, Estimate, Verdict
+from softfinger.mismatch.verdict.statements import state_effect
+
+SAMPLING: dict[str, Any] = {
+    "sampler": "nuts",
+    "covariance": "independent",
+    "chains": 4,
+    "tune": 300,
+    "draws": 250,
+    "cores": 2,
+    "target_accept": 0.8,
+    "max_depth": 10,
+}
+R_HAT_MAX = 1.01  # beyond it the chains do not agree, and the fit's curvature stays
+
+
+class Refined(NamedTuple):
+    """A verdict, and the largest R-hat of φ; NaN where nothing was sampled."""
+
+    verdict: Verdict
+    r_hat: float
+
+
+def refine_verdict(diagnosis: Diagnosis, angles: xr.Dataset, rng: np.random.Generator) -> Refined:
+    """Sample the best model, and give its effects' parameters by their draws.
+
+    The verdict stays as it is where nothing was left out, or where the chains do not agree.
+
+    Parameters
+    ----------
+    diagnosis
+        Of the campaign.
+    angles
+        Its `angles` artifact.
+    rng
+        Of the sampler.
+    """
+    best, verdict = diagnosis.search.best, diagnosis.verdict
+    if not verdict.effects or not best.model.pieces:
+        return Refined(verdict, float("nan"))
+    prepared = prepare_candidate(angles, diagnosis.problem, best)
+    posterior, _ = sample_posterior(prepared, SAMPLING, rng)
+    effect = posterior["effect_internal"]
+    r_hat = float(az.rhat(effect.to_dataset(name="effect"))["effect"].max())
+    if not r_hat < R_HAT_MAX:
+        return Refined(verdict, r_hat)
+    draws = effect.transpose("effect_parameter", "chain", "draw").values
+    found: dict[str, dict[str, Estimate]] = {}
+    for entry, internal in zip(best.model.entries, draws, strict=True):
+        estimates = estimate_draws(entry, internal.ravel())
+        found.setdefault(best.model.pieces[entry.piece].effect.id, {}).update(estimates)
+    forms = {piece.effect.id: piece for piece in best.model.pieces}
+
+    def refine(effect: Effect) -> Effect:
+        if effect.id not in found or set(effect.parameters) != set(found[effect.id]):
+            return effect
+        piece = forms[effect.id]
+        words = state_effect(
+            piece.effect, piece.form.name, effect.joints, effect.probability, found[effect.id]
+        )
+        return effect.model_copy(update={"parameters": found[effect.id], "statement": words})
+
+    effects = [refine(effect) for effect in verdict.effects]
+    return Refined(verdict.model_copy(update={"effects": effects}), r_hat)
+
+
+def estimate_draws(entry: Entry, internal: NDArray[np.float64]) -> dict[str, Estimate]:
+    """Posterior of one number of φ, by name, from its draws (n,) on the internal scale."""
+    estimates = {}
+    for name, values in entry.report(internal).items():
+        low, high = np.quantile(values, (0.05, 0.95))
+        estimates[name] = Estimate(
+            mean=float(values.mean()), sd=float(values.std(ddof=1)), q05=float(low), q95=float(high)
+        )
+    return estimates

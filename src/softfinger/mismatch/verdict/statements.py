@@ -1,0 +1,64 @@
+"""Plain sentences with figures, built from fitted effects."""
+
+import math
+
+from softfinger.mechanics.effects.effect import Effect
+from softfinger.mismatch.verdict.schema import Estimate
+
+UNITS = {
+    "_nm_per_rad": "N m/rad",
+    "_per_nm2": "(N m)⁻²",
+    "_per_rad2": "rad⁻²",
+    "_per_rad": "rad⁻¹",
+    "_per_m2": "m⁻²",
+    "_nm": "N m",
+    "_rad": "rad",
+    "_s": "s",
+}
+
+
+def format_estimate(mean: float, sd: float) -> str:
+    """Write a mean with its sd, two digits of it.
+
+    >>> format_estimate(5.91234, 0.3987), format_estimate(1234.0, 56.0)
+    ('5.91 ± 0.40', '1234 ± 56')
+    """
+    if not sd > 0:
+        return f"{mean:.3g}"
+    digits = max(0, 1 - math.floor(math.log10(sd)))
+    return f"{mean:.{digits}f} ± {sd:.{digits}f}"
+
+
+def list_joints(joints: list[int]) -> str:
+    """Write joint numbers as words.
+
+    >>> list_joints([2]), list_joints([1, 2, 3]), list_joints([])
+    ('joint 2', 'joints 1, 2 and 3', '')
+    """
+    if len(joints) < 2:
+        return "".join(f"joint {j}" for j in joints)
+    return f"joints {', '.join(map(str, joints[:-1]))} and {joints[-1]}"
+
+
+def state_effect(
+    effect: Effect,
+    form: str,
+    joints: list[int],
+    probability: float,
+    parameters: dict[str, Estimate],
+) -> str:
+    """State one effect: what, where, how large, how sure."""
+    where = f" ({list_joints(joints)})" if joints else ""
+    sentence = effect.sentence[0].upper() + effect.sentence[1:]
+    sizes = []
+    for name, value in parameters.items():
+        quantity = name.rstrip("_0123456789")
+        suffix = next((suffix for suffix in UNITS if quantity.endswith(suffix)), "")
+        words = (quantity.removesuffix(suffix) + name.removeprefix(quantity)).replace("_", " ")
+        size = format_estimate(value.mean, value.sd)
+        sizes.append(f"{words} {size} {UNITS.get(suffix, '')}".rstrip())
+    best = "; ".join(filter(None, [form.replace("_", " "), ", ".join(sizes)]))
+    return (
+        f"{sentence}{where}: {effect.id.replace('_', ' ')} was left out, with probability "
+        f"{probability:.3g}. Best form: {best}."
+    )

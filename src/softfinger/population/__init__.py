@@ -1,1 +1,0 @@
-"""The likelihood of a trial: which frames count, how their noise behaves, how trials pool."""

@@ -1,0 +1,120 @@
+"""What can be read off a Python file about the code that it uses."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+
+class Import(NamedTuple):
+    """One imported name."""
+
+    module: str  # begins with dots if it is relative
+    name: str | None  # in that module; None: the module itself
+    called: str  # what the file calls it
+
+
+@dataclass(frozen=True)
+class Syntax:
+    """A file's code, and what of other files it uses at run time.
+
+    Attributes
+    ----------
+    tree
+        Its code without docstrings.
+    imports
+        What it imports, at any depth.
+    used
+        Names that the code of an ``__init__.py`` reads.
+    groups
+        Groups of entry points that it loads.
+    neighbours
+        Modules of its package, if it imports all there are.
+    passes_on
+        Whether it is an ``__init__.py``, which may import a name only for others.
+    """
+
+    tree: ast.Module
+    imports: tuple[Import, ...]
+    used: frozenset[str]
+    groups: tuple[str, ...]
+    neighbours: tuple[str, ...]
+    passes_on: bool
+
+
+@cache
+def read_syntax(path: Path) -> Syntax:
+    """Read a Python file."""
+    text = path.read_text(encoding="utf-8")
+    tree = ast.parse(text)
+    statements = [tree, *_list_statements(tree)]
+    for node in statements:
+        _drop_docstring(node)
+    passes_on = path.name == "__init__.py"
+    modules = path.parent.glob("[!_]*.py") if _find_calls(text, tree, "iter_modules") else ()
+    return Syntax(
+        tree,
+        tuple(item for node in statements for item in _read_import(node)),
+        _list_names(tree) if passes_on else frozenset(),
+        tuple(g for call in _find_calls(text, tree, "entry_points") for g in _read_groups(call)),
+        tuple(sorted(module.stem for module in modules)),
+        passes_on,
+    )
+
+
+def _list_statements(tree: ast.AST) -> Iterator[ast.AST]:
+    """Every statement at any depth but those that only a type checker runs."""
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, ast.If) and _is_for_checkers(node.test):
+            continue
+        if isinstance(node, ast.stmt | ast.excepthandler | ast.match_case):
+            yield node
+            yield from _list_statements(node)
+
+
+def _is_for_checkers(test: ast.expr) -> bool:
+    return "TYPE_CHECKING" in (getattr(test, "id", None), getattr(test, "attr", None))
+
+
+def _find_calls(text: str, tree: ast.AST, name: str) -> list[ast.Call]:
+    """Calls of a function of some name; most files have none, and their trees are spared."""
+    nodes = ast.walk(tree) if name in text else ()
+    return [
+        node
+        for node in nodes
+        if isinstance(node, ast.Call) and ast.unparse(node.func).endswith(name)
+    ]
+
+
+def _list_names(tree: ast.AST) -> frozenset[str]:
+    nodes = (node for node in ast.walk(tree) if isinstance(node, ast.Name))
+    return frozenset(node.id for node in nodes if isinstance(node.ctx, ast.Load))
+
+
+def _drop_docstring(node: ast.AST) -> None:
+    if (
+        isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef)
+        and ast.get_docstring(node, clean=False) is not None
+    ):
+        node.body = node.body[1:]
+
+
+def _read_import(node: ast.AST) -> Iterator[Import]:
+    if isinstance(node, ast.Import):
+        for alias in node.names:
+            yield Import(alias.name, None, alias.asname or alias.name.partition(".")[0])
+    elif isinstance(node, ast.ImportFrom):
+        module = "." * node.level + (node.module or "")
+        for alias in node.names:
+            yield Import(module, alias.name, alias.asname or alias.name)
+
+
+def _read_groups(call: ast.Call) -> Iterator[str]:
+    """Entry-point groups that a call names."""
+    for word in call.keywords:
+        if word.arg == "group" and isinstance(word.value, ast.Constant):
+            yield str(word.value.value)

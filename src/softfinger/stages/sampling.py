@@ -1,0 +1,20 @@
+"""Rule `sampling`: whether the sampling of the posterior can be trusted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from softfinger.artifacts import open_tree, save_artifact
+from softfinger.artifacts.specs import posterior as posterior_spec
+from softfinger.artifacts.specs import sampling as sampling_spec
+from softfinger.estimation.diagnostics import diagnose_sampling
+from softfinger.provenance import describe_run
+
+
+def sampling(*, posterior: Path, sampling: Path, config: Mapping[str, Any]) -> None:
+    """Write the diagnostics of a posterior's sampling, beside their limits."""
+    provenance = describe_run("sampling", {"posterior": posterior}, config)
+    tree = open_tree(posterior, posterior_spec.SPEC)
+    save_artifact(diagnose_sampling(tree, config), sampling_spec.SPEC, sampling, provenance)

@@ -1,0 +1,168 @@
+"""The checks that decide what the report may claim, each against a stated limit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from scipy.special import stdtrit
+
+NOT_RUN = "the fit was not run"
+NO_BANDS = "the bands were not computed"
+NO_SCORES = "no log-likelihood per trial was kept"
+FEW = "needs two trials"
+EARLY = 1.0
+"""End of the early look at the residuals [s]; what inertia or a lag does is over soon."""
+PASSED, FAILED, NOT_MADE = 1, 0, -1
+
+
+class Result(NamedTuple):
+    """One check; a bound that does not count is infinite."""
+
+    name: str
+    value: float = np.nan
+    lower: float = -np.inf
+    upper: float = np.inf
+    passed: int = NOT_MADE
+    joint: int = 0
+    trials: int = 0
+    remark: str = ""
+    powered: bool = True
+
+
+def gather_checks(results: list[Result]) -> xr.Dataset:
+    """Gather checks: value, lower, upper, passed, joint, trials, remark, powered (check).
+
+    `passed` is 1, 0, or −1 where the check could not be made, and `remark` why not; `powered` is
+    whether it could have failed on either side; `joint` is the
+    worst one (0: none) and `trials` how many are beyond the limit.
+    """
+    names, *columns = zip(*results, strict=True)
+    data = {
+        name: ("check", np.array(column))
+        for name, column in zip(Result._fields[1:], columns, strict=True)
+    }
+    return xr.Dataset(data, {"check": list(names)})
+
+
+def judge(*, passed: bool) -> int:
+    """Write a judgement as a number."""
+    return PASSED if passed else FAILED
+
+
+def check_computation(sampling: xr.Dataset | None) -> Iterator[Result]:
+    """Check that the draws represent the posterior, against the limits of the fit."""
+    if sampling is None:
+        names = ("r_hat", "ess_bulk", "ess_tail", "divergences")
+        yield from (Result(name, remark=NOT_RUN) for name in names)
+        return
+    limits, worst = sampling.attrs, float(sampling["r_hat"].max())
+    top = float(limits["r_hat_max"])
+    yield Result("r_hat", worst, upper=top, passed=judge(passed=worst < top))
+    for name in ("ess_bulk", "ess_tail"):
+        least, low = float(sampling[name].min()), float(limits["ess_min"])
+        yield Result(name, least, lower=low, passed=judge(passed=least > low))
+    count, most = int(sampling["divergences"]), float(limits["divergences_max"])
+    yield Result("divergences", count, upper=most, passed=judge(passed=count <= most))
+
+
+def check_pareto(posterior: xr.DataTree | None, limit: float) -> Result:
+    """Check that leaving one trial out could be estimated, where the fit kept what that needs.
+
+    A trial without which the fit was sampled anew needs no weights: its k counts as 0.
+    """
+    if posterior is None:
+        return Result("pareto_k", upper=limit, remark=NOT_RUN)
+    if "leave_one_out" not in posterior.children:
+        return Result("pareto_k", upper=limit, remark=NO_SCORES)
+    scores = posterior["leave_one_out"].dataset
+    left = scores["refitted"].to_numpy()
+    k = np.where(left, 0.0, scores["pareto_k"].to_numpy())
+    if k.size < 2:
+        return Result("pareto_k", upper=limit, remark=FEW)
+    beyond = int((k >= limit).sum())
+    passed = judge(passed=k.max() < limit)
+    remark = f"{int(left.sum())} sampled anew" if left.any() else ""
+    return Result("pareto_k", k.max(), upper=limit, passed=passed, trials=beyond, remark=remark)
+
+
+def check_fit(residuals: xr.Dataset | None, shared_max: float) -> Iterator[Result]:
+    """Check that what the model leaves is noise, and not shared by the trials."""
+    names = ("shared_residual", "shared_residual_early", "ring")
+    if residuals is None:
+        yield from (Result(name, remark=NOT_RUN) for name in names)
+        return
+    limit = max(shared_max, find_chance_limit(residuals))
+    for name, end in zip(names, (None, EARLY), strict=False):
+        excess = measure_shared_residual(residuals.sel(since_change=slice(None, end)))
+        if np.isfinite(excess):
+            yield Result(name, excess, upper=limit, passed=judge(passed=excess < limit))
+        else:
+            yield Result(name, upper=limit, remark=FEW)
+    if int(residuals["n_segments"].max()) < 2:
+        yield Result("ring", upper=0, remark=FEW)
+        return
+    rings = residuals["rings"].size
+    yield Result("ring", rings, upper=0, passed=judge(passed=rings == 0))
+
+
+def find_chance_limit(residuals: xr.Dataset) -> float:
+    """Return what the shared residual exceeds by chance in at most 5 % of all campaigns.
+
+    A ratio of one mean to its standard error follows Student's t; more moments only steady it. The
+    5 % are shared among joints and changes of load. Infinite for a single trial.
+    """
+    looks = residuals.sizes["joint"] * residuals.sizes["change"]
+    freedom = int(residuals["n_segments"].min()) - 1
+    return float(stdtrit(freedom, 1 - 0.025 / looks)) if freedom > 0 else np.inf
+
+
+def measure_detectable(residuals: xr.Dataset, shared_max: float) -> float:
+    """Return the shared motion [rad] that would fail the check, at the noisiest joint.
+
+    NaN for a single trial.
+    """
+    limit = max(shared_max, find_chance_limit(residuals))
+    error = residuals["residual_se"].where(residuals["residual_se"] > 0)
+    size = float(np.sqrt((error**2).mean("since_change")).max())
+    return limit * size if np.isfinite(limit) else np.nan
+
+
+def measure_shared_residual(residuals: xr.Dataset) -> float:
+    """Return the rms of the mean residual over its standard error's, the worst joint and change.
+
+    Near 1 where the trials share nothing, whatever the noise's autocorrelation; NaN for a single
+    trial, which has no mean.
+    """
+    known = residuals["residual_se"] > 0
+    mean, error = (residuals[name].where(known) for name in ("mean_residual", "residual_se"))
+    ratio = np.sqrt((mean**2).mean("since_change") / (error**2).mean("since_change"))
+    return float(ratio.max())
+
+
+def check_calibration(
+    calibration: xr.Dataset | None, trials: int, tolerance: float
+) -> Iterator[Result]:
+    """Check that the predictive bands contain as many recorded frames as they claim.
+
+    Two standard errors of so few trials are excused, whatever the tolerance.
+    """
+    names = {"whole": "coverage", "first_second": "coverage_early"}
+    if calibration is None:
+        yield from (Result(name, remark=NO_BANDS) for name in names.values())
+        return
+    claimed = float(calibration["claimed"])
+    reach = max(tolerance, 2 * float(calibration["expected_error"]))
+    span = {"lower": claimed - reach, "upper": min(claimed + reach, 1.0)}
+    for window, name in names.items():
+        coverage = calibration["coverage"].sel(window=window)
+        worst = coverage.isel(joint=int(np.abs(coverage - claimed).argmax("joint")))
+        found, joint = float(worst), int(worst["joint"])
+        if trials < 2:
+            yield Result(name, **span, remark=FEW)
+        else:
+            passed = judge(passed=abs(found - claimed) <= reach)
+            powered = claimed + reach < 1
+            yield Result(name, found, **span, passed=passed, joint=joint, powered=powered)

@@ -1,0 +1,111 @@
+"""What the diagnosis found, as its figures and sentences show it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+SEEN = 0.05
+"""p-value below which the misfit is said to show in a joint, or as a spectral line."""
+NEEDED = 0.5
+"""Probability from which an effect is drawn as needed."""
+SINCE = np.geomspace(0.05, 100.0, 12)
+"""Edges of the time since the last change of load [s]."""
+CHANGE_QUANTILES = (0.05, 0.5, 0.95)
+
+
+def summarise_misfit(repair: xr.Dataset) -> xr.Dataset:
+    """Choose the trial to show, and average all squared residuals over their noise.
+
+    Parameters
+    ----------
+    repair
+        The artifact of that name.
+
+    Returns
+    -------
+    Dataset
+        trial_base, trial_final (): where the base model leaves most, over the noise, and where the
+        repair takes away most; mean_square (model, joint, since_change), 1 is noise alone, NaN
+        where there is no bin.
+    """
+    left = repair["recorded_angle"] - repair["fitted_angle"]
+    square = (left / repair["bin_noise_sd"]) ** 2
+    misfit = square.sum(("joint", "bin"))
+    shown = {"base": misfit.sel(model="base")}
+    shown["final"] = shown["base"] - misfit.sel(model="final")
+    names = repair["trial"].values
+    place = xr.DataArray(np.digitize(repair["since_change"].values, SINCE), dims=("trial", "bin"))
+    mean = [square.where(place == k).mean(("trial", "bin")) for k in range(1, SINCE.size)]
+    middle = xr.IndexVariable("since_change", np.sqrt(SINCE[1:] * SINCE[:-1]))
+    picked = {f"trial_{k}": ((), str(names[int(v.values.argmax())])) for k, v in shown.items()}
+    mean_square = xr.concat(mean, middle, join="exact").transpose("model", "joint", "since_change")
+    return xr.Dataset({"mean_square": mean_square, **picked})
+
+
+def summarise_evidence(ranking: xr.Dataset, sentences: Mapping[str, str]) -> xr.Dataset:
+    """Decide which effects are drawn as needed, and what chance alone gains.
+
+    Parameters
+    ----------
+    ranking
+        The artifact of that name.
+    sentences
+        Effect → what happens.
+
+    Returns
+    -------
+    Dataset
+        needed (effect); sentence (effect), refused_sentence (refused_effect); chance_range (end)
+        [nats], least and largest gain of the drawn campaigns.
+    """
+    chance = ranking["chance_gain"].values
+    named = {name: str(sentences.get(str(name), "–")) for name in _each_effect(ranking)}
+    return xr.Dataset(
+        {
+            "needed": ranking["inclusion"] > NEEDED,
+            "sentence": ("effect", [named[n] for n in ranking["effect"].values]),
+            "refused_sentence": (
+                "refused_effect",
+                np.array([named[n] for n in ranking["refused_effect"].values], dtype=object),
+            ),
+            "chance_range": ("end", [chance.min(), chance.max()]),
+        }
+    )
+
+
+def _each_effect(ranking: xr.Dataset) -> list[str]:
+    return [*ranking["effect"].values, *ranking["refused_effect"].values]
+
+
+def summarise_location(
+    angles: xr.Dataset, verdict: Mapping[str, Any], location: xr.Dataset | None
+) -> xr.Dataset:
+    """Decide in which joints, and whether as a spectral line, the misfit shows.
+
+    Returns
+    -------
+    Dataset
+        shows (joint), by the verdict's p-values of the misfit; line_shows ().
+    """
+    found = verdict.get("location") or {}
+    p_value = {int(joint): p for joint, p in (found.get("joints") or {}).items()}
+    joints = angles["joint"].values
+    shows = [p_value.get(int(joint), 1.0) < SEEN for joint in joints]
+    line = location is not None and float(location["line_p_value"]) < SEEN
+    return xr.Dataset({"shows": ("joint", shows), "line_shows": ((), line)}, {"joint": joints})
+
+
+def summarise_assumptions(assumptions: xr.Dataset) -> xr.Dataset:
+    """Take median and 90 % of the simulated fingers' changes of their fitted parameters.
+
+    Returns
+    -------
+    Dataset
+        fitted_change (quantile, joint, parameter), fitted over true less 1.
+    """
+    change = assumptions["fitted_change"].quantile(list(CHANGE_QUANTILES), "trial")
+    return xr.Dataset({"fitted_change": change.transpose("quantile", "joint", "parameter")})

@@ -1,0 +1,82 @@
+"""What cannot be read is refused with the sheet, the row, the column, and what to type instead."""
+
+import pytest
+
+from softfinger.faults import Fault
+
+TABLE = "time (s),angle (deg),force (N)\n" + "".join(f"{t},{t * t},{t}\n" for t in range(12))
+
+
+def refuse(read, source, *keys):
+    with pytest.raises(Fault) as caught:
+        read(source, *keys)
+    return str(caught.value)
+
+
+def test_text_in_numbers_names_row_and_column_and_the_way_out(write, read):
+    source = write("a.csv", TABLE.replace("6,36,6", "6,OL,6"))
+    said = refuse(read, source)
+    assert "a.csv, row 8, column 'angle': is 'OL'; expected a number in deg" in said
+    assert "tables: {missing: ['OL']}" in said
+    (trial,) = read(source, "tables.missing=[OL]").trials
+    assert str(trial.motion[6, 0]) == "nan"
+
+
+def test_text_in_a_workbook_names_the_sheet(write_book, read):
+    table = [["t [s]", "x [mm]", "F [N]"], *([t, t * t, 1.0] for t in range(12))]
+    table[5][1] = "slipped"
+    said = refuse(read, write_book("a.xlsx", {"first": table}))
+    assert "a.xlsx, sheet 'first', row 6, column 'x': is 'slipped'; expected a number in mm" in said
+
+
+def test_a_row_with_too_many_fields(write, read):
+    said = refuse(read, write("a.csv", TABLE + "12,1,2,3,4\n13,2,3\n"))
+    assert "a.csv, row 14: has 5 fields; its heading has 3" in said
+    said = refuse(read, write("a.csv", TABLE + "12,144,12\n" * 500 + "12,1,2,3,4\n"))
+    assert "a.csv, row 514: has 5 fields; expected 3" in said
+
+
+def test_time_that_runs_backwards(write, read):
+    said = refuse(read, write("a.csv", TABLE.replace("6,36,6", "4.5,36,6")))
+    assert "row 8: time runs backwards in trial a" in said
+    assert "trials: {by: clock}" in said
+
+
+def test_nothing_to_read(write, read, tmp_path):
+    assert "it does not exist" in refuse(read, tmp_path / "nowhere")
+    assert "the file is empty" in refuse(read, write("a.csv", ""))
+    (tmp_path / "source/a.csv").unlink()
+    assert "it holds no table of numbers" in refuse(read, write("about.txt", "only words\n"))
+
+
+def test_a_broken_workbook_and_a_foreign_hdf5_file(write, read, tmp_path):
+    said = refuse(read, write("a.xlsx", b"PK broken"))
+    assert "a.xlsx: it cannot be read as a workbook" in said
+    (tmp_path / "source/a.xlsx").unlink()
+    assert "it is no HDF5 file" in refuse(read, write("a.h5", b"no"))
+
+
+def test_a_binary_file(write, read):
+    assert "it is no text" in refuse(read, write("a.dat", b"\0\1\2\0" * 100))
+
+
+@pytest.mark.parametrize(
+    ("key", "said"),
+    [
+        ("clock.col=t", "clock.col: this key is unknown"),
+        ("clock.column=tim", "there is no column 'tim'"),
+        ("motion.columns=[angel]", "no column 'angel'; there are time, angle, force"),
+        ("motion.unit=furlongz", "unit 'furlongz' is not known"),
+        ("trials.by=column", "type trials: {column: …} too"),
+        ("load.stated=Load", "'Load' is not stated"),
+        ("tables.sheets=3", "tables.sheets"),
+        ("clock", "expected key=value"),
+    ],
+)
+def test_a_wrong_description(write, read, key, said):
+    assert said in refuse(read, write("a.csv", TABLE), key)
+
+
+def test_no_motion(write, read):
+    said = refuse(read, write("a.csv", "time,force\n" + "".join(f"{t},{t}\n" for t in range(9))))
+    assert "no column looks like a motion; there are time, force" in said

@@ -1,0 +1,53 @@
+"""Weights that turn draws of an expansion into draws of the model."""
+
+import numpy as np
+import pytest
+
+from softfinger.inference.correction import correct_draws
+from softfinger.inference.posterior import prepare_fit
+
+
+@pytest.fixture(scope="module")
+def prepared(draw):
+    return prepare_fit(draw(3, 1, 5)[0])
+
+
+def draw_about(prepared, wide, count=200):
+    """Draws of the trials' parameters, `wide` times as dispersed as the fit has them."""
+    rng = np.random.default_rng(4)
+    fit = prepared.recorded.candidate.fit
+    roots = np.linalg.cholesky(fit.own_covariance)
+    normal = rng.standard_normal((2, count, *fit.own.shape))
+    eta = fit.own + wide * np.einsum("tab,cdtb->cdta", roots, normal)
+    return {"eta": eta, "effect": np.zeros((2, count, 0)), "noise_scale": np.ones((2, count))}
+
+
+def correct(prepared, expansion, drawn):
+    recorded = prepared.recorded
+    rng = np.random.default_rng(1)
+    return correct_draws(recorded.problem, recorded.candidate, expansion, drawn, rng)
+
+
+def test_a_good_expansion_keeps_nearly_every_draw(prepared):
+    found = correct(prepared, prepared.given.expansion, draw_about(prepared, 1.0))
+    assert found.pareto_k < 0.7
+    assert found.error < 0.3
+    assert len(np.unique(found.kept[0])) > 150
+
+
+def test_a_wrong_expansion_is_mended_by_the_weights(prepared):
+    """Draws of a likelihood that is too wide: weighing gives back the model's own spread."""
+    expansion = prepared.given.expansion
+    drawn = draw_about(prepared, 0.8**-0.5, 4000)
+    flat = expansion._replace(gram=0.8 * expansion.gram)
+    found = correct(prepared, flat, drawn)
+    assert found.pareto_k < 0.7
+    before = drawn["eta"][0, :, :, 0].std(axis=0)
+    after = drawn["eta"][0, found.kept[0], :, 0].std(axis=0)
+    assert (after < before).all()
+
+
+def test_a_hopeless_expansion_is_told(prepared):
+    found = correct(prepared, prepared.given.expansion, draw_about(prepared, 40.0))
+    assert not found.pareto_k < 0.7
+    np.testing.assert_array_equal(found.kept[0], np.arange(200))

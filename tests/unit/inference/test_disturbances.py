@@ -1,0 +1,130 @@
+"""Wrong logs and clocks: found by evidence, and taken into the noise."""
+
+import numpy as np
+import pytest
+
+from softfinger.inference.disturbances import (
+    fit_disturbances,
+    list_disturbances,
+    locate_disturbances,
+    soften,
+    soften_gram_array,
+)
+from softfinger.inference.mixed_effects_laplace import solve_linearised
+from softfinger.inference.problem import Candidate, pose_problem
+from softfinger.inference.reduce import whiten_residual, whiten_slope
+from softfinger.inference.simulate import (
+    build_recording,
+    describe_noise,
+    draw_angles,
+    draw_parameters,
+)
+
+TIME = np.arange(500) / 30
+LEVELS = np.array([0.02, 0.06, 0.01, 0.05])
+UNKNOWN = {f"link_{k}": ("joint", [np.nan] * 2) for k in ("length", "mass", "centre", "inertia")}
+
+
+@pytest.fixture(scope="module")
+def record():
+    """Record 8 trials of 2 joints under four levels; the log's errors and the clock's are given."""
+
+    def draw(load_error=0.0, jitter=0.0):
+        rng = np.random.default_rng(11)
+        edges = np.repeat(np.arange(5) * 4.0, 2)[1:-1]
+        load = np.tile(np.repeat(LEVELS, 2), (8, 1))
+        names = [f"t{i}" for i in range(8)]
+        recording = build_recording(TIME, np.tile(edges, (8, 1)), load, 2, names)
+        mean = np.array([[-2.4, -3.6, 2.9, 0.02], [-2.3, -3.5, 3.1, 0.01]])
+        own = draw_parameters(mean, np.array([0.2, 0.4, 0.7, 0.01]), recording, rng)
+        noise = describe_noise(np.full(2, 0.002), np.zeros(2), -0.5)
+        angles = draw_angles(recording, own, noise, rng)
+        logged = load * (1.0 + load_error * rng.standard_normal((8, 8)))
+        late = jitter * rng.standard_normal((8, 500))
+        values = angles["joint_angle"].values.copy()
+        for i in range(8):
+            for j in range(2):
+                values[i, j] = np.interp(TIME + late[i], TIME, values[i, j])
+        return angles.assign(
+            joint_angle=(angles["joint_angle"].dims, values),
+            load_torque=(("trial", "knot"), logged),
+            started_at=("trial", np.full(8, np.nan)),
+            joint_length=np.nan,
+            wire_offset=np.nan,
+            **UNKNOWN,
+        )
+
+    return draw
+
+
+@pytest.fixture(scope="module")
+def pose(record):
+    def make(**knobs):
+        problem, fit = pose_problem(record(**knobs))
+        return problem, Candidate(problem.base, fit, fit.log_evidence)
+
+    return make
+
+
+@pytest.fixture(scope="module")
+def noisy(pose):
+    return pose(load_error=0.02)
+
+
+def test_clean_recordings_have_no_disturbance(pose):
+    assert fit_disturbances(*pose())[0] == {}
+
+
+def test_a_log_that_scatters_is_found_with_its_size(noisy):
+    size, evidence, _ = fit_disturbances(*noisy)
+    assert list(size) == ["noisy_load"]
+    assert size["noisy_load"] == pytest.approx(0.02, rel=0.3)
+    assert evidence["noisy_load"] > 30
+
+
+def test_frame_times_that_jitter_are_found(pose):
+    size, _, _ = fit_disturbances(*pose(jitter=0.006))
+    assert list(size) == ["timing_jitter"]
+    assert size["timing_jitter"] == pytest.approx(0.006, rel=0.4)
+
+
+def test_gram_matrices_under_larger_noise_are_those_of_the_whole_covariance():
+    rng = np.random.default_rng(2)
+    rows, soft = rng.normal(size=(20, 3)), rng.normal(size=(20, 4))
+    whole = np.concatenate([rows, soft], axis=1)
+    gram, logdet = soften_gram_array(
+        (whole.T @ whole)[None], np.arange(3), {"a": (np.arange(3, 7), 0.7)}
+    )
+    covariance = np.eye(20) + 0.49 * soft @ soft.T
+    np.testing.assert_allclose(gram[0], rows.T @ np.linalg.solve(covariance, rows))
+    assert logdet == pytest.approx(np.linalg.slogdet(covariance)[1])
+
+
+def test_softened_trials_have_the_evidence_that_was_foreseen(noisy):
+    problem, base = noisy
+    fit, directions = base.fit, list_disturbances(problem, base)
+    softer = soften(problem, {"noisy_load": 0.02}, directions)
+    assert (softer.trials.logdet > problem.trials.logdet).all()
+    gram = softer.linearise(base.model, fit.own, fit.shared)
+    white = whiten_slope(problem.trials, 0.02 * directions["noisy_load"], 3)
+    angle = problem.simulate(base.model, fit.own, fit.shared)[0]
+    left = whiten_residual(problem.trials, angle, 3).ravel()
+    covariance = np.eye(len(left)) + white @ white.T
+    assert gram[3, -1, -1] == pytest.approx(left @ np.linalg.solve(covariance, left))
+    gained = np.linalg.slogdet(covariance)[1]
+    assert softer.trials.logdet[3] - problem.trials.logdet[3] == pytest.approx(gained)
+    prior, bounds = problem.build_prior(base.model), problem.build_bounds(base.model)
+    place = fit.own, fit.shared
+    values = [solve_linearised(g, prior, bounds, place, fit.omega)[1] for g in (fit.gram, gram)]
+    assert values[1] > values[0] + 30
+
+
+def test_what_the_log_did_is_taken_from_the_residual(noisy):
+    problem, base = noisy
+    time = np.tile(TIME, (8, 1))
+    assert not locate_disturbances(problem, base, time).any()
+    size, _, directions = fit_disturbances(problem, base)
+    softer = soften(problem, size, directions)
+    fit = softer.fit(base.model, (base.fit.own, base.fit.shared, base.fit.omega))
+    moved = locate_disturbances(softer, Candidate(base.model, fit, fit.log_evidence), time)
+    assert np.sqrt(np.mean(moved**2)) > 0.002

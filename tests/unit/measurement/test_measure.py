@@ -1,0 +1,172 @@
+"""What recordings suffer from: each disturbance is found where it is, and none where it is not."""
+
+import numpy as np
+import pytest
+
+from softfinger.inference.problem import Candidate, pose_problem
+from softfinger.inference.reduce import reduce_trials
+from softfinger.measurement.measure import assume_noise, measure
+from softfinger.measurement.trials import prepare_trials
+from softfinger.mismatch.candidates.columns import collect_columns
+from softfinger.mismatch.candidates.rank import list_pieces, rank_pieces
+
+TIME = np.arange(500) / 30
+LOAD = ([0.0, 4.0, 4.0, 8.0, 8.0, 12.0, 12.0], [0.02, 0.02, 0.06, 0.06, 0.01, 0.01, 0.05])
+SD = 0.003
+
+
+@pytest.fixture
+def drawn(make_campaign):
+    """Angles and motion of 8 trials of 3 joints on a staircase; white noise."""
+
+    def draw(seed=20, **knobs):
+        parts = [
+            make_campaign(np.random.default_rng(seed), 8, time=TIME, load=LOAD, rho=0.0, **more)[0]
+            for more in (knobs, {"sd": 1e-12})
+        ]
+        return parts[0], parts[1]["joint_angle"].values
+
+    return draw
+
+
+def disturb(angles, motion, factor):
+    """Multiply the noise by a factor."""
+    noise = angles["joint_angle"].values - motion
+    return angles.assign(joint_angle=(angles["joint_angle"].dims, motion + factor * noise))
+
+
+def list_found(found):
+    return dict(
+        zip(found["component"].values.tolist(), found["component_size"].values, strict=True)
+    )
+
+
+def test_clean_recordings_suffer_from_nothing(drawn):
+    for seed in (20, 21, 22):
+        angles, motion = drawn(seed)
+        found = measure(angles, motion)
+        assert list_found(found) == {}
+        assert (~found["used"]).sum() <= 1
+        assert (found["noise_factor"] == 1.0).all()
+
+
+def test_noise_of_another_size_in_every_trial(drawn):
+    angles, motion = drawn()
+    factor = np.exp(0.6 * np.random.default_rng(3).standard_normal(8))
+    found = measure(disturb(angles, motion, factor[:, None, None]), motion)
+    assert list(list_found(found)) == ["uneven_noise"]
+    sd = found["trial_factor"].values * found["noise_sd"].values / (SD * np.array([1.0, 0.8, 1.3]))
+    np.testing.assert_allclose(sd, np.repeat(factor[:, None], 3, axis=1), rtol=0.12)
+
+
+def test_noise_that_grows_with_the_deflection(drawn):
+    angles, motion = drawn()
+    moved = np.abs(motion - motion[:, :, :1])
+    found = measure(disturb(angles, motion, np.sqrt(1 + (8.0 * moved) ** 2)), motion)
+    assert list(list_found(found)) == ["signal_noise"]
+    assert float(found["noise_per_rad"]) == pytest.approx(8.0, rel=0.25)
+    np.testing.assert_allclose(found["noise_sd"], SD * np.array([1.0, 0.8, 1.3]), rtol=0.2)
+
+
+def scatter_outliers(angles, share=0.02, seed=4):
+    rng = np.random.default_rng(seed)
+    values = angles["joint_angle"].values.copy()
+    hit = rng.uniform(size=(values.shape[0], values.shape[2])) < share
+    size = rng.choice([-1.0, 1.0], values.shape) * rng.uniform(8.0, 30.0, values.shape) * SD
+    values += np.where(hit[:, None], size, 0.0)
+    return angles.assign(joint_angle=(angles["joint_angle"].dims, values)), hit
+
+
+def test_gross_errors_are_left_out_and_hardly_anything_else(drawn):
+    angles, motion = drawn()
+    spoilt, hit = scatter_outliers(angles)
+    found = measure(spoilt, motion)
+    out = found["outlier_distance"].values > 0
+    assert (out & hit).sum() >= 0.97 * hit.sum()
+    assert (out & ~hit).sum() <= 2
+    assert not found["used"].values[out].any()
+    assert list_found(found)["outliers"] == pytest.approx(hit.mean(), rel=0.1)
+    np.testing.assert_allclose(found["noise_sd"], SD * np.array([1.0, 0.8, 1.3]), rtol=0.06)
+
+
+def test_what_every_trial_does_after_a_change_of_load_is_no_outlier(drawn):
+    angles, motion = drawn()
+    since = TIME - np.minimum(TIME // 4.0, 3) * 4.0
+    missed = 0.05 * np.exp(-since / 0.05) * np.linspace(0.7, 1.3, 8)[:, None, None]
+    found = measure(angles.assign(joint_angle=angles["joint_angle"] + missed), motion)
+    assert found["used"].all()
+
+
+def test_held_frames_tell_nothing(drawn):
+    angles, motion = drawn()
+    values = angles["joint_angle"].values.copy()
+    held = np.random.default_rng(5).uniform(size=(8, 500)) < 0.1
+    held[:, 0] = False
+    for trial, frame in np.argwhere(held):
+        values[trial, :, frame] = values[trial, :, frame - 1]
+    found = measure(angles.assign(joint_angle=(angles["joint_angle"].dims, values)), motion)
+    assert (found["repeated"].values == held).all()
+    assert list_found(found) == {"repeated_frames": pytest.approx(held.mean())}
+
+
+def test_rounded_angles_err_by_their_rounding(drawn):
+    angles, motion = drawn(sd=1e-5)
+    step = 0.01
+    values = np.round(angles["joint_angle"].values / step) * step
+    found = measure(angles.assign(joint_angle=(angles["joint_angle"].dims, values)), motion)
+    assert not found["repeated"].any()
+    assert (found["noise_sd"] >= step / np.sqrt(12) * 0.999).all()
+
+
+def test_a_declared_sd_is_kept_by_uneven_trials(drawn):
+    angles, motion = drawn()
+    angles.attrs["noise_sd_rad"] = 0.0042
+    found = measure(angles, motion)
+    assert found["noise_sd"].values == pytest.approx([0.0042] * 3)
+    shown = found["recorded_noise_sd"].values
+    np.testing.assert_allclose(shown, SD * np.array([1.0, 0.8, 1.3]), rtol=0.06)
+
+
+def test_noise_is_carried_over_to_other_trials_without_what_they_suffer_from(drawn):
+    angles, motion = drawn()
+    known = measure(scatter_outliers(angles)[0], motion)
+    planned = assume_noise(angles.isel(trial=slice(2)), known)
+    assert planned["used"].all()
+    np.testing.assert_array_equal(planned["noise_sd"], known["noise_sd"])
+
+
+def test_a_factor_on_the_noise_divides_rows_and_counts_in_their_measure(drawn):
+    angles, motion = drawn()
+    known = measure(angles, motion)
+    doubled = known.assign(noise_factor=2.0 * known["noise_factor"])
+    one, other = prepare_trials(angles, known), prepare_trials(angles, doubled)
+    node = np.zeros((8, 3, 2 * one.angle.shape[1]))
+    slope = np.ones((*node.shape, 2))
+    gram = [reduce_trials(trials, node, slope) for trials in (one, other)]
+    np.testing.assert_allclose(gram[0], 4.0 * gram[1])
+    rows = one.size[one.protocol]
+    np.testing.assert_allclose(other.logdet - one.logdet, 2 * np.log(2.0) * rows)
+
+
+def gain_of_delay(angles):
+    problem, fit = pose_problem(angles)
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    pieces = [p for p in list_pieces(problem.setting)[0] if p.effect.id == "camera_delay"]
+    columns = collect_columns(problem, base, pieces)
+    best = rank_pieces(problem, base, columns, lambda items, _: items)[0][0]
+    return best.log_evidence - base.log_evidence
+
+
+def test_an_effect_of_the_first_frames_keeps_its_evidence_among_outliers(make_campaign):
+    angles = make_campaign(np.random.default_rng(8), 8, 1, time=TIME, load=LOAD, rho=0.0)[0]
+    unknown = {f"link_{k}": ("joint", [np.nan]) for k in ("length", "mass", "centre", "inertia")}
+    angles = angles.assign(
+        load_time=angles["load_time"] - 0.015,
+        started_at=("trial", np.full(8, np.nan)),
+        joint_length=np.nan,
+        wire_offset=np.nan,
+        **unknown,
+    )
+    clean, spoilt = gain_of_delay(angles), gain_of_delay(scatter_outliers(angles)[0])
+    assert clean > 50
+    assert spoilt > 0.95 * clean

@@ -1,0 +1,82 @@
+import numpy as np
+import pytest
+
+from softfinger.measurement.noise import estimate_noise
+from softfinger.measurement.quiet import find_load_changes_array, find_quiet_array
+from softfinger.measurement.reml import whiten_array
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.4, 0.9])
+def test_finds_sd_autocorrelation_and_correlation_under_motion(make_campaign, rng, rho):
+    angles, _, noise = make_campaign(rng, trials=12, time=np.arange(600) / 30, rho=rho)
+    found = estimate_noise(angles)
+    assert found["noise_sd"].values == pytest.approx(noise["noise_sd"].values, rel=0.08)
+    expected = noise["noise_autocorrelation"].values
+    assert found["noise_autocorrelation"].values == pytest.approx(expected, abs=0.05)
+    assert found["noise_correlation"].values[0, 1] == pytest.approx(-0.5, abs=0.05)
+
+
+def test_a_declared_sd_is_kept(make_campaign, rng):
+    angles, _, _ = make_campaign(rng, time=np.arange(300) / 30)
+    angles.attrs["noise_sd_rad"] = 0.0042
+    assert estimate_noise(angles)["noise_sd"].values.tolist() == [0.0042] * 3
+
+
+def test_a_window_that_jumps_is_left_out(make_campaign, rng):
+    angles, _, noise = make_campaign(rng, trials=12, time=np.arange(600) / 30)
+    angles["joint_angle"][3, :, 400:] += 0.2
+    found = estimate_noise(angles)
+    assert found["noise_sd"].values == pytest.approx(noise["noise_sd"].values, rel=0.08)
+    assert found["noise_correlation"].values[0, 1] == pytest.approx(-0.5, abs=0.05)
+    assert (
+        found["window_count"] < estimate_noise(angles.isel(trial=[0]))["window_count"] * 12
+    ).all()
+
+
+def test_too_short_recordings_give_no_noise(make_campaign, rng):
+    angles, _, _ = make_campaign(rng, time=np.arange(20) / 30)
+    found = estimate_noise(angles)
+    assert np.isnan(found["noise_sd"]).all()
+    assert (found["window_count"] == 0).all()
+
+
+def test_a_dense_log_of_a_steady_load_has_one_change():
+    time = np.linspace(0, 5, 400)
+    load = np.ones(400) + 1e-3 * np.sin(40 * time)
+    assert find_load_changes_array(time, load).tolist() == [0.0]
+
+
+def test_turns_of_a_triangle_are_changes():
+    assert find_load_changes_array(
+        np.array([0.0, 3.0, 6.0]), np.array([0.0, 2.0, 0.0])
+    ).tolist() == [0.0, 3.0, 6.0]
+
+
+def test_before_the_first_load_all_is_quiet():
+    quiet = find_quiet_array(np.linspace(0, 10, 11), np.array([5.0]), np.array([1.0]))
+    assert quiet.tolist() == [False] + [True] * 4 + [False, False] + [True] * 3 + [False]
+
+
+def test_whitened_rows_give_the_inverse_correlation():
+    gap = np.array([np.inf, 1.0, 2.5, 1.0])
+    place = np.array([0.0, 1.0, 3.5, 4.5])
+    correlation = 0.7 ** np.abs(place[:, None] - place)
+    white, logdet = whiten_array(np.eye(4), gap, 0.7)
+    assert white.T @ white == pytest.approx(np.linalg.inv(correlation))
+    assert logdet == pytest.approx(np.linalg.slogdet(correlation)[1])
+
+
+def test_joints_share_one_autocorrelation_unless_it_plainly_differs(make_campaign, rng):
+    alike, _, _ = make_campaign(rng, trials=6, time=np.arange(500) / 30, rho=0.0)
+    assert np.ptp(estimate_noise(alike)["noise_autocorrelation"].values) == 0.0
+    apart, _, _ = make_campaign(rng, trials=6, time=np.arange(500) / 30, rho=0.9)
+    assert np.ptp(estimate_noise(apart)["noise_autocorrelation"].values) > 0.1
+
+
+def test_noise_that_outlasts_the_windows_is_not_taken_for_an_endless_drift(make_campaign, rng):
+    ratios = []
+    for _ in range(6):
+        angles, _, noise = make_campaign(rng, trials=3, time=np.arange(250) / 30, rho=0.98)
+        ratios.append(estimate_noise(angles)["noise_sd"].values / noise["noise_sd"].values)
+    assert 0.6 < np.median(ratios) < 1.3
+    assert np.max(ratios) < 2.0

@@ -1,0 +1,142 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from softfinger.inference.problem import Candidate, pose_problem
+from softfinger.mechanics.effects.model import EffectModel
+from softfinger.mismatch.candidates import rank
+from softfinger.mismatch.candidates.columns import collect_columns
+from softfinger.mismatch.candidates.rank import (
+    LEADING,
+    Score,
+    fit_scored,
+    list_pieces,
+    rank_pieces,
+    score_pieces,
+)
+from softfinger.mismatch.search.stepwise import FORM_ERROR, measure_shape, require_gain
+
+
+@pytest.fixture(scope="module")
+def posed(draw_campaign):
+    problem, fit = pose_problem(draw_campaign(1, 0.15))
+    return problem, Candidate(problem.base, fit, fit.log_evidence)
+
+
+def test_a_block_is_linearised_as_the_model_itself_at_its_start(posed):
+    problem, base = posed
+    pieces = [p for p in list_pieces(problem.setting)[0] if p.form.name == "proportional"]
+    columns = collect_columns(problem, base, pieces)
+    block = columns.blocks[1]
+    seen = np.array([0, 1, 2, 3, 4, 6])  # the retardation time of a share of nothing has no slope
+    expected, found = (
+        gram[:, seen[:, None], seen]
+        for gram in (
+            problem.linearise(block.model, base.fit.own, block.shared),
+            columns.linearise(block),
+        )
+    )
+    size = np.sqrt(np.einsum("tii->ti", expected).max(axis=0))
+    np.testing.assert_allclose(
+        found / np.outer(size, size), expected / np.outer(size, size), atol=2e-2
+    )
+
+
+def test_the_true_effect_scores_best(posed):
+    problem, base = posed
+    pieces = list_pieces(problem.setting)[0]
+    scores = score_pieces(problem, base, collect_columns(problem, base, pieces))
+    assert scores[0].effect in ("second_retardation", "fractional_creep")
+    gains = [score.gain for score in scores]
+    assert gains == sorted(gains, reverse=True)
+
+
+def test_a_further_effect_must_bring_more_than_errors_of_textbook_forms(posed):
+    problem, base = posed
+    pieces = list_pieces(problem.setting)[0]
+    chance = 3.0 + np.log(len({piece.effect.id for piece in pieces}))
+    for effect, error in {"camera_delay": 1000.0 * FORM_ERROR, "strain_stiffening": 0.0}.items():
+        piece = next(piece for piece in pieces if piece.effect.id == effect)
+        best = base._replace(model=base.model.extend(piece))
+        assert require_gain(3.0, 1000.0, pieces, best) == pytest.approx(chance + error)
+
+
+def test_a_shape_is_a_rival_before_the_true_effect_is_there_and_not_after(posed):
+    problem, base = posed
+    pieces = [p for p in list_pieces(problem.setting)[0] if p.effect.id == "second_retardation"]
+    columns = collect_columns(problem, base, pieces)
+    repaired = rank_pieces(problem, base, columns, lambda items, _: items)[0][0]
+    gain = repaired.log_evidence - base.log_evidence
+    assert 15.0 < measure_shape(problem, base).gain < gain  # its few numbers say more than a spline
+    assert measure_shape(problem, repaired).gain < 1.0
+
+
+def test_a_local_form_leaves_the_other_joints_alone(posed):
+    wide = replace(
+        posed[0].setting,
+        joints=3,
+        stiffness=np.full(3, 0.1),
+        reach=np.ones(3),
+        memory=np.zeros((posed[0].setting.trials, 3)),
+    )
+    pieces = [p for p in list_pieces(wide)[0] if p.label == "yield_threshold/excess/2"]
+    model = EffectModel(wide, (pieces[0],))
+    slots = model.fill_slots(np.array([0.01]))
+    changed = np.ptp(slots.joint, axis=1).any(axis=0)
+    acting = np.argwhere(slots.joint != EffectModel(wide).fill_slots(np.zeros(0)).joint)
+    assert changed.any()
+    assert set(acting[:, 1]) == {1}
+    assert pieces[0].joints == [2]
+
+
+class Misled:
+    """A problem whose leading form gains much while it moves, and nothing once it rests."""
+
+    def __init__(self, fit):
+        self.fit_to, self.calls = fit, []
+
+    def fit(self, model, start, *, steps=None, first=0.0, rival=0.0):
+        self.calls.append((model, steps))
+        gain, converged = {
+            ("lead", True): (300.0, False),
+            ("lead", False): (-50.0, True),
+            ("true", True): (80.0, True),
+        }[model, steps is not None]
+        return self.fit_to._replace(log_evidence=gain, converged=converged)
+
+
+def test_a_fit_that_does_not_rest_sets_no_measure_for_others(posed, monkeypatch):
+    _, base = posed
+    monkeypatch.setattr(rank, "prune", lambda problem, candidate: candidate)
+    monkeypatch.setattr(Score, "effect", property(lambda score: score.model))
+    scores = [Score(name, gain, np.zeros(1)) for name, gain in (("lead", 100.0), ("true", 75.0))]
+    origin = base._replace(log_evidence=0.0)
+    found = fit_scored(Misled(base.fit), origin, scores, lambda items, _: items)
+    assert [(c.model, c.log_evidence) for c in found if c.fit is not None] == [("true", 80.0)]
+
+
+class Slight:
+    """A problem in which every form gains 6 nats, and says so at once."""
+
+    def __init__(self, fit):
+        self.rest, self.calls = fit._replace(log_evidence=6.0, converged=True), 0
+
+    def fit(self, model, start, **how):
+        self.calls += 1
+        return self.rest
+
+
+@pytest.mark.parametrize(("floor", "fitted"), [(-np.inf, 6), (30.0, LEADING)])
+def test_only_leading_effects_are_fitted_where_none_comes_near_what_is_asked(
+    posed, monkeypatch, floor, fitted
+):
+    _, base = posed
+    monkeypatch.setattr(rank, "prune", lambda problem, candidate: candidate)
+    monkeypatch.setattr(Score, "effect", property(lambda score: score.model))
+    scores = [Score(name, 5.0, np.zeros(1)) for name in "abcdef"]
+    origin = base._replace(log_evidence=0.0)
+    problem = Slight(base.fit)
+    found = fit_scored(problem, origin, scores, lambda items, _: items, floor)
+    assert problem.calls == fitted
+    assert len(found) == 6

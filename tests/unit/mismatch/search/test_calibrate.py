@@ -1,0 +1,31 @@
+"""Draws of the bootstrap, where columns hide in each other."""
+
+import numpy as np
+import pytest
+
+from softfinger.mismatch.search.calibrate import _root
+
+
+@pytest.fixture
+def gram():
+    """Gram matrix of ten columns, four of them sums of the others."""
+    columns = np.random.default_rng(1).normal(size=(50, 6))
+    columns = np.column_stack([columns, columns[:, :4] + columns[:, 1:5]]) * np.geomspace(
+        1, 1e4, 10
+    )
+    return columns.T @ columns
+
+
+def test_a_root_gives_the_gram_matrix_again(gram):
+    root = _root(gram)
+    size = np.sqrt(np.diag(gram))
+    np.testing.assert_allclose(
+        root @ root.T / np.outer(size, size), gram / np.outer(size, size), atol=1e-12
+    )
+
+
+def test_rounding_hardly_moves_a_root(gram):
+    size = np.sqrt(np.diag(gram))
+    wobble = 1.0 + 1e-15 * np.random.default_rng(2).normal(size=gram.shape)
+    moved = _root(gram * 0.5 * (wobble + wobble.T)) - _root(gram)
+    assert np.abs(moved / size[:, None]).max() < 1e-6

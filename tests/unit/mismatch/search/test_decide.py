@@ -1,0 +1,140 @@
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from softfinger.mismatch.candidates.rank import Candidate
+from softfinger.mismatch.checks.findings import MISSING, Findings
+from softfinger.mismatch.search.calibrate import FalseAlarms
+from softfinger.mismatch.search.decide import drop_negligible, join_ids, settle_search, weigh_models
+from softfinger.mismatch.search.stepwise import Search
+
+
+def model(*ids):
+    return SimpleNamespace(ids=frozenset(ids))
+
+
+def test_base_and_effects_share_the_prior_by_halves():
+    base = Candidate(model(), None, 0.0)
+    others = [Candidate(model("a"), None, 0.0), Candidate(model("b"), None, 0.0)]
+    posterior = weigh_models(base, others)
+    assert posterior.sets[frozenset()] == pytest.approx(0.5)
+    assert posterior.inclusion == pytest.approx({"a": 0.25, "b": 0.25})
+
+
+def test_forms_of_one_effect_share_what_it_has():
+    base = Candidate(model(), None, 0.0)
+    many = [Candidate(model("a"), None, 3.0) for _ in range(7)]
+    one = [Candidate(model("b"), None, 3.0)]
+    posterior = weigh_models(base, many + one)
+    assert posterior.inclusion["a"] == pytest.approx(posterior.inclusion["b"])
+
+
+def test_strong_evidence_names_one_set_and_close_evidence_does_not():
+    base = Candidate(model(), None, 0.0)
+    clear = [Candidate(model("a"), None, 30.0), Candidate(model("b"), None, 20.0)]
+    posterior = weigh_models(base, clear)
+    assert posterior.equivalent == [frozenset("a")]
+    assert posterior.best[frozenset("a")].log_evidence == 30.0
+    close = [Candidate(model("a"), None, 30.0), Candidate(model("b", "c"), None, 29.0)]
+    posterior = weigh_models(base, close)
+    assert [join_ids(ids) for ids in posterior.equivalent] == ["a", "b+c"]
+    assert posterior.inclusion["b"] == posterior.inclusion["c"] < 0.5
+
+
+def test_threshold_and_p_value_of_chance_agree():
+    gain = np.random.default_rng(4).exponential(2.0, 400)
+    alarms = FalseAlarms(gain)
+    threshold = alarms.threshold(0.01)
+    assert threshold == pytest.approx(2.0 * np.log(100.0), rel=0.25)
+    assert alarms.p_value(threshold) == pytest.approx(0.01, rel=1e-6)
+    assert alarms.p_value(np.median(gain)) == pytest.approx(0.5, abs=0.01)
+
+
+def search(*candidates):
+    ordered = sorted(candidates, key=lambda c: -c.log_evidence)
+    return Search(Candidate(model(), "fit", 0.0), ordered, [], ordered[0], 0.0, {}, [])
+
+
+def test_what_close_sets_share_is_settled_where_they_add_hardly_anything():
+    one, pairs = (
+        Candidate(model("a"), "fit", 990.0),
+        [Candidate(model("a", second), "fit", 1000.0) for second in "bcd"],
+    )
+    found = search(one, *pairs, Candidate(model("b"), "fit", 40.0))
+    settled = settle_search(found)
+    assert settled.best is one
+    assert [c.model.ids for c in settled.candidates] == [frozenset("a"), frozenset("b")]
+    assert settled.rejected == pairs
+    posterior = weigh_models(settled.base, settled.candidates)
+    assert posterior.sets[frozenset("a")] > 0.99
+
+
+def test_sets_stand_where_they_add_much_or_what_they_share_was_not_fitted():
+    pairs = [Candidate(model("a", second), "fit", 1000.0) for second in "bc"]
+    rival = Candidate(model("b"), "fit", 950.0)
+    for one in (Candidate(model("a"), "fit", 900.0), Candidate(model("a"), None, 990.0)):
+        found = search(one, rival, *pairs)
+        assert settle_search(found) is found
+
+
+def test_where_the_base_model_is_the_most_probable_it_stays():
+    weak = [Candidate(model(name), "fit", 1.0) for name in "abcdef"]
+    weak.append(Candidate(model("g"), "fit", 1.5))
+    assert settle_search(search(*weak)).best.model.ids == frozenset()
+    strong = search(*weak, Candidate(model("h"), "fit", 9.0))
+    assert settle_search(strong).best.model.ids == frozenset("h")
+
+
+def test_sets_without_a_shared_effect_and_a_sure_one_stand():
+    for others in (
+        [Candidate(model("a"), "fit", 50.0), Candidate(model("b"), "fit", 50.0)],
+        [Candidate(model("a"), "fit", 50.0), Candidate(model("a", "b"), "fit", 80.0)],
+    ):
+        found = search(*others)
+        assert settle_search(found) is found
+
+
+def small(*ids, negligible, nats=30.0):
+    """A fitted model some of whose effects lie below their floors."""
+    content = SimpleNamespace(
+        ids=frozenset(ids), list_negligible=lambda _: frozenset(negligible) & frozenset(ids)
+    )
+    return Candidate(content, SimpleNamespace(shared=None), nats)
+
+
+def test_what_lies_below_its_floor_is_not_claimed_and_neither_are_its_rivals():
+    found = search(small("a", negligible="a"), small("b", negligible="", nats=25.0))
+    settled = drop_negligible(found)
+    assert settled.best is found.base
+    assert settled.candidates == []
+    assert settled.rejected == found.candidates
+
+
+def test_of_two_effects_the_one_above_its_floor_is_kept():
+    one, other = small("a", negligible="", nats=90.0), small("b", negligible="b", nats=40.0)
+    pair = small("a", "b", negligible="b", nats=100.0)
+    settled = drop_negligible(search(one, other, pair))
+    assert settled.best is one
+    assert settled.candidates == [one, other]
+    assert settled.rejected == [pair]
+    assert drop_negligible(settled) is settled
+
+
+@pytest.mark.parametrize(
+    ("shape", "p", "unlisted"), [(240.0, 1.0, False), (260.0, 1.0, True), (0.0, MISSING / 2, True)]
+)
+def test_effects_that_leave_much_do_not_explain(shape, p, unlisted):
+    quiet = SimpleNamespace(gain=-1.0)
+    findings = Findings(
+        base_excess=1.0,
+        base_p=0.0,
+        best_excess=0.6,
+        best_p=p,
+        line=quiet,
+        jumps=quiet,
+        free=SimpleNamespace(gain=shape),
+        gain=1000.0,
+        further=0.0,
+    )
+    assert findings.is_unlisted(7.0) is unlisted

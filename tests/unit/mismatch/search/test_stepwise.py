@@ -1,0 +1,60 @@
+"""How an effect is searched for, and how a free-form term stands against what was found."""
+
+import numpy as np
+import pytest
+
+from softfinger.mechanics.effects import list_effects
+from softfinger.mechanics.effects.model import Piece
+from softfinger.mismatch.search import stepwise as module
+from softfinger.mismatch.search.stepwise import Shape, allow_rest, hold_against_shape
+
+
+def hold(named, gain):
+    """Hold what was found, which explains 100 nats, against a shape alone of some gain."""
+    found = named.search
+    base, best = (
+        c._replace(log_evidence=evidence)
+        for c, evidence in ((found.base, 0.0), (found.best, 100.0))
+    )
+    free = named.search.shape.free or named.search.alone.free
+    alone = Shape(base.fit, free._replace(gain=gain))
+    search = found._replace(base=base, best=best, alone=alone)
+    return search, hold_against_shape(named.problem, search)
+
+
+@pytest.mark.parametrize("gain", [60.0, 105.0, 114.0])
+def test_effects_stay_where_a_shape_alone_says_little_more(named, gain):
+    search, held = hold(named, gain)
+    assert held.best is search.best
+    assert held.shape is search.shape
+
+
+def test_a_shape_alone_that_says_clearly_more_takes_the_place_of_effects(named):
+    search, held = hold(named, 116.0)
+    assert held.best is search.base
+    assert held.shape is held.alone is search.alone
+
+
+def test_what_effects_may_leave_grows_with_what_they_explain():
+    assert allow_rest(1000.0, 5.0) == 250.0
+    assert allow_rest(4.0, 9.0) == 9.0
+    assert 6.9 < allow_rest(4.0, 5.0) < 7.0
+
+
+@pytest.mark.parametrize("tried", ["strain_stiffening", "second_retardation"])
+def test_the_partner_of_a_pair_that_was_not_tried_with_others_is(named, tried, monkeypatch):
+    """The campaign has a second retardation; whatever stands beside it stands for nothing."""
+    problem, best = named.problem, named.search.best
+    stiffer = list_effects()["strain_stiffening"]
+    form = next(f for f in stiffer.build_forms(problem.setting) if len(f.parameters) == 1)
+    model = best.model.extend(Piece(stiffer, form, ((0,),)))
+    start = best.fit.own, np.append(best.fit.shared, 0.01), best.fit.omega
+    fit = problem.fit(model, start, first=best.fit.first)
+    pair = best._replace(model=model, fit=fit, log_evidence=fit.log_evidence)
+    assert pair.model.ids == {"second_retardation", "strain_stiffening"}
+    led = []
+    monkeypatch.setattr(module, "_extend", lambda _, alone, *__: led.append(alone) or [alone])
+    found = module._try_partners(problem, pair, {frozenset({tried})}, [], None)
+    assert [c.model.ids for c in led] == [pair.model.ids - {tried}]
+    assert found == led
+    assert led[0].fit.converged

@@ -1,0 +1,55 @@
+"""What recordings suffer from, in words."""
+
+import numpy as np
+import xarray as xr
+
+from softfinger.mismatch.verdict.sufferings import WORDS, describe_measurement, doubt_declared
+
+
+def build_measurement(found):
+    names = list(found)
+    return xr.Dataset(
+        {
+            "component_size": ("component", [found[name][0] for name in names]),
+            "component_evidence": ("component", [found[name][1] for name in names]),
+            "trial_factor": (("trial", "joint"), [[1.0, 1.1], [4.0, 4.2], [0.9, 1.0]]),
+            "outlier_distance": (("trial", "frame"), [[0.0, 0.0], [0.0, 0.0], [0.0, 40.0]]),
+            "repeated": (("trial", "frame"), [[False, True], [False, False], [False, False]]),
+            "noise_sd": ("joint", [0.003, 0.003]),
+        },
+        {"component": names, "trial": ["a", "b", "c"]},
+    )
+
+
+def test_every_component_has_a_sentence_and_the_strongest_comes_first():
+    found = {name: (0.005, float(k)) for k, name in enumerate(WORDS)}
+    told = describe_measurement(build_measurement(found))
+    assert [one.evidence for one in told] == sorted(range(len(WORDS)), reverse=True)
+    assert all(one.statement.endswith(".") for one in told)
+    assert {one.id for one in told} == set(WORDS)
+
+
+def test_the_trials_that_suffer_are_named():
+    told = describe_measurement(
+        build_measurement(
+            {"uneven_noise": (0.6, 30.0), "outliers": (0.01, 20.0), "repeated_frames": (0.1, 9.0)}
+        )
+    )
+    assert [one.trials for one in told] == [["b"], ["c"], ["a"]]
+    assert "that of b is 4.1 times" in told[0].statement
+
+
+def test_a_log_that_scatters_is_told_in_newton():
+    told = describe_measurement(build_measurement({"noisy_load": (0.005, 30.0)}))
+    assert told[0].size == {"relative_sd": 0.005}
+    assert told[0].statement == "The load log scatters by 0.5 %: 0.05 N at 10 N."
+    assert np.isclose(told[0].evidence, 30.0)
+
+
+def test_a_declared_sd_that_the_recordings_contradict_is_doubted():
+    found = build_measurement({})
+    shown = found["noise_sd"] * np.array([2.5, 2.2])
+    told = doubt_declared(found.assign(recorded_noise_sd=shown))
+    assert [one.id for one in told] == ["declared_noise"]
+    assert "recordings show 2.3 times that" in told[0].statement
+    assert doubt_declared(found.assign(recorded_noise_sd=1.5 * found["noise_sd"])) == []

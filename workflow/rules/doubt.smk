@@ -1,0 +1,14 @@
+rule doubt:
+    input:
+        angles=OUT / "angles.nc",
+    output:
+        doubts=OUT / "doubts.nc",
+    log:
+        OUT / "logs/doubt.log",
+    params:
+        code=code_hash("doubt"),
+        environment=ENVIRONMENT,
+    message:
+        "Look for what is wrong in the recordings"
+    script:
+        "../scripts/doubt.py"
