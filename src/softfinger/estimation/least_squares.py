@@ -1,6 +1,8 @@
 """The paper's two stages: least squares of every trial, then a distribution over the estimates.
 
-Stage 1: each trial and joint by ordinary least squares (`profile`), every frame alike.
+Stage 1: each trial and joint by ordinary least squares (`profile`). The frames are those that
+`measure` keeps, as in every other stage: judged first by themselves, then by what a first fit
+leaves. Each of them counts alike.
 Stage 2: per joint and viscoelastic parameter, estimates that are negative or lie beyond three
 median absolute deviations of the median are dropped; the rest gets a log-normal by maximum
 likelihood (the sd of the logs with n − 1, as MATLAB's fitdist has it), q_ini a normal.
@@ -23,7 +25,8 @@ from numpy.typing import NDArray
 from softfinger.inference.collapse.basis import ElasticTable, interpolate_coefficients_array
 from softfinger.inference.collapse.profile import Profile, build_joint_gram, profile_rates
 from softfinger.inference.collapse.table import collapse_angles
-from softfinger.measurement.frames import select_frames
+from softfinger.inference.simulate import compute_motion
+from softfinger.measurement.measure import LAYOUT, measure
 
 PARAMETERS = ("k_v", "c_v", "c_p", "q_ini")
 MAD_SCALE = {"scaled_mad": 1.4826, "raw_mad": 1.0}
@@ -46,7 +49,22 @@ def fit_least_squares(angles: xr.Dataset, config: Mapping[str, Any]) -> xr.Datas
         residual_rms (trial, joint) [rad]; population_mean, population_sd (joint, parameter), of
         the log for k_v, c_v, c_p. NaN where a joint was not seen, or too few were kept.
     """
-    frames = select_frames(angles)
+    first = _fit_trials(angles, measure(angles))
+    found = _fit_trials(angles, measure(angles, _move(angles, first)))
+    estimate = found["estimate"].values
+    kept = select_estimates_array(
+        estimate, config["outlier_cutoff"] * MAD_SCALE[config["outlier_rule"]]
+    )
+    mean, spread = fit_population_array(estimate, kept)
+    return found.assign(
+        kept=(found["estimate"].dims, kept),
+        population_mean=(("joint", "parameter"), mean),
+        population_sd=(("joint", "parameter"), spread),
+    )
+
+
+def _fit_trials(angles: xr.Dataset, frames: xr.Dataset) -> xr.Dataset:
+    """Estimate, its sd and the rms of what is left, of every trial and joint."""
     collapse = collapse_angles(angles, frames)
     count = frames["used"].sum("frame").values
     joints, trials = angles.sizes["joint"], angles.sizes["trial"]
@@ -59,26 +77,21 @@ def fit_least_squares(angles: xr.Dataset, config: Mapping[str, Any]) -> xr.Datas
         estimate[here, joint] = compute_estimates_array(profile)
         rms[here, joint] = np.sqrt(np.maximum(profile.rss, 0) / count[here])
         sd[here, joint] = compute_estimate_sd_array(profile, gram, collapse.table, count[here])
-    kept = select_estimates_array(
-        estimate, config["outlier_cutoff"] * MAD_SCALE[config["outlier_rule"]]
-    )
-    mean, spread = fit_population_array(estimate, kept)
     dims = ("trial", "joint", "parameter")
     return xr.Dataset(
         {
             "estimate": (dims, estimate),
             "estimate_sd": (dims, sd),
-            "kept": (dims, kept),
             "residual_rms": (dims[:2], rms),
-            "population_mean": (dims[1:], mean),
-            "population_sd": (dims[1:], spread),
         },
-        coords={
-            "trial": angles["trial"],
-            "joint": angles["joint"],
-            "parameter": list(PARAMETERS),
-        },
+        {"trial": angles["trial"], "joint": angles["joint"], "parameter": list(PARAMETERS)},
     )
+
+
+def _move(angles: xr.Dataset, found: xr.Dataset) -> NDArray[np.float64]:
+    """Motion (trial, joint, frame) [rad] of the estimates; 0 where there is none."""
+    parameters = found["estimate"].to_dataset("parameter")
+    return compute_motion(angles, parameters).fillna(0.0).transpose(*LAYOUT).values
 
 
 def compute_estimates_array(profile: Profile) -> NDArray[np.float64]:
