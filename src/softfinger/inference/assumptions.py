@@ -4,8 +4,8 @@ Independence. With z = (η − μ)/σ of a trial, the slope of log p(y_i) by the
 parameters, at none, is s_i = E[z_a z_b | y_i] (Fisher's identity), with mean 0 if they are
 independent; Σ s_i / √(Σ s_i²) is then about standard normal. No fit with correlations is needed.
 
-Priors. Power-scaling sensitivity of the hyperparameters, by ArviZ, to their own prior and to the
-likelihood with the trials' parameters integrated out.
+Priors. Power-scaling sensitivity of the hyperparameters and of the effects' parameters, by ArviZ,
+to their own prior and to the likelihood with the trials' parameters integrated out.
 
 References
 ----------
@@ -18,6 +18,7 @@ import numpy as np
 import xarray as xr
 from scipy.stats import lognorm, norm
 
+from softfinger.inference.density import Effects
 from softfinger.inference.priors import Prior
 from softfinger.mechanics import LOG_PARAMETERS
 
@@ -67,9 +68,9 @@ def judge_independence(posterior: xr.Dataset) -> xr.Dataset:
 
 
 def measure_prior_sensitivity(
-    posterior: xr.Dataset, recording: xr.DataArray, prior: Prior
+    posterior: xr.Dataset, recording: xr.DataArray, prior: Prior, effects: Effects
 ) -> xr.Dataset:
-    """Measure how much every hyperparameter depends on its prior and likelihood.
+    """Measure how much every shared parameter depends on its prior.
 
     Parameters
     ----------
@@ -77,16 +78,22 @@ def measure_prior_sensitivity(
         Its draws.
     recording
         log p(y_i | population, noise) (chain, draw, trial).
-    prior
-        That of the fit.
+    prior, effects
+        Those of the fit.
 
     Returns
     -------
     Dataset
-        prior, likelihood (level, parameter, joint): ArviZ's psense; above 0.05 is sensitive. Both:
-        the prior and the data disagree. Only the prior: the data say little.
+        prior, likelihood (level, parameter, joint), effect_prior, effect_likelihood
+        (effect_parameter): ArviZ's psense; above 0.05 is sensitive. Both: prior and data disagree.
+        Only the prior: the data determine little.
     """
-    logs = {}
+    logs = {
+        "effect": posterior["effect_internal"].copy(
+            data=norm.logpdf(posterior["effect_internal"], effects.mean, effects.sd)
+        )
+    }
+    posterior = posterior.assign(effect=posterior["effect_internal"])
     for k, name in enumerate(LOG_PARAMETERS):
         mu, sigma = posterior[f"mu_{name}"], posterior[f"sigma_{name}"]
         log_mu = norm.logpdf(mu, prior.mu_mean[k], prior.mu_sd[k])
@@ -102,6 +109,7 @@ def measure_prior_sensitivity(
     found = {}
     for group in ("prior", "likelihood"):
         sensitivity = az.psense(tree, group=group)
+        found[f"effect_{group}"] = sensitivity["effect"].variable
         levels = [
             np.stack([sensitivity[f"{level}_{name}"].values for name in LOG_PARAMETERS])
             for level in ("mu", "sigma")
@@ -111,5 +119,6 @@ def measure_prior_sensitivity(
         "level": ["mu", "sigma"],
         "parameter": list(LOG_PARAMETERS),
         "joint": posterior["joint"],
+        "effect_parameter": posterior["effect_parameter"],
     }
     return xr.Dataset(found, coords)

@@ -121,7 +121,9 @@ def build_tree(
         "log_likelihood": scores[0].to_dataset(name="recording"),
         "leave_one_out": scores[1],
         "loo_pit": compute_loo_pit(recorded, scores[2], *rng.spawn(1)),
-        "prior_sensitivity": measure_prior_sensitivity(posterior, scores[0], given.prior),
+        "prior_sensitivity": measure_prior_sensitivity(
+            posterior, scores[0], given.prior, given.effects
+        ),
         "observed_data": observed.reset_coords(drop=True),
         "constant_data": _describe_constants(prepared),
     }

@@ -120,6 +120,13 @@ def show_loo_pit(material: Material) -> tuple[Block, ...]:
     )
 
 
+def _show_sensitivity(*found: xr.DataArray) -> tuple[Cell, ...]:
+    """Cells of the sensitivities to the prior and the recordings, and of their reading."""
+    *sizes, reading = found
+    numbers = [number(format_number(float(size)), float(size)) for size in sizes]
+    return (*numbers, text(reading.item()))
+
+
 def show_prior_sensitivity(material: Material) -> tuple[Block, ...]:
     """Show which hyperparameters depend on their prior, and where the data disagree with it."""
     found = material.find("prior_sensitivity")
@@ -128,23 +135,23 @@ def show_prior_sensitivity(material: Material) -> tuple[Block, ...]:
     rows = []
     for place in np.ndindex(*found["prior"].shape):
         here = found.isel(dict(zip(found["prior"].dims, place, strict=True)))
-        prior, likelihood = float(here["prior"]), float(here["likelihood"])
-        rows.append(
-            (
-                text("centre" if here["level"] == "mu" else "spread"),
-                text(str(here["parameter"].item()).removeprefix("log_")),
-                number(str(here["joint"].item()), here["joint"].item()),
-                number(format_number(prior), prior),
-                number(format_number(likelihood), likelihood),
-                text(here["reading"].item()),
-            )
+        name = (
+            text("centre" if here["level"] == "mu" else "spread"),
+            text(str(here["parameter"].item()).removeprefix("log_")),
+            number(str(here["joint"].item()), here["joint"].item()),
         )
-    said = [row[-1].text for row in rows]
-    disagree = said.count("prior and recordings may disagree")
+        rows.append((*name, *_show_sensitivity(here["prior"], here["likelihood"], here["reading"])))
+    for label in found["effect_parameter"].values:
+        here = found.sel(effect_parameter=label)
+        shown = (here[f"effect_{name}"] for name in ("prior", "likelihood", "reading"))
+        rows.append((text("effect"), text(str(label)), text("–"), *_show_sensitivity(*shown)))
+    readings = [row[-1].text for row in rows]
+    disagree = readings.count("prior and recordings may disagree")
+    of = "centres and spreads" if not found["effect_parameter"].size else "shared parameters"
     sentence = (
-        f"Of the {len(said)} centres and spreads, prior and recordings may disagree on "
-        f"{disagree}, and {said.count('the recordings determine little')} depend on their prior "
-        "because the recordings determine little."
+        f"Of the {len(rows)} {of}, prior and recordings may disagree on {disagree}, and "
+        f"{readings.count('the recordings determine little')} depend on their prior because the "
+        "recordings determine little."
     )
     caption = (
         "By how much the posterior moves when its prior, or the recordings' likelihood, counts a "

@@ -74,12 +74,15 @@ def judge_prior_sensitivity(found: xr.Dataset) -> xr.Dataset:
     Returns
     -------
     Dataset
-        prior, likelihood, reading (level, parameter, joint).
+        prior, likelihood, reading (level, parameter, joint); the same of the effects, effect_…
+        (effect_parameter).
     """
-    pairs = zip(found["prior"].values.ravel(), found["likelihood"].values.ravel(), strict=True)
-    reading = np.array([read_sensitivity(*pair) for pair in pairs])
-    dims = found["prior"].dims
-    return found.assign(reading=(dims, reading.reshape(found["prior"].shape)))
+    read = np.vectorize(read_sensitivity, otypes=[str])
+    for of in ("", "effect_"):
+        pair = found[f"{of}prior"], found[f"{of}likelihood"]
+        reading = read(*pair) if pair[0].size else np.empty(0, str)
+        found = found.assign({f"{of}reading": (pair[0].dims, reading)})
+    return found
 
 
 def read_sensitivity(prior: float, likelihood: float) -> str:

@@ -3,7 +3,9 @@
 import numpy as np
 import xarray as xr
 
-from softfinger.inference.assumptions import judge_independence
+from softfinger.inference.assumptions import judge_independence, measure_prior_sensitivity
+from softfinger.inference.density import Effects
+from softfinger.inference.priors import Prior
 
 NAMES = ("log_k_v", "log_c_v", "log_c_p", "q_ini")
 
@@ -37,7 +39,30 @@ def test_parameters_that_go_together_are_found():
 
 def test_spreads_of_few_trials_hang_on_the_prior_more_than_means(tree):
     found = tree["prior_sensitivity"].dataset
-    assert np.isfinite(found.to_array()).all()
+    assert np.isfinite(found[["prior", "likelihood"]].to_array()).all()
     mean, spread = (found["prior"].sel(level=level).mean() for level in ("mu", "sigma"))
     assert spread > mean
     assert (found["likelihood"] > found["prior"]).mean() > 0.9
+
+
+def test_an_effect_that_the_recordings_do_not_show_depends_on_its_prior():
+    rng = np.random.default_rng(2)
+    eta = rng.standard_normal((5, 4))
+    draws, dims = rng.standard_normal((4, 500, 2)), ("chain", "draw")
+    draws[..., 1] *= 0.1
+    posterior = build_posterior(eta).isel(chain=[0] * 4, draw=[0] * 500)
+    posterior = posterior + 0.1 * xr.DataArray(rng.standard_normal((4, 500)), dims=dims)
+    posterior = posterior.assign(
+        {f"sigma_{name}": np.exp(posterior[f"sigma_{name}"]) for name in NAMES}
+        | {"effect_internal": ((*dims, "effect_parameter"), draws)}
+    )
+    posterior = posterior.assign_coords(
+        chain=range(4), draw=range(500), effect_parameter=["unseen", "seen"]
+    )
+    seen = xr.DataArray(-0.5 * (draws[..., 1:] / 0.1) ** 2, dims=(*dims, "trial"))
+    prior = Prior(np.zeros(4), np.ones(4), np.ones(4), np.ones(4), 0.05)
+    effects = Effects(["unseen", "seen"], np.zeros(2), np.ones(2), None)
+    found = measure_prior_sensitivity(posterior, seen, prior, effects)
+    unseen, shown = (found.sel(effect_parameter=name) for name in ("unseen", "seen"))
+    assert unseen["effect_prior"] > 0.05 > unseen["effect_likelihood"]
+    assert shown["effect_likelihood"] > 0.05 > shown["effect_prior"]

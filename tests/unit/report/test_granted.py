@@ -31,6 +31,11 @@ def asked(artifacts):
     tree = artifacts["posterior"].copy()
     tree["independence"] = xr.Dataset(independence, {"own": OWN, "other_own": OWN})
     sensitivity = {"prior": (dims, prior), "likelihood": (dims, likelihood)}
+    sensitivity |= {
+        "effect_prior": ("effect_parameter", [0.3]),
+        "effect_likelihood": ("effect_parameter", [0.01]),
+    }
+    coords["effect_parameter"] = ["moment_arm.arm_scale"]
     tree["prior_sensitivity"] = xr.Dataset(sensitivity, coords)
     pit = {
         "pit": (("trial", "joint", "moment"), np.full((5, 3, 4), 0.3)),
@@ -52,11 +57,12 @@ def test_the_worst_pair_stands_first(asked):
 
 def test_sensitive_spreads_are_counted_and_read(asked):
     sentence, table = show_prior_sensitivity(asked)
-    assert "may disagree on 1, and 2 depend on their prior" in sentence.text
+    assert "may disagree on 1, and 3 depend on their prior" in sentence.text
     readings = {tuple(cell.text for cell in row[:3]): row[-1].text for row in table.rows}
     assert readings["spread", "c_p", "1"] == "the recordings determine little"
     assert readings["spread", "c_p", "3"] == "prior and recordings may disagree"
     assert readings["centre", "c_p", "3"] == "–"
+    assert readings["effect", "moment_arm.arm_scale", "–"] == "the recordings determine little"
 
 
 def test_the_place_of_trials_among_the_others_predictions_is_told(asked):

@@ -5,6 +5,7 @@ from softfinger.artifacts.spec import ArtifactSpec, Variable
 _PAIR = ("pair",)
 _CHANGE = ("change", "joint", "since_change")
 _POPULATION = ("level", "parameter", "joint")
+_EFFECT = ("effect_parameter",)
 _SHARE = {"at_least": 0.0, "at_most": 1.0}
 _WHOLE = "whole number"
 
@@ -94,6 +95,9 @@ SPEC = ArtifactSpec(
             "prior": Variable(_POPULATION, "1", "power-scaling sensitivity to the prior"),
             "likelihood": Variable(_POPULATION, "1", "… to the recordings"),
             "reading": Variable(_POPULATION, "1", "what the pair means", "text"),
+            "effect_prior": Variable(_EFFECT, "1", "power-scaling sensitivity to the prior"),
+            "effect_likelihood": Variable(_EFFECT, "1", "… to the recordings"),
+            "effect_reading": Variable(_EFFECT, "1", "what the pair means", "text"),
         },
     },
     optional_groups=frozenset(

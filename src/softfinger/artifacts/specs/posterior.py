@@ -98,6 +98,16 @@ SPEC = ArtifactSpec(
                 optional=True,
             )
             for name in ("prior", "likelihood")
+        }
+        | {
+            f"effect_{name}": Variable(
+                ("effect_parameter",),
+                "1",
+                f"power-scaling sensitivity of the effects to the {name}",
+                at_least=0.0,
+                optional=True,
+            )
+            for name in ("prior", "likelihood")
         },
     },
 )
