@@ -23,9 +23,10 @@ class Project:
 
     root: Path
 
-    def snakemake(self, *arguments: str) -> str:
-        """Run Snakemake on the code that stands there; what it says."""
-        command = [sys.executable, "-m", "snakemake", *arguments, "--configfile", "small.yaml"]
+    def snakemake(self, *arguments: str, settings: tuple[str, ...] = ()) -> str:
+        """Run Snakemake on the code in this folder; return what it prints."""
+        files = ["--configfile", "small.yaml", *settings]
+        command = [sys.executable, "-m", "snakemake", *arguments, *files]
         environment = os.environ | {"PYTHONPATH": str(self.root / "src")}
         done = subprocess.run(
             command, cwd=self.root, env=environment, capture_output=True, text=True, check=False
