@@ -31,6 +31,7 @@ def plan_rig(
 
     Exit status 0: there is a proposal. 1: no protocol within the plan's limits would show it.
     """
+    from softfinger.stages.keys import choose_settings
     from softfinger.stages.prepare import prepare_angles
     from softfinger.stages.rig_plan import rig_plan
 
@@ -41,7 +42,7 @@ def plan_rig(
         angles=prepare_angles(campaign, out, settings) if campaign else None,
         visibility=out / "visibility.nc",
         proposal=out / "plan.yaml",
-        config=settings["virtual_rig"],
+        config=choose_settings(settings, "virtual_rig"),
         seed=settings["seed"],
     )
     if found is None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,8 +98,6 @@ def build_plain_physics(
     wire_offset, joint_length : float
         [m].
     """
-    joints = parameters.shape[1]
-    none, no_law = np.zeros(joints), np.zeros((0, 0))
     k_v, c_v, c_p, q_ini = (np.ascontiguousarray(row, dtype=float) for row in parameters)
     return Physics(
         k_v=k_v,
@@ -112,51 +110,40 @@ def build_plain_physics(
         link_mass=np.asarray(link_mass, dtype=float),
         wire_offset=float(wire_offset),
         joint_length=float(joint_length),
-        arm_scale=0.0,
-        lag_times=np.zeros(0),
-        lag_mix=np.zeros(0),
-        residual=none,
-        compliance=np.zeros((0, joints)),
-        retardation_time=np.zeros(0),
-        stiffening=none,
-        mullins=none,
-        thinning=none,
-        yield_torque=none,
-        flow_scale=none,
-        friction=none,
-        friction_power=1.0,
-        friction_width=0.02,
-        stop_stiffness=none,
-        stop_angle=none,
-        coupling=np.zeros((joints, joints)),
-        gravity_x=0.0,
-        gravity_y=0.0,
-        inertia_scale=0.0,
-        ripple=0.0,
-        ripple_rate=0.0,
-        ripple_phase=0.0,
-        arm_law=no_law,
-        spring_law=no_law,
-        damper_law=no_law,
-        flow_law=no_law,
-        stop_law=no_law,
-        drag_law=no_law,
-        membrane_law=no_law,
-        membrane=np.zeros((joints, joints)),
-        friction_back=1.0,
-        plastic=none,
-        plastic_from=0.0,
-        dry=none,
-        thixotropy=none,
-        breaking=0.0,
-        healing=0.0,
-        softening=none,
-        thinning_out=none,
-        warming=(0.0, 1.0, 0.0, 0.0),
-        tendon=0.0,
-        tendon_slack=0.0,
-        one_way=none,
-        payload=0.0,
-        rod_centre=np.ones(joints),
-        rotor=none,
+        **_switch_off(parameters.shape[1]),
     )
+
+
+PER_JOINT = (
+    *("residual", "stiffening", "mullins", "thinning", "yield_torque", "flow_scale", "friction"),
+    *("stop_stiffness", "stop_angle", "plastic", "dry", "thixotropy", "softening"),
+    *("thinning_out", "one_way", "rotor"),
+)
+TABLES = (
+    *("arm_law", "spring_law", "damper_law", "flow_law", "stop_law", "drag_law", "membrane_law"),
+)
+ZERO = (
+    *("arm_scale", "gravity_x", "gravity_y", "inertia_scale", "ripple", "ripple_rate"),
+    *("ripple_phase", "plastic_from", "breaking", "healing", "tendon", "tendon_slack", "payload"),
+)
+
+
+def _switch_off(joints: int) -> dict[str, Any]:
+    """Every law's parameters at which it is not there."""
+    none, no_law = np.zeros(joints), np.zeros((0, 0))
+    return {
+        **dict.fromkeys(PER_JOINT, none),
+        **dict.fromkeys(TABLES, no_law),
+        **dict.fromkeys(ZERO, 0.0),
+        "lag_times": np.zeros(0),
+        "lag_mix": np.zeros(0),
+        "compliance": np.zeros((0, joints)),
+        "retardation_time": np.zeros(0),
+        "friction_power": 1.0,
+        "friction_width": 0.02,
+        "coupling": np.zeros((joints, joints)),
+        "membrane": np.zeros((joints, joints)),
+        "friction_back": 1.0,
+        "warming": (0.0, 1.0, 0.0, 0.0),
+        "rod_centre": np.ones(joints),
+    }

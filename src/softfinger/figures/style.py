@@ -28,7 +28,7 @@ BLUE, RED, GREEN, ORANGE, SKY, PINK = (
     "#56B4E9",
     "#CC79A7",
 )
-RECORDED, POSTERIOR, TWO_STAGE, TRUTH = BLACK, BLUE, RED, GREEN
+RECORDED, POSTERIOR, TWO_STAGE = BLACK, BLUE, RED
 ESTIMATE_COLOURS = {"posterior": POSTERIOR, "two_stage": TWO_STAGE}
 ESTIMATE_LABELS = {"posterior": "posterior", "two_stage": "two-stage (the paper's way)"}
 NUMBER = re.compile(rb"-?\d+\.\d+")

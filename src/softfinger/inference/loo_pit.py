@@ -107,7 +107,7 @@ def _draw_angles(
     own = draw_own(ordered, 1, rng)[:, 0]
     load = tuple(recorded.angles[name].values[trial] for name in ("load_time", "load_torque"))
     return move_trials(
-        recorded.problem,
+        recorded.problem.finger,
         recorded.candidate.model,
         own,
         ordered["effect_internal"].values,

@@ -173,7 +173,7 @@ def _record(
     rng: np.random.Generator,
 ) -> xr.Dataset:
     """Move trials `like` recorded ones by η (chain, draw, trial, joint, 4), and add noise."""
-    problem, model = recorded.problem, recorded.candidate.model
+    finger, model = recorded.problem.finger, recorded.candidate.model
     time = _thin_times(recorded, like)
     load = tuple(
         recorded.angles[name].transpose("trial", "knot").values[like]
@@ -184,7 +184,7 @@ def _record(
     values = np.empty((*own.shape[:4], time.shape[1]))
     for chain, draw in np.ndindex(*own.shape[:2]):
         phi = np.tile(effect[chain, draw], (len(like), 1))
-        values[chain, draw] = move_trials(problem, model, own[chain, draw], phi, like, time, load)
+        values[chain, draw] = move_trials(finger, model, own[chain, draw], phi, like, time, load)
         noise = draws.isel(chain=chain, draw=draw)
         for rows, clock in clocks:
             values[chain, draw, rows] += draw_noise_array(clock, noise, len(rows), rng)

@@ -66,18 +66,6 @@ def correlate_partials_array(partial: NDArray[np.float64]) -> NDArray[np.float64
     return correlation.reshape(*partial.shape[:-1], *correlation.shape[1:])
 
 
-def find_partials_array(correlation: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Find the partial correlations (pair,) of C (joint, joint): undo `correlate_partials_array`.
-
-    >>> find_partials_array(np.array([[1.0, -0.5], [-0.5, 1.0]]))
-    array([-0.5])
-    """
-    factor = np.linalg.cholesky(correlation)
-    below = np.tril_indices(len(factor), -1)
-    left = 1 - np.cumsum(factor**2, axis=1) + factor**2  # what the columns before left over
-    return factor[below] / np.sqrt(left[below])
-
-
 def _multiply_factor(factor: NDArray) -> NDArray:
     return factor @ factor.T
 
@@ -96,12 +84,6 @@ def factorise_partials(partial: NDArray) -> NDArray:
             pair += 1
         factor[j, j] = left
     return factor
-
-
-@compiled(error_model="numpy")
-def pull_partials_back(partial: NDArray, factor: NDArray, correlation_bar: NDArray) -> NDArray:
-    """Slope by the partial correlations (pair,) from the slope by C (joint, joint)."""
-    return pull_factor_back(partial, factor, (correlation_bar + correlation_bar.T) @ factor)
 
 
 @compiled(error_model="numpy")

@@ -63,7 +63,7 @@ def measure(angles: xr.Dataset, motion: Array | None = None) -> xr.Dataset:
         return _complete(angles, frames, fit_noise(angles, frames), {})
     moved = _measure_deflection(motion, frames)
     fit = fit_noise(angles, frames)
-    scales = fit_scales(_list_variances(fit, moved, frames))
+    scales = fit_scales(_list_variances(fit, moved))
     if scales.size:
         grown = np.sqrt(1.0 + (scales.per_rad * np.nan_to_num(moved)) ** 2)
         frames = frames.assign(
@@ -153,7 +153,7 @@ def _measure_deflection(motion: Array, frames: xr.Dataset) -> Array:
     return np.abs(motion - np.take_along_axis(motion, first[:, None, None], axis=2))
 
 
-def _list_variances(fit: NoiseFit, moved: Array, frames: xr.Dataset) -> WindowVariances:
+def _list_variances(fit: NoiseFit, moved: Array) -> WindowVariances:
     """Variance of every quiet window over its joint's."""
     trials, joints, count = moved.shape
     parts = [np.empty((0, 5))]

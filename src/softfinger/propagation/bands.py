@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from softfinger.inference.mover import Move, move_paper_joint
+from softfinger.inference.motion import Move, move_paper_joint
 from softfinger.progress import track_progress
 from softfinger.propagation.config import PropagateConfig, read_config
 from softfinger.propagation.left_out import (

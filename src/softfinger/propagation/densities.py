@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from softfinger.inference.mover import Move, move_paper_joint
+from softfinger.inference.motion import Move, move_paper_joint
 from softfinger.propagation.config import PropagateConfig, read_config
 from softfinger.propagation.density import refine_density_array
 from softfinger.propagation.new_trials import Source

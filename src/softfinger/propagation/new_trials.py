@@ -9,7 +9,7 @@ from scipy.special import ndtr, ndtri
 from scipy.stats import qmc
 
 from softfinger.compiled import compiled
-from softfinger.inference.mover import Move
+from softfinger.inference.motion import Move
 from softfinger.inference.simulate import draw_noise_array
 from softfinger.propagation.config import SpreadConfig
 from softfinger.propagation.moments import C_P

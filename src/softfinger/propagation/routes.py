@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
-from softfinger.inference.mover import move_paper_joint
+from softfinger.inference.motion import move_paper_joint
 from softfinger.propagation import exact, sampled
 from softfinger.propagation.new_trials import Source
 from softfinger.propagation.populations import are_independent

@@ -14,7 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import invwishart
 
-from softfinger.inference.mover import Move, move_paper_joint
+from softfinger.inference.motion import Move, move_paper_joint
 from softfinger.propagation.config import ShapleyConfig, read_config
 from softfinger.propagation.new_trials import Source
 from softfinger.propagation.populations import (

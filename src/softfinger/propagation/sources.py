@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from softfinger.inference.mover import Move, move_paper_joint
+from softfinger.inference.motion import Move, move_paper_joint
 from softfinger.propagation.config import SpreadConfig
 from softfinger.propagation.new_trials import Source
 from softfinger.propagation.populations import select_posterior, select_two_stage

@@ -6,7 +6,6 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from softfinger.faults import Fault
 from softfinger.figures.style import label_parameter_unit, save_figure
@@ -69,9 +68,7 @@ TEX = {
 TEX["⁻"] = "$^{-}$"
 
 
-def build_picture(
-    name: str, artifacts: Mapping[str, Artifact], config: Mapping[str, Any]
-) -> Picture:
+def build_picture(name: str, artifacts: Mapping[str, Artifact]) -> Picture:
     """Build one figure by name.
 
     Raises
@@ -81,7 +78,7 @@ def build_picture(
     """
     if name not in PICTURES:
         raise Fault(f"there is no figure '{name}'; there are: {', '.join(PICTURES)}")
-    picture = PICTURES[name](Material(artifacts, config))
+    picture = PICTURES[name](Material(artifacts, {}))
     if picture is None:
         raise Fault(
             f"figure '{name}' has nothing to show: its artifact is empty, or was not made; then "
@@ -93,7 +90,6 @@ def build_picture(
 def write_figure(
     name: str,
     artifacts: Mapping[str, Artifact],
-    config: Mapping[str, Any],
     paths: Sequence[Path | str],
 ) -> None:
     """Write one figure, once per path, in the form of the path's suffix (.pdf, .png, .svg).
@@ -103,14 +99,12 @@ def write_figure(
     Fault
         As `build_picture`.
     """
-    picture = build_picture(name, artifacts, config)
+    picture = build_picture(name, artifacts)
     for path in paths:
         save_figure(picture.figure, path)
 
 
-def write_parameter_table(
-    artifacts: Mapping[str, Artifact], config: Mapping[str, Any], path: Path | str
-) -> None:
+def write_parameter_table(artifacts: Mapping[str, Artifact], path: Path | str) -> None:
     """Write the paper's table, μ and σ of every parameter at every joint, as LaTeX.
 
     Raises
@@ -118,7 +112,7 @@ def write_parameter_table(
     Fault
         If the posterior is missing.
     """
-    material = Material(artifacts, config)
+    material = Material(artifacts, {})
     Path(path).write_text(render_parameter_table(material), encoding="utf-8")
 
 
@@ -169,7 +163,6 @@ def render_parameter_table(material: Material) -> str:
 def write_document(
     names: Sequence[str],
     artifacts: Mapping[str, Artifact],
-    config: Mapping[str, Any],
     path: Path | str,
 ) -> None:
     """Write a LaTeX document of the named figures and the table, which lie beside it.
@@ -179,8 +172,8 @@ def write_document(
     Fault
         As `build_picture`.
     """
-    material = Material(artifacts, config)
-    parts = [build_picture(name, artifacts, config) for name in names]
+    material = Material(artifacts, {})
+    parts = [build_picture(name, artifacts) for name in names]
     body = [render_float(part) for part in parts]
     title = escape_tex(f"{material.campaign}: figures ({material.source} data)")
     interval = format_percent(material.ci_prob)

@@ -21,6 +21,6 @@ def document(
     """Write the table of parameters, and a document that holds it and the named figures."""
     opened = open_stated(artifacts, markers)
     with write_atomically(table) as temporary:
-        write_parameter_table(opened, {}, temporary)
+        write_parameter_table(opened, temporary)
     with write_atomically(document) as temporary:
-        write_document(names, opened, {}, temporary)
+        write_document(names, opened, temporary)

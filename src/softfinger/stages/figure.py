@@ -17,4 +17,4 @@ def figure(
     **artifacts: Path,
 ) -> None:
     """Draw one figure, once per file, in the form of its suffix."""
-    write_figure(name, open_stated(artifacts, markers), {}, figures)
+    write_figure(name, open_stated(artifacts, markers), figures)

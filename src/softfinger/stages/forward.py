@@ -9,7 +9,7 @@ from typing import Any
 import xarray as xr
 
 from softfinger.faults import Fault
-from softfinger.inference.mover import Move, build_mover, move_paper_joint
+from softfinger.inference.motion import Move, build_mover, move_paper_joint
 from softfinger.mechanics.effects.model_file import read_model_file
 from softfinger.propagation.populations import take_draws
 

@@ -65,7 +65,7 @@ def rig_plan(
     visibility, proposal
         The artifact and the plan that are written.
     config
-        The `virtual_rig` block of the configuration.
+        What the virtual rig reads of the configuration; used where there are no `angles`.
 
     Returns
     -------
@@ -74,9 +74,10 @@ def rig_plan(
     """
     described = read_plan(plan)
     roles = {"plan": plan} if angles is None else {"plan": plan, "angles": angles}
-    provenance = describe_run("rig_plan", roles, {"wanted": list(wanted), **config}, seed)
+    knobs = configure_rig(described, config) if angles is None else {}
+    provenance = describe_run("rig_plan", roles, {"wanted": list(wanted), **knobs}, seed)
     recorded = (
-        simulate_campaign(described, config, seed)
+        simulate_campaign(knobs, seed)
         if angles is None
         else open_artifact(angles, angles_spec.SPEC)
     )
@@ -104,8 +105,8 @@ def rig_plan(
     return best[0], gathered
 
 
-def simulate_campaign(plan: Plan, config: Mapping[str, Any], seed: int) -> xr.Dataset:
-    """Record a dozen trials of the paper's finger, with the plan's geometry, under one step."""
+def configure_rig(plan: Plan, config: Mapping[str, Any]) -> dict[str, Any]:
+    """Virtual rig of the paper's finger with the plan's geometry: a dozen trials under one step."""
     finger = plan.campaign["finger"]
     if finger.get("joints") != N_JOINTS:
         raise Fault(
@@ -114,7 +115,7 @@ def simulate_campaign(plan: Plan, config: Mapping[str, Any], seed: int) -> xr.Da
         )
     peak, duration = measure_reach(plan.profiles)
     own = {key: finger[key] for key in set(finger) & set(config)}
-    knobs = {
+    return {
         **config,
         **own,
         "level": "angles",
@@ -124,6 +125,10 @@ def simulate_campaign(plan: Plan, config: Mapping[str, Any], seed: int) -> xr.Da
         "load_time_s": [0.0, duration],
         "load_tension_n": [peak, peak],
     }
+
+
+def simulate_campaign(knobs: Mapping[str, Any], seed: int) -> xr.Dataset:
+    """Record a campaign on the virtual rig."""
     with tempfile.TemporaryDirectory() as folder:
         write_campaign_folder(draw_motion(knobs, seed), knobs, Path(folder), seed)
         return assemble_angles(read_campaign(folder), [])

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from softfinger.artifacts import save_tree
-from softfinger.inference.mover import Move, build_mover, move_paper_joint
+from softfinger.inference.motion import Move, build_mover, move_paper_joint
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.model_file import read_model_file
 from softfinger.provenance import derive_seed, describe_run

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from softfinger.inference.mover import Move, move_paper_joint
+from softfinger.inference.motion import Move, move_paper_joint
 from softfinger.summary import calibration, causes, checks, diagnosis, granted, population
 from softfinger.summary.config import ReportConfig
 from softfinger.summary.histograms import compute_histograms

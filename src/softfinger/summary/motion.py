@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from softfinger.inference.mover import Move, move_paper_joint
+from softfinger.inference.motion import Move, move_paper_joint
 
 PARAMETERS = ("log_k_v", "log_c_v", "log_c_p", "q_ini")
 """A trial's own parameters, as the fit names and orders them."""

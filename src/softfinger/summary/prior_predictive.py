@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from softfinger.inference.mover import Move, move_paper_joint
+from softfinger.inference.motion import Move, move_paper_joint
 from softfinger.summary.population import stack_population
 
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -45,8 +44,7 @@ def assemble_angles(
     -------
     Dataset
         The artifact `angles`; trials in the order of ``trials.csv``. A trial that cannot be used
-        stands in ``set_aside_reason``. The attribute ``notes`` (JSON, trial → sentences) says what
-        is worth knowing of those that are used. The motion of a specimen is an angle there, see
+        stands in ``set_aside_reason``. The motion of a specimen is an angle there, see
         :func:`softfinger.tracking.specimen.scale_motion`.
 
     Raises
@@ -88,8 +86,7 @@ def read_trial(
     -------
     Dataset
         ``time (frame)``, ``joint_angle (joint, frame)``, ``joint_angle_covariance``,
-        ``angle_flag``, ``load_time (knot)``, ``load_torque (knot)``; attributes ``load_kind``
-        and ``notes``.
+        ``angle_flag``, ``load_time (knot)``, ``load_torque (knot)``; attribute ``load_kind``.
 
     Raises
     ------
@@ -121,29 +118,7 @@ def read_trial(
     )
     if campaign.specimen is not None:
         refuse_relaxation(trial.recording.name, flagged)
-    return flagged.assign_attrs(load_kind=kind, notes=list_notes(flagged, load_time, kind))
-
-
-def list_notes(angles: xr.Dataset, load_time: np.ndarray, kind: str) -> list[str]:
-    """Sentences on what is worth knowing of a trial that is used."""
-    time, flag = angles["time"].to_numpy(), angles["angle_flag"].to_numpy()
-    notes = []
-    if kind == "assumed":
-        notes.append("no load log: a unit command from the first frame on is assumed")
-    elif time[-1] < load_time[-1] - 2.0 * np.median(np.diff(time)):
-        notes.append(
-            f"the recording ends at {time[-1]:.3g} s, the load log at {load_time[-1]:.3g} s: used "
-            "as far as it goes"
-        )
-    for bit, said in (
-        (MISSING, "frames miss an angle"),
-        (STALE, "frames repeat the one before"),
-        (JUMP, "frames hold a jump of the tracker and are masked"),
-    ):
-        count = int(((flag & bit) > 0).any(axis=0).sum())
-        if count:
-            notes.append(f"{count} of {time.size} {said}")
-    return notes
+    return flagged.assign_attrs(load_kind=kind)
 
 
 def find_load_jumps_array(load_time: np.ndarray, load: np.ndarray) -> np.ndarray:
@@ -228,7 +203,6 @@ def _gather(
             source=campaign.source,
             camera=int(campaign.camera is not None),
             noise_sd_rad=campaign.noise_sd_rad if campaign.noise_sd_rad is not None else np.nan,
-            notes=json.dumps({t.name: one.attrs["notes"] for t, one in used if one.attrs["notes"]}),
         )
     )
 

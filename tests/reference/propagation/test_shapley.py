@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from softfinger.faults import Fault
-from softfinger.inference.mover import move_paper_joint
+from softfinger.inference.motion import move_paper_joint
 from softfinger.propagation.correlated import compute_values_array
 from softfinger.propagation.independent import share_variance_array
 from softfinger.propagation.subsets import (

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from softfinger.inference.mover import build_mover
+from softfinger.inference.motion import build_mover
 from softfinger.inference.posterior import fit_posterior, prepare_candidate, sample_posterior
 from softfinger.inference.setting_table import tabulate_setting
 from softfinger.mechanics.effects.model_file import FittedTo

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from softfinger.inference.mover import move_paper_joint
+from softfinger.inference.motion import move_paper_joint
 from softfinger.propagation.bands import compute_bands
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from softfinger.inference.mover import move_paper_joint
+from softfinger.inference.motion import move_paper_joint
 from softfinger.propagation.config import read_config
 from softfinger.propagation.new_trials import Source
 from softfinger.propagation.populations import build_covariance_array

@@ -5,7 +5,7 @@ import pytest
 
 from softfinger.artifacts.spec import list_faults
 from softfinger.artifacts.specs import bands, densities, shapley, sobol
-from softfinger.inference.mover import move_paper_joint
+from softfinger.inference.motion import move_paper_joint
 from softfinger.propagation import (
     compute_bands,
     compute_densities,

@@ -3,7 +3,7 @@ import shutil
 import subprocess
 
 import pytest
-from example_artifacts import CONFIG, make_angles, sum_up
+from example_artifacts import make_angles, sum_up
 
 from softfinger.faults import Fault
 from softfinger.provenance import PROJECT
@@ -20,14 +20,14 @@ from softfinger.report.publication import (
 
 def test_a_figure_is_written_in_every_form_asked_for(artifacts, tmp_path):
     paths = [tmp_path / "finger.pdf", tmp_path / "finger.png"]
-    write_figure("finger", artifacts, CONFIG, paths)
+    write_figure("finger", artifacts, paths)
     assert paths[0].read_bytes().startswith(b"%PDF")
     assert paths[1].read_bytes().startswith(b"\x89PNG")
 
 
 @pytest.mark.parametrize("name", list(PICTURES))
 def test_every_figure_has_its_name_and_its_stamp(diagnosed, name):
-    picture = build_picture(name, diagnosed, CONFIG)
+    picture = build_picture(name, diagnosed)
     assert picture.name == name
     if "sketch" not in picture.caption.lower():
         assert picture.figure.get_suptitle() == "synthetic"
@@ -36,9 +36,9 @@ def test_every_figure_has_its_name_and_its_stamp(diagnosed, name):
 def test_an_unknown_figure_and_a_missing_artifact_are_faults():
     angles = sum_up({"angles": make_angles()})
     with pytest.raises(Fault, match="there is no figure 'sobl'"):
-        build_picture("sobl", angles, CONFIG)
+        build_picture("sobl", angles)
     with pytest.raises(Fault, match="'sobol'"):
-        build_picture("sobol", angles, CONFIG)
+        build_picture("sobol", angles)
 
 
 OF_THE_PAPER = {
@@ -56,8 +56,8 @@ OF_THE_PAPER = {
 @pytest.fixture(scope="module")
 def document(diagnosed, tmp_path_factory):
     folder = tmp_path_factory.mktemp("figures")
-    write_document(list(PICTURES), diagnosed, CONFIG, folder / "figures.tex")
-    write_parameter_table(diagnosed, CONFIG, folder / "parameters.tex")
+    write_document(list(PICTURES), diagnosed, folder / "figures.tex")
+    write_parameter_table(diagnosed, folder / "parameters.tex")
     return folder / "figures.tex"
 
 
@@ -97,7 +97,7 @@ def test_the_workflow_draws_every_figure_of_the_paper():
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="no pdflatex is installed")
 def test_the_document_compiles(diagnosed, document):
     for name in PICTURES:
-        write_figure(name, diagnosed, CONFIG, [document.parent / f"{name}.pdf"])
+        write_figure(name, diagnosed, [document.parent / f"{name}.pdf"])
     command = ["pdflatex", "-halt-on-error", "-interaction=nonstopmode", document.name]
     done = subprocess.run(command, cwd=document.parent, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout[-3000:]
@@ -105,7 +105,7 @@ def test_the_document_compiles(diagnosed, document):
 
 
 def test_the_table_has_a_row_per_parameter_and_joint(artifacts, material, tmp_path):
-    write_parameter_table(artifacts, CONFIG, tmp_path / "parameters.tex")
+    write_parameter_table(artifacts, tmp_path / "parameters.tex")
     text = (tmp_path / "parameters.tex").read_text()
     assert text == render_parameter_table(material)
     rows = [line for line in text.splitlines() if line.endswith(r"\\")]

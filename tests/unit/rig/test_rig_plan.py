@@ -9,6 +9,7 @@ from softfinger.artifacts.specs import visibility as spec
 from softfinger.config import read_config
 from softfinger.faults import Fault
 from softfinger.rig.plan import read_plan
+from softfinger.stages.keys import choose_settings
 from softfinger.stages.rig_plan import rig_plan
 
 PLAN = Path(__file__).parents[3] / "docs/rig/plan.yaml"
@@ -29,7 +30,7 @@ def short_plan(tmp_path_factory):
 def propose(plan, folder, wanted):
     settings = read_config(None)
     files = {"visibility": folder / "visibility.nc", "proposal": folder / "plan.yaml"}
-    knobs = {"config": settings["virtual_rig"], "seed": 3}
+    knobs = {"config": choose_settings(settings, "virtual_rig"), "seed": 3}
     return rig_plan(plan=plan, wanted=wanted, angles=None, **files, **knobs)
 
 

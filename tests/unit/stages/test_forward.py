@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from softfinger.faults import Fault
-from softfinger.inference.mover import move_paper_joint
+from softfinger.inference.motion import move_paper_joint
 from softfinger.inference.setting_table import tabulate_setting
 from softfinger.mechanics.effects.effect import Setting
 from softfinger.mechanics.forward.simulate import describe_unknown_finger

@@ -3,7 +3,7 @@ import pytest
 import xarray as xr
 from example_artifacts import LOAD, creep, make_parameters
 
-from softfinger.inference.mover import move_paper_joint
+from softfinger.inference.motion import move_paper_joint
 from softfinger.summary.motion import compute_fitted_angle
 from softfinger.summary.residuals import find_jumps, find_segments, summarise_residuals
 

@@ -1,5 +1,3 @@
-import json
-
 import numpy as np
 import pytest
 
@@ -129,18 +127,12 @@ def test_loads_starts_covariates_and_geometry_are_carried(folder):
     )
 
 
-def test_flags_and_notes_say_what_happened(folder):
+def test_flags_say_what_happened(folder):
     angles = assemble(folder)
     flag = angles["angle_flag"].sel(trial="angles").to_numpy()
     assert (flag[:, 20] == STALE).all()
     assert flag[0, 30] == JUMP
     assert np.count_nonzero(flag) == 3
-    notes = json.loads(angles.attrs["notes"])
-    assert "the recording ends at 0.967 s, the load log at 2 s" in " ".join(notes["filmed"])
-    assert notes["angles"][1:] == [
-        "1 of 40 frames repeat the one before",
-        "1 of 40 frames hold a jump of the tracker and are masked",
-    ]
 
 
 def test_limits_of_the_configuration_set_poor_trials_aside(folder):
@@ -185,9 +177,8 @@ def test_different_kinds_of_load_stop_the_campaign(folder):
     assert "angles" in assemble(folder)["set_aside_trial"].values
 
 
-def test_without_any_log_a_command_is_assumed_and_noted(folder):
+def test_without_any_log_a_command_is_assumed(folder):
     path = folder / "trials.csv"
     path.write_text(path.read_text().replace(",load.csv", ","))
     angles = assemble(folder)
     np.testing.assert_array_equal(angles["load_kind"], ["assumed"] * 3)
-    assert "assumed" in json.loads(angles.attrs["notes"])["angles"][0]

@@ -21,8 +21,8 @@ class Findings(NamedTuple):
 
     Attributes
     ----------
-    base_excess, base_p, best_excess, best_p
-        Excess χ² within trials of the base and the best model, and its p-value.
+    base_excess, best_excess, best_p
+        Excess χ² within trials of the base and the best model, and the p-value of the latter.
     line
         The strongest spectral line that the best model leaves.
     jumps
@@ -36,7 +36,6 @@ class Findings(NamedTuple):
     """
 
     base_excess: float
-    base_p: float
     best_excess: float
     best_p: float
     line: Line
@@ -68,7 +67,7 @@ def examine(problem: Problem, search: Search, angles: xr.Dataset, *, needed: flo
     What `shape_rest` makes of a search is asked for.
     """
     rows = problem.trials.size[problem.trials.protocol]
-    base, best = (compute_excess(c.fit, rows) for c in (search.base, search.best))
+    base, _ = compute_excess(search.base.fit, rows)
     time = angles.sel(trial=problem.trials.name)["time"].transpose("trial", "frame").values
     line = find_line(problem, compute_residual(problem, search.best, angles), time)
     free = search.shape.free
@@ -78,7 +77,8 @@ def examine(problem: Problem, search: Search, angles: xr.Dataset, *, needed: flo
     gain = best_few - search.base.log_evidence
     further = max(search.best.log_evidence - best_few, 0.0)
     jumps = find_jumps(problem, search.best, angles)
-    return Findings(*base, *best, line, jumps, free, gain, further)
+    excess = compute_excess(search.best.fit, rows)
+    return Findings(base, *excess, line, jumps, free, gain, further)
 
 
 def weigh_against_shape(search: Search, findings: Findings) -> float:

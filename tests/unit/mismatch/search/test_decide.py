@@ -128,7 +128,6 @@ def test_effects_that_leave_much_do_not_explain(shape, p, unlisted):
     quiet = SimpleNamespace(gain=-1.0)
     findings = Findings(
         base_excess=1.0,
-        base_p=0.0,
         best_excess=0.6,
         best_p=p,
         line=quiet,
