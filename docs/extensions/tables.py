@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import benchmark_page
+import decisions_page
 import growth_page
 import typer.main
 from ruamel.yaml import YAML
@@ -157,6 +158,7 @@ MAKERS: dict[str, Callable[[], str]] = {
     "benchmarks": benchmark_page.describe_benchmarks,
     "commands": describe_commands,
     "configuration": describe_configuration,
+    "decisions": decisions_page.describe_decisions,
     "effects": describe_effects,
     "growth": growth_page.describe_growth,
     "make": describe_make,

@@ -189,3 +189,43 @@ def test_every_rule_runs_again_with_its_code_its_settings_and_its_libraries():
                 assert "code=code_hash(" in rule, f"{file}: {rule}"
                 assert "environment=ENVIRONMENT" in rule, f"{file}: {rule}"
             assert "config=config[" not in rule, f"{file}: choose_settings(config, stage)"
+
+
+ROUNDING = {
+    *("NEGLIGIBLE", "ROUNDING", "LEAST_SD", "UNKNOWN", "TOLERANCE", "RIDGE", "ENDLESS", "RESTS"),
+    *("SLIGHT", "LEAST_INFORMATION", "PINNED", "LARGEST_LOG", "FAR", "ROUNDS", "FARTHEST"),
+    *("LEAST_SHARE", "CLEAR", "LOG_TWO_PI", "WIDEST"),
+}
+"""Numerics beside their equation: guards, asymptotic limits, constants of mathematics."""
+DIFFERENCES = {"APART", "STEP_SHARE", "STEP_S"}
+"""Steps of numerical derivatives."""
+LAYOUT = {"OWN", "TURN"}
+"""Shapes and changes of coordinates."""
+
+
+def list_numbers(tree: ast.Module) -> list[str]:
+    """Names of capitals that a module gives a number, in any expression but within a function."""
+    found = []
+    for node in tree.body:
+        if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
+            continue
+        inside = [n for part in ast.walk(node.value) if isinstance(part, ast.Lambda)
+                  for n in ast.walk(part)]  # fmt: skip
+        numbers = [
+            n for n in ast.walk(node.value)
+            if isinstance(n, ast.Constant) and type(n.value) in (int, float) and n not in inside
+        ]  # fmt: skip
+        targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+        names = [n.id for t in targets for n in ast.walk(t) if isinstance(n, ast.Name)]
+        found += [name for name in names if numbers and name.isupper()]
+    return found
+
+
+@pytest.mark.parametrize("part", ["inference", "measurement", "mismatch"])
+def test_numbers_that_decide_are_gathered(part):
+    """In decisions.py, budget.py or priors.py of the part, each with its reason."""
+    gathered = {"decisions.py", "budget.py", "priors.py"}
+    for file in (PACKAGE / part).rglob("*.py"):
+        if file.name not in gathered or file.parent.name != part:
+            loose = set(list_numbers(ast.parse(file.read_text())))
+            assert loose <= ROUNDING | DIFFERENCES | LAYOUT, f"{file}: {loose}"

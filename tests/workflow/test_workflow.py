@@ -81,7 +81,7 @@ def test_an_edit_of_library_code_reruns_what_depends_on_it_and_no_other(editable
     ("setting", "rules"),
     [
         ("estimation: {cores: 1}", {"report", "all"}),  # it shows the whole configuration
-        ("estimation: {r_hat_max: 1.02}", {"sampling", *SUMMED}),
+        ("estimation: {r_hat_max: 1.02}", {"diagnose", "sampling", *SUMMED}),
         ("estimation: {outlier_cutoff: 2.5}", {"least_squares", *PROPAGATED} - {"shapley"}),
         ("mismatch: {bootstrap_replicates: 99}", {"diagnose", *SUMMED}),
     ],

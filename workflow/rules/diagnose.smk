@@ -23,6 +23,7 @@ rule diagnose:
     threads: 1  # of linear algebra: the same bytes whatever the cores
     params:
         config=choose_settings(config, "diagnose"),
+        r_hat_max=config["estimation"]["r_hat_max"],
         seed=config["seed"],
         code=code_hash("diagnose"),
         environment=ENVIRONMENT,

@@ -46,6 +46,7 @@ def diagnose(
         repaired=out / "model.yaml",
         next_experiment=out / "next_experiment",
         config=choose_settings(settings, "diagnose"),
+        r_hat_max=settings["estimation"]["r_hat_max"],
         seed=settings["seed"],
         model=choose_model(settings, model),
         **{name: out / f"{name}.nc" for name in SPECS},

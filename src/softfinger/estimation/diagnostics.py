@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from softfinger.inference.correction import LARGEST_K
+from softfinger.inference.decisions import DECISIONS
 
 EXPANSION = ("expansion_pareto_k", "expansion_error")
 HYPERPARAMETERS = ("mu", "sigma", "parameter", "noise", "effect")
@@ -80,5 +80,5 @@ def _passes(found: xr.Dataset, limits: Mapping[str, float]) -> bool:
         float(found["r_hat"].max()) < limits["r_hat_max"]
         and fewest > limits["ess_min"]
         and int(found["divergences"]) <= limits["divergences_max"]
-        and not float(found.get("expansion_pareto_k", np.nan)) > LARGEST_K
+        and not float(found.get("expansion_pareto_k", np.nan)) > DECISIONS.largest_k
     )

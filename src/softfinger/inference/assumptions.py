@@ -19,7 +19,7 @@ import xarray as xr
 from scipy.stats import lognorm, norm
 
 from softfinger.inference.density import Effects
-from softfinger.inference.priors import Prior
+from softfinger.inference.priors import PopulationPrior
 from softfinger.mechanics import LOG_PARAMETERS
 
 
@@ -68,7 +68,7 @@ def judge_independence(posterior: xr.Dataset) -> xr.Dataset:
 
 
 def measure_prior_sensitivity(
-    posterior: xr.Dataset, recording: xr.DataArray, prior: Prior, effects: Effects
+    posterior: xr.Dataset, recording: xr.DataArray, prior: PopulationPrior, effects: Effects
 ) -> xr.Dataset:
     """Measure how much every shared parameter depends on its prior.
 

@@ -16,17 +16,12 @@ import xarray as xr
 from arviz_stats.accessors import AzStatsDaAccessor
 from numpy.typing import NDArray
 
+from softfinger.inference.budget import BUDGET
+from softfinger.inference.decisions import DECISIONS
 from softfinger.inference.expansion import Expansion, fill_squares
 from softfinger.inference.motion import measure_draws
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.progress import track_progress
-
-MOST_SIMULATED = 120_000  # trials that are moved to weigh draws: under a minute on one core
-MOST_MEASURED = 20_000  # trials that are moved where weighing all would take longer
-FEWEST_WEIGHED = 25  # draws: fewer have no tail to be smoothed
-FEWEST = 1000  # draws that weighing may leave
-AT_ONCE = 2_000  # trials in one call, which bounds the memory
-LARGEST_K = 0.7  # of the weights' Pareto tail: beyond it weighing does not help
 
 
 class Correction(NamedTuple):
@@ -71,20 +66,20 @@ def correct_draws(
     """
     chains, count, trials, _ = draws["eta"].shape
     total = chains * count
-    every = -(-total * trials // MOST_SIMULATED)
-    weighs = total // every >= min(FEWEST, total)
-    every = every if weighs else -(-total * trials // MOST_MEASURED)
+    every = -(-total * trials // BUDGET.simulated)
+    weighs = total // every >= min(DECISIONS.least_kept, total)
+    every = every if weighs else -(-total * trials // BUDGET.measured)
     whole = np.tile(np.arange(count), (chains, 1))
     change = np.stack(
         [_measure_change(problem, candidate, expansion, draws, c, every) for c in range(chains)]
     )
     error = float(np.nanstd(np.where(np.isfinite(change), change, np.nan)))
     log_weight = xr.DataArray(change.sum(axis=2), dims=("chain", "draw")).fillna(-np.inf)
-    if not weighs or log_weight.size < FEWEST_WEIGHED:
+    if not weighs or log_weight.size < DECISIONS.least_weighed:
         return Correction(whole, float("nan"), error)
     log_ratio = -log_weight  # ArviZ smooths the weights of a likelihood that is left out
     smoothed, k = AzStatsDaAccessor(log_ratio).psislw(dim=["chain", "draw"])
-    if not float(k) <= LARGEST_K:
+    if not float(k) <= DECISIONS.largest_k:
         return Correction(whole, float(k), error)
     weight = np.exp(smoothed.values - smoothed.values.max())
     kept = every * np.stack([resample_in_order(w, rng) for w in weight])
@@ -114,7 +109,7 @@ def _measure_change(
     eta, effect = draws["eta"][chain, ::every], draws["effect"][chain, ::every]
     scale = draws["noise_scale"][chain, ::every]
     trials = eta.shape[1]
-    batch = max(AT_ONCE // max(trials, 1), 1)
+    batch = max(BUDGET.together // max(trials, 1), 1)
     change = np.empty(eta.shape[:2])
     near = np.empty(trials)
     for begin in track_progress(range(0, len(eta), batch), "weighing draws by the full model"):

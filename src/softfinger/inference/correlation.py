@@ -11,11 +11,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from softfinger.inference.priors import PRIORS
 from softfinger.measurement.covariance import correlate_partials_array
 
 Covariance = Literal["independent", "joint", "full"]
-LKJ_SHAPE = 2.0
-OWN = 4  # parameters of a joint
+OWN = 4  # log k_v, log c_v, log c_p, q_ini
 
 
 def mark_free_partials(joints: int, covariance: Covariance) -> NDArray[np.bool_]:
@@ -39,7 +39,7 @@ def shape_partials(size: int) -> NDArray[np.float64]:
     array([2.5, 2.5, 2. ])
     """
     column = np.tril_indices(size, -1)[1]
-    return LKJ_SHAPE + (size - 2 - column) / 2
+    return PRIORS.lkj_shape + (size - 2 - column) / 2
 
 
 def shape_free_partials(joints: int, covariance: Covariance) -> NDArray[np.float64]:

@@ -35,7 +35,7 @@ from softfinger.inference.operations import (
     Multiply,
     ShiftPull,
 )
-from softfinger.inference.priors import Prior
+from softfinger.inference.priors import PopulationPrior
 from softfinger.inference.whitening import place_mean
 from softfinger.mechanics import LOG_PARAMETERS
 
@@ -56,7 +56,7 @@ class Given(NamedTuple):
     """
 
     expansion: Expansion
-    prior: Prior
+    prior: PopulationPrior
     effects: Effects
     value: NDArray[np.float64]
     variance: NDArray[np.float64]

@@ -15,7 +15,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from softfinger.inference.budget import BUDGET
 from softfinger.inference.mixed_effects_laplace import solve_linearised
+from softfinger.inference.priors import PRIORS
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.inference.reduce import reduce_trials, whiten_residual, whiten_slope
 from softfinger.measurement.components import choose_components
@@ -24,18 +26,14 @@ from softfinger.measurement.trials import Trials
 Array = NDArray[np.float64]
 
 SIZES: Mapping[str, Array] = {
-    "noisy_load": np.array([0.001, 0.002, 0.005, 0.01, 0.02]),  # relative sd of a row
-    "timing_jitter": np.array([0.0005, 0.001, 0.002, 0.004, 0.008]),  # [s] sd of a frame's time
-    "clock_offset": np.array([0.001, 0.003, 0.01, 0.03]),  # [s] sd between trials
-    "clock_rate": np.array([1e-4, 3e-4, 1e-3, 3e-3]),  # relative sd between trials
-    "drift": np.array([0.5, 1.0, 2.0, 4.0]),  # sd at the end of a trial, over the noise's sd
+    "noisy_load": np.array(PRIORS.load_sizes),
+    "timing_jitter": np.array(PRIORS.jitter_sizes_s),
+    "clock_offset": np.array(PRIORS.offset_sizes_s),
+    "clock_rate": np.array(PRIORS.rate_sizes),
+    "drift": np.array(PRIORS.drift_sizes),
 }
-MOST_ROWS = 24  # of a load log that err alone; of a longer one neighbours err together
-MOST_BINS = 40  # of a trial, those in which it moves fastest, in which jitter counts
-SHAPES = 5  # of a random walk that count
 STEP_SHARE = 0.01  # of a row's load by which the model is moved
 STEP_S = 0.002
-ROUNDS = 3
 SLIGHT = 1e-6  # of the noise's variance, that a direction adds
 
 
@@ -82,7 +80,8 @@ def fit_disturbances(
     def evaluate(size: Mapping[str, float]) -> float:
         gram, logdet = soften_gram_array(whole, model, {n: (places[n], s) for n, s in size.items()})
         place = fit.own, fit.shared
-        value = solve_linearised(gram, prior, bounds, place, fit.omega, rounds=ROUNDS)[1]
+        rounds = BUDGET.disturbance_rounds
+        value = solve_linearised(gram, prior, bounds, place, fit.omega, rounds=rounds)[1]
         return value - 0.5 * float(logdet)
 
     sizes = {name: SIZES[name] for name in directions if np.any(directions[name])}
@@ -184,7 +183,7 @@ def _spread_jitter(trials: Trials, speed: Array) -> Array:
         frames[i, : len(starts) - 1] = np.diff(starts)
         mean[i, :, len(starts) - 1 :] = 0.0
     mean = mean / np.sqrt(frames)[:, None]
-    order = np.argsort(-np.abs(mean).max(axis=1), axis=1)[:, :MOST_BINS]
+    order = np.argsort(-np.abs(mean).max(axis=1), axis=1)[:, : BUDGET.jitter_bins]
     columns = np.zeros((count, joints, nodes // 2, order.shape[1]))
     for k in range(order.shape[1]):
         at = order[:, k]
@@ -200,11 +199,11 @@ def _list_walks(problem: Problem) -> Array:
     trials, joints = problem.trials, problem.trials.joints
     node = trials.node.reshape(len(trials.name), -1)
     share = (node - node[:, :1]) / np.maximum(node[:, -1:] - node[:, :1], 1e-300)
-    pitch = (np.arange(SHAPES) + 0.5) * np.pi
+    pitch = (np.arange(BUDGET.drift_shapes) + 0.5) * np.pi
     walk = np.sqrt(2.0) * np.sin(share[..., None] * pitch) / pitch
     sd = problem.noise["noise_sd"].values
     columns = np.einsum("tns,jk,j->tjnks", walk, np.eye(joints), sd)
-    return columns.reshape(*columns.shape[:3], joints * SHAPES)
+    return columns.reshape(*columns.shape[:3], joints * BUDGET.drift_shapes)
 
 
 def _move_rows(problem: Problem, candidate: Candidate) -> Array:
@@ -237,5 +236,5 @@ def _group_rows(time: Array, torque: Array) -> tuple[NDArray[np.int64], Array]:
     loaded = torque != 0.0
     _, row[loaded] = np.unique(row[loaded], return_inverse=True)
     number = int(row[loaded].max(initial=-1)) + 1
-    together = max(1, -(-number // MOST_ROWS))
+    together = max(1, -(-number // BUDGET.load_rows))
     return np.where(loaded, row // together, -1), np.full(len(time), together**-0.5)

@@ -4,12 +4,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
+from softfinger.inference.budget import BUDGET
 from softfinger.measurement.trials import Trials
 from softfinger.mechanics.load import integrate_load_array
 from softfinger.mechanics.three_element import compute_elastic_basis_array
 
-RATES = 25
-MOST_TRIALS = 15
 LEAST_SHARE = 1e-3  # of the largest angle: a smaller elastic or flowing part counts as this
 
 
@@ -19,7 +18,7 @@ def guess_own(trials: Trials) -> NDArray[np.float64]:
     A joint that no load moves gets parameters that move it little.
     """
     chosen = np.unique(
-        np.linspace(0, len(trials.name) - 1, min(MOST_TRIALS, len(trials.name))).astype(int)
+        np.linspace(0, len(trials.name) - 1, min(BUDGET.guess_trials, len(trials.name))).astype(int)
     )
     guesses = np.full((len(chosen), trials.joints, 4), np.nan)
     for row, i in enumerate(chosen):
@@ -30,7 +29,7 @@ def guess_own(trials: Trials) -> NDArray[np.float64]:
             continue
         span = time[-1] - time[0]
         shortest = np.diff(time)[np.diff(time) > 0].min()
-        rates = np.geomspace(1.0 / span, 1.0 / shortest, RATES)
+        rates = np.geomspace(1.0 / span, 1.0 / shortest, BUDGET.guess_rates)
         basis, _ = compute_elastic_basis_array(rates, time, *load)
         flow = integrate_load_array(time, *load)
         for j in np.flatnonzero(trials.present[i]):

@@ -30,15 +30,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from softfinger.inference.budget import BUDGET
 from softfinger.inference.density import Given
 from softfinger.inference.expansion import fill_squares
 from softfinger.inference.gibbs_moves import draw_populations, move_trials
 from softfinger.inference.whitening import colour_about, colour_trials, shift_pull, whiten_about
 from softfinger.progress import follow_progress
-
-DISPERSION = 2.0  # of the starts, in approximate posterior standard deviations
-MOVES = (0.0, 0.92)  # α of the trials' moves in a sweep
-WALK = 2.4  # of a posterior sd over √p: a random walk's best step (Gelman, Roberts, Gilks 1996)
 
 
 @dataclass
@@ -137,10 +134,11 @@ def start_chain(given: Given, sigma: NDArray[np.float64], rng: np.random.Generat
     """Start dispersed; each trial where its population and the fit put it, about."""
     expansion, bounded = given.expansion, given.effects.bounded
     trials, size = expansion.own.shape
-    few = DISPERSION / np.sqrt(trials)
+    few = BUDGET.dispersion / np.sqrt(trials)
     sigma = sigma * np.exp(few / np.sqrt(2) * rng.standard_normal(size))
     mu = expansion.own.mean(axis=0) + few * sigma * rng.standard_normal(size)
-    number = bounded.centre + DISPERSION * bounded.root @ rng.standard_normal(len(bounded.low))
+    wide = BUDGET.dispersion * bounded.root
+    number = bounded.centre + wide @ rng.standard_normal(len(bounded.low))
     state = State(np.empty((size, trials)), np.empty(trials), mu, sigma, number, 0.0)
     normal = rng.standard_normal(state.eta.shape)
     state.eta[:] = colour_about(normal, *_place_trials(state, given, number))
@@ -175,7 +173,7 @@ def sweep_once(state: State, given: Given, rng: np.random.Generator) -> float:
     expansion, prior = given.expansion, given.prior
     bounded = given.effects.bounded
     accepted = 0
-    for kept in MOVES:
+    for kept in BUDGET.gibbs_moves:
         accepted += move_trials(
             rng, kept, state.eta, state.square, (state.mu, state.sigma),
             _place_trials(state, given, state.number),
@@ -189,13 +187,13 @@ def sweep_once(state: State, given: Given, rng: np.random.Generator) -> float:
     known = tuple(np.tile(part, joints) for part in parts)
     state.mu, state.sigma = draw_populations(rng, state.eta, state.sigma, known)
     _move_scale(state, given, rng)
-    return accepted / (len(MOVES) * state.eta.shape[1])
+    return accepted / (len(BUDGET.gibbs_moves) * state.eta.shape[1])
 
 
 def _move_effects(state: State, given: Given, rng: np.random.Generator) -> None:
     """Walk φ, the trials' standard normals held."""
     effects, bounded = given.effects, given.effects.bounded
-    step = WALK / np.sqrt(len(state.number)) * bounded.root
+    step = BUDGET.walk / np.sqrt(len(state.number)) * bounded.root
     number = state.number + step @ rng.standard_normal(len(state.number))
     here, there = (_place_trials(state, given, n) for n in (state.number, number))
     eta = colour_about(whiten_about(state.eta, *here), *there)
@@ -222,7 +220,7 @@ def _move_scale(state: State, given: Given, rng: np.random.Generator) -> None:
         fit = -0.5 * total * np.exp(-2 * log_scale) - rows * log_scale
         return fit - 0.5 * (log_scale / spread) ** 2
 
-    width = WALK * (spread**-2.0 + 2 * rows) ** -0.5
+    width = BUDGET.walk * (spread**-2.0 + 2 * rows) ** -0.5
     there = state.log_scale + width * rng.standard_normal()
     if np.log(rng.random()) < weigh(there) - weigh(state.log_scale):
         state.log_scale = there

@@ -12,12 +12,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
+from softfinger.inference.budget import BUDGET
 from softfinger.inference.correlation import invert_covariance_array
 from softfinger.inference.expansion import Expansion, fill_squares
 from softfinger.inference.whitening import colour_trials, shift_pull
 from softfinger.mechanics import LOG_PARAMETERS
-
-PAIRS = 4
 
 
 def compute_integrated_log_likelihood(
@@ -48,7 +47,7 @@ def compute_integrated_log_likelihood(
     )
     effect, scale = (posterior[name].values for name in ("effect_internal", "noise_scale"))
     trials, size = expansion.own.shape
-    half = rng.standard_normal((PAIRS, size, trials))
+    half = rng.standard_normal((BUDGET.pairs, size, trials))
     points = np.concatenate([half, -half])
     correlation = posterior.get("parameter_correlation")
     result = np.empty((*lead, trials))

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from softfinger.inference.assumptions import judge_independence, measure_prior_sensitivity
 from softfinger.inference.correction import Correction
+from softfinger.inference.decisions import DECISIONS
 from softfinger.inference.loo_pit import compute_loo_pit
 from softfinger.inference.predictive import (
     Recorded,
@@ -21,8 +22,6 @@ from softfinger.mechanics import LOG_PARAMETERS
 
 if TYPE_CHECKING:
     from softfinger.inference.posterior import Preparation
-
-FEW_TRIALS = 5
 
 
 def name_draws(
@@ -143,7 +142,7 @@ def describe_limits(present: NDArray[np.bool_]) -> str:
     trials = int(present.any(axis=1).sum())
     if trials == 1:
         return "One trial is no population: sigma is its prior, and mu is known no better than it."
-    if trials < FEW_TRIALS:
+    if trials < DECISIONS.few_trials:
         return (
             f"{trials} trials hardly tell how parameters spread over trials: "
             "sigma is mostly its prior."

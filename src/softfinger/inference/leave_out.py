@@ -20,11 +20,9 @@ import numpy as np
 import xarray as xr
 from scipy.special import logsumexp
 
+from softfinger.inference.budget import BUDGET
+from softfinger.inference.decisions import DECISIONS
 from softfinger.mechanics import LOG_PARAMETERS
-
-LARGEST_K = 0.7
-MOST_WORK = 150  # trials in all refits together: 12 of 12 trials, one of 100
-KEPT_DRAWS = 1000
 
 
 def leave_trials_out(
@@ -50,9 +48,9 @@ def leave_trials_out(
     -------
     scores
         elpd, pareto_k, refitted (trial); pareto_k is that of the importance sampling, whose elpd
-        was replaced where `refitted`. The worst trials first, for no more than `MOST_WORK`.
+        was replaced where `refitted`. The worst trials first, for no more than `refits`.
     others
-        For every trial `KEPT_DRAWS` of hyperparameters, effects and noise (sample, …) without it.
+        For every trial draws of hyperparameters, effects and noise (sample, …) without it.
     """
     tree = xr.DataTree.from_dict(
         {"posterior": posterior, "log_likelihood": recording.to_dataset(name="recording")}
@@ -61,8 +59,8 @@ def leave_trials_out(
         warnings.simplefilter("ignore", UserWarning)  # the bad ones are dealt with here
         estimate = az.loo(tree, pointwise=True, var_name="recording")
     elpd, pareto_k = np.array(estimate.elpd_i, float), np.array(estimate.pareto_k, float)
-    worst = [i for i in np.argsort(-pareto_k) if pareto_k[i] > LARGEST_K]
-    worst = worst[: MOST_WORK // len(pareto_k)]
+    worst = [i for i in np.argsort(-pareto_k) if pareto_k[i] > DECISIONS.largest_k]
+    worst = worst[: BUDGET.refits // len(pareto_k)]
     weights = estimate.log_weights.transpose("chain", "draw", "trial").values
     weights = np.exp(weights - logsumexp(weights, axis=(0, 1)))
     others = [_resample(posterior, weights[..., i], rng) for i in range(len(elpd))]
@@ -85,7 +83,7 @@ def leave_trials_out(
 def _resample(draws: xr.Dataset, weight: np.ndarray, rng: np.random.Generator) -> xr.Dataset:
     """Draw hyperparameters and noise (sample, joint) by their weights (chain, draw)."""
     names = [f"{level}_{name}" for level in ("mu", "sigma") for name in LOG_PARAMETERS]
-    place = rng.choice(weight.size, KEPT_DRAWS, p=weight.ravel())
+    place = rng.choice(weight.size, BUDGET.left_out_draws, p=weight.ravel())
     chain, draw = (xr.DataArray(at, dims="sample") for at in np.unravel_index(place, weight.shape))
     names += [n for n in ("noise_sd", "effect_internal", "parameter_correlation") if n in draws]
     return draws[names].isel(chain=chain, draw=draw).transpose("sample", ...)

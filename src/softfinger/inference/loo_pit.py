@@ -16,12 +16,10 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import kstest, norm
 
+from softfinger.inference.budget import BUDGET
+from softfinger.inference.decisions import DECISIONS
 from softfinger.inference.motion import move_trials
 from softfinger.inference.predictive import Recorded, draw_own
-
-DRAWS = 250  # of new trials behind a PIT
-SHARES = (1 / 300, 1 / 30, 1 / 3, 1.0)
-"""Of a trial's duration: 0.1, 1, 10 and 30 s of the paper's."""
 
 
 def compute_loo_pit(
@@ -50,8 +48,8 @@ def compute_loo_pit(
     angle = angles["joint_angle"].transpose("trial", "joint", "frame").values
     time = angles["time"].transpose("trial", "frame").values
     used = recorded.frames["used"].values
-    pit = np.full((*angle.shape[:2], len(SHARES)), np.nan)
-    chosen = np.full((len(time), len(SHARES)), np.nan)
+    pit = np.full((*angle.shape[:2], len(DECISIONS.pit_shares)), np.nan)
+    chosen = np.full((len(time), len(DECISIONS.pit_shares)), np.nan)
     for i, population in enumerate(others):
         index = choose_frames_array(time[i], used[i])
         chosen[i] = time[i, index]
@@ -79,19 +77,20 @@ def compute_loo_pit(
 
 
 def thin_samples(population: xr.Dataset) -> xr.Dataset:
-    """Keep every few draws (sample): a PIT needs no more than `DRAWS`."""
-    return population.isel(sample=slice(None, None, max(population.sizes["sample"] // DRAWS, 1)))
+    """Keep every few draws (sample): a PIT needs no more than `pit_draws`."""
+    step = max(population.sizes["sample"] // BUDGET.pit_draws, 1)
+    return population.isel(sample=slice(None, None, step))
 
 
 def choose_frames_array(time: NDArray[np.float64], used: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Choose the used frames of one trial that are nearest to `SHARES` of its duration.
+    """Choose the used frames of one trial that are nearest to `pit_shares` of its duration.
 
     >>> choose_frames_array(np.arange(31.0), np.arange(31) != 10)
     array([ 0,  1,  9, 30])
     """
     places = np.flatnonzero(used)
     since = time[places] - time[places[0]]
-    wanted = np.array(SHARES) * since[-1]
+    wanted = np.array(DECISIONS.pit_shares) * since[-1]
     return places[np.abs(since[:, None] - wanted).argmin(axis=0)]
 
 

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from softfinger.inference.budget import BUDGET
 from softfinger.inference.mixed_effects import (
     LinearFit,
     Prior,
@@ -25,9 +26,7 @@ from softfinger.inference.mixed_effects import (
 from softfinger.inference.mixed_effects_step import Linearise, Relaxation, take_step
 from softfinger.inference.rectangle import measure_rectangle
 
-SHARE = 1e-4  # of the evidence that a fit gains: the digits that are asked of it
 PINNED = 1e12  # precision, over the prior's, of a parameter held at its bound
-PACE = 8  # last steps that tell how fast a fit gains
 
 
 class SharedBounds(NamedTuple):
@@ -109,7 +108,7 @@ def fit_nonlinear(
     steps
         Most steps; where they are tried again and again, twice as many linearisations end the fit.
     tolerance
-        Change of the log evidence [nats] at which it has come to rest; of a large gain, `SHARE`.
+        Change of the log evidence [nats] at which it has come to rest; of a large gain, a share.
     first
         Log evidence from which the gain counts, where other fits have led to this one.
     rival
@@ -147,7 +146,8 @@ def fit_nonlinear(
         far = np.minimum(np.abs(step), np.abs(made) / fraction)
         still = np.all(far <= 0.05 * _spread(linear))
         first = evidence if np.isinf(first) else first
-        converged = abs(evidence - best) < tolerance + SHARE * abs(evidence - first) and still
+        slight = tolerance + BUDGET.rest_share * abs(evidence - first)
+        converged = abs(evidence - best) < slight and still
         best = evidence
         tries += taken.tries
         path.append(evidence)
@@ -162,9 +162,9 @@ def _extrapolate(path: list[float], steps: int) -> float:
     >>> _extrapolate([0.0] * 5 + [1.0, 2.0, 3.0, 4.0, 5.0], 26)
     15.0
     """
-    if len(path) <= PACE:
+    if len(path) <= BUDGET.pace:
         return np.inf
-    pace = max(path[-1] - path[-1 - PACE], 0.0) / PACE
+    pace = max(path[-1] - path[-1 - BUDGET.pace], 0.0) / BUDGET.pace
     return path[-1] + pace * (steps - len(path))
 
 

@@ -11,10 +11,9 @@ from numba import prange
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
+from softfinger.inference.budget import BUDGET
 from softfinger.inference.mixed_effects import LOG_TWO_PI, Prior, _solve
 from softfinger.inference.mixed_effects_laplace import Fit, centre_gram
-
-MOVES_OMEGA = 200  # trials: with more, Ω stays
 
 
 def compute_left_out(
@@ -33,7 +32,7 @@ def compute_left_out(
     """
     moved, near, _ = centre_gram(fit.gram, prior, fit.own, fit.shared)
     moved = np.ascontiguousarray(moved)
-    square = _leave_out(moved, *near, fit.omega, len(moved) <= MOVES_OMEGA)
+    square = _leave_out(moved, *near, fit.omega, len(moved) <= BUDGET.omega_moves)
     return square - 0.5 * rows * LOG_TWO_PI - 0.5 * logdet
 
 

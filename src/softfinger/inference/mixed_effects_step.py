@@ -12,15 +12,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from softfinger.inference.budget import BUDGET
 from softfinger.inference.mixed_effects import LinearFit, Prior
-
-LEAST = 0.05  # fraction that is taken where changes overshoot
 
 Linearise = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 Place = tuple[NDArray[np.float64], NDArray[np.float64]]
-
-SHORTENINGS = 6
-RETURNS = 2  # Gauss-Newton steps of η back to the bottom of the valley
 
 
 class Taken(NamedTuple):
@@ -65,7 +61,7 @@ class Relaxation(NamedTuple):
             return 1.0
         left = self.wanted @ now / max(self.wanted @ self.wanted, 1e-300)
         right = self.fraction / max(1.0 - left, 1e-300)
-        return np.clip(min(right, (1 + 1 / self.count) * self.most), LEAST, 1.0)
+        return np.clip(min(right, (1 + 1 / self.count) * self.most), BUDGET.least_fraction, 1.0)
 
     def take(self, most: float, wanted: NDArray[np.float64], fraction: float) -> "Relaxation":
         """Remember a change of which a fraction was taken, at most so much being allowed."""
@@ -102,9 +98,9 @@ def take_step(
     now = _penalise(prior, linear, *place, gram)
     fraction = min(most, 1.0 / max(1.0, np.max(np.abs(step[0]) / longest)))
     tries = 0
-    for _ in range(SHORTENINGS):
+    for _ in range(BUDGET.shortenings):
         own, shared = (p + fraction * s for p, s in zip(place, step, strict=True))
-        for correction in range(RETURNS + 1):
+        for correction in range(BUDGET.returns + 1):
             there = linearise(own, shared)
             tries += 1
             if not np.isfinite(there).all():
@@ -112,7 +108,7 @@ def take_step(
             value = _penalise(prior, linear, own, shared, there)
             if value <= now + 1e-6 * abs(now) + 0.01:
                 return Taken(own, shared, there, fraction, tries)
-            if correction < RETURNS:
+            if correction < BUDGET.returns:
                 own = own + _step_back(linear, own, there, longest)
         fraction /= 3.0
     return None

@@ -7,7 +7,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from softfinger.faults import Fault
-from softfinger.inference.problem import OWN, TOLERANCE, Candidate, Problem
+from softfinger.inference.budget import BUDGET
+from softfinger.inference.problem import OWN, Candidate, Problem
 from softfinger.inference.reduce import reduce_trials
 from softfinger.inference.setting_table import read_setting
 from softfinger.mechanics.effects.model import EffectModel
@@ -117,7 +118,7 @@ def move_trials(
     """
     slots, failed = fill_draw_slots(model, effect, like)
     angle, _ = simulate_joint_angle_array(
-        own, slots, [], finger, time, *load, by_own=False, tolerance=TOLERANCE
+        own, slots, [], finger, time, *load, by_own=False, tolerance=BUDGET.angle_error
     )
     angle[failed] = np.nan
     return angle

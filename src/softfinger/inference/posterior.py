@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from softfinger.faults import Fault
 from softfinger.inference.bounded import place_effects
+from softfinger.inference.budget import BUDGET
 from softfinger.inference.correction import Correction, correct_draws
 from softfinger.inference.correlation import Covariance
 from softfinger.inference.density import Effects, Given, build_model
@@ -19,7 +20,6 @@ from softfinger.inference.layout import build_tree, name_draws
 from softfinger.inference.leave_out import leave_trials_out
 from softfinger.inference.mixed_effects_laplace import Fit
 from softfinger.inference.predictive import Recorded
-from softfinger.inference.priors import build_prior
 from softfinger.inference.problem import Candidate, Problem, pose_problem
 from softfinger.inference.sampling import (
     Density,
@@ -32,7 +32,11 @@ from softfinger.inference.whitening import read_trials
 from softfinger.mechanics.effects.model import EffectModel
 from softfinger.mechanics.effects.model_file import ModelFile
 
-REFIT = {"chains": 2, "tune": 150, "draws": 200}  # enough for the mean of one trial's likelihood
+REFIT = {
+    "chains": BUDGET.refit_chains,
+    "tune": BUDGET.refit_tune,
+    "draws": BUDGET.refit_draws,
+}
 
 
 class Preparation(NamedTuple):
@@ -107,7 +111,7 @@ def prepare_candidate(angles: xr.Dataset, problem: Problem, candidate: Candidate
     """Expand a model that has been fitted, and set the priors."""
     known = angles.sel(trial=problem.trials.name)
     frames = problem.noise.sel(trial=problem.trials.name)
-    prior = build_prior(known, frames)
+    prior = problem.population
     size, kind = problem.trials.size, problem.trials.protocol
     expansion = expand_fit(
         candidate.fit,

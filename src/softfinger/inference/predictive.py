@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from softfinger.inference.budget import BUDGET
 from softfinger.inference.correlation import (
     Covariance,
     correlate_free_partials_array,
@@ -13,14 +14,11 @@ from softfinger.inference.correlation import (
 )
 from softfinger.inference.density import Effects
 from softfinger.inference.motion import move_trials
-from softfinger.inference.priors import Prior
+from softfinger.inference.priors import PopulationPrior
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.inference.simulate import draw_noise_array, group_clocks
 from softfinger.mechanics import LOG_PARAMETERS
 
-PRIOR_DRAWS = 1000
-PREDICTED_FRAMES = 60  # of each trial, evenly spaced
-MOST_PROTOCOLS = 8
 LARGEST_LOG = 300.0  # a prior draw beyond it would leave the floating-point range
 
 
@@ -37,7 +35,7 @@ class Recorded(NamedTuple):
 
 
 def draw_prior(
-    prior: Prior,
+    prior: PopulationPrior,
     effects: Effects,
     noise_sd: NDArray[np.float64],
     rng: np.random.Generator,
@@ -57,7 +55,7 @@ def draw_prior(
         Which parameters may go together.
     """
     joints = len(noise_sd)
-    lead, shape = (1, PRIOR_DRAWS), (1, PRIOR_DRAWS, joints, 4)
+    lead, shape = (1, BUDGET.prior_draws), (1, BUDGET.prior_draws, joints, 4)
     mu = rng.normal(prior.mu_mean, prior.mu_sd, shape)
     sigma = np.exp(rng.normal(np.log(prior.sigma_median), prior.sigma_log_sd, shape))
     effect = rng.normal(effects.mean, effects.sd, (*lead, len(effects.names)))
@@ -96,7 +94,7 @@ def predict_trials(
 def predict_new_trials(
     recorded: Recorded, population: xr.Dataset, draws: int, rng: np.random.Generator
 ) -> xr.Dataset:
-    """Draw recordings of new trials under each load history, at most `MOST_PROTOCOLS` of them.
+    """Draw recordings of new trials under each load history, at most `predicted_protocols`.
 
     Returns
     -------
@@ -108,7 +106,7 @@ def predict_new_trials(
     angles = recorded.angles
     load = np.stack([angles[name].values for name in ("load_time", "load_torque")], axis=1)
     _, first = np.unique(load.reshape(len(load), -1), axis=0, return_index=True)
-    some = np.linspace(0, len(first) - 1, min(len(first), MOST_PROTOCOLS)).astype(int)
+    some = np.linspace(0, len(first) - 1, min(len(first), BUDGET.predicted_protocols)).astype(int)
     like = np.sort(first)[some]
     own = draw_own(chosen, len(like), rng)
     drawn = _record(recorded, like, own, chosen, rng)
@@ -155,12 +153,12 @@ def thin_draws(posterior: xr.Dataset, draws: int) -> xr.Dataset:
 def _thin_times(recorded: Recorded, like: NDArray[np.int64]) -> NDArray[np.float64]:
     """Times (trial, moment) [s] of evenly spaced used frames; NaN behind the last."""
     time = recorded.angles["time"].transpose("trial", "frame").values[like]
-    thinned = np.full((len(like), PREDICTED_FRAMES), np.nan)
+    thinned = np.full((len(like), BUDGET.predicted_frames), np.nan)
     for i, used in enumerate(recorded.frames["used"].values[like]):
         index = np.flatnonzero(used)
         if len(index) > 0:
-            step = max(len(index) // PREDICTED_FRAMES, 1)
-            some = index[::step][:PREDICTED_FRAMES]
+            step = max(len(index) // BUDGET.predicted_frames, 1)
+            some = index[::step][: BUDGET.predicted_frames]
             thinned[i, : len(some)] = time[i, some]
     return thinned
 

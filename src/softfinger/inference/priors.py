@@ -7,9 +7,12 @@ and a recording to do so, and to flow by about a tenth of a radian within a reco
     log k_v about log(K / 0.5),  log c_v about log(K / 0.5 · √(T Δ)),  log c_p about log(K T / 0.1)
 
 each with an sd that allows factors of 20 to 50 either way. No angle is looked at, so a tension in
-newtons, a torque and a bare command need no tuning.
+newtons, a torque and a bare command need no tuning. The mode, the evidence, the diagnosis and the
+sampled posterior share this prior of μ. That of the spread differs: Laplace's approximation needs
+one that is conjugate (`spread`), the sampled posterior has a log-normal one.
 """
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -18,13 +21,48 @@ from numpy.typing import NDArray
 
 from softfinger.faults import Fault
 
-ELASTIC_RAD, FLOW_RAD = 0.5, 0.1
-MU_SD = (1.5, 2.0, 2.0, 0.5)
-SIGMA_MEDIAN, SIGMA_LOG_SD = (0.3, 0.3, 0.3, 0.02), 1.0
-NOISE_LOG_SD = 0.05  # of the noise's scale about its estimate
+
+@dataclass(frozen=True)
+class InferencePriors:
+    """What an inference assumes of a population, its noise and its disturbances."""
+
+    elastic_rad: float = 0.5
+    """[rad] that a joint is expected to bend elastically. Why: it is seen, and does not break."""
+    flow_rad: float = 0.1
+    """[rad] that it is expected to flow in a recording. Why: a soft polymer's share of that."""
+    mu_sd: tuple[float, ...] = (1.5, 2.0, 2.0, 0.5)
+    """Sds of the means of log k_v, log c_v, log c_p [1] and q_ini [rad]. Why: factors of 20 to 50.
+
+    Test: `test_priors.py::test_one_prior_of_the_mean_serves_all`.
+    """
+    sigma_median: tuple[float, ...] = (0.3, 0.3, 0.3, 0.02)
+    """Medians of the spreads between trials. Why: the paper's finger has 0.1 to 0.6."""
+    sigma_log_sd: float = 1.0
+    """Sd of the spreads' logarithm. Why: a factor of seven either way."""
+    noise_log_sd: float = 0.05
+    """Sd of the log of the noise's scale about its estimate. Why: what REML leaves of it."""
+    spread: tuple[float, ...] = (0.2, 0.3, 0.4, 0.01)
+    """Typical spreads in Laplace's approximation, where Ω is inverse-Wishart. Why: conjugate."""
+    spread_weight: float = 2.0
+    """What they count as, in trials. Why: the least that keeps Ω off zero for one trial."""
+    lkj_shape: float = 2.0
+    """Of correlations of parameters over trials. Why: weakly against ±1."""
+    load_sizes: tuple[float, ...] = (0.001, 0.002, 0.005, 0.01, 0.02)
+    """Relative sds of a load log's row that are as likely. Why: a good cell up to a bad one."""
+    jitter_sizes_s: tuple[float, ...] = (0.0005, 0.001, 0.002, 0.004, 0.008)
+    """[s] The same of a frame's time. Why: up to a quarter of a frame."""
+    offset_sizes_s: tuple[float, ...] = (0.001, 0.003, 0.01, 0.03)
+    """[s] The same of a trial's clock. Why: up to a frame."""
+    rate_sizes: tuple[float, ...] = (1e-4, 3e-4, 1e-3, 3e-3)
+    """The same of its rate. Why: a quartz has 1e-4 at worst, a driver's clock 1e-3."""
+    drift_sizes: tuple[float, ...] = (0.5, 1.0, 2.0, 4.0)
+    """The same of the drift at a trial's end, over the noise. Why: hardly seen up to plain."""
 
 
-class Prior(NamedTuple):
+PRIORS = InferencePriors()
+
+
+class PopulationPrior(NamedTuple):
     """μ ~ normal(mu_mean, mu_sd) and log σ ~ normal(log sigma_median, sigma_log_sd), each (4,).
 
     Noise: its scale over what was estimated, log s ~ normal(0, noise_log_sd).
@@ -37,7 +75,7 @@ class Prior(NamedTuple):
     noise_log_sd: float
 
 
-def build_prior(angles: xr.Dataset, frames: xr.Dataset) -> Prior:
+def build_prior(angles: xr.Dataset, frames: xr.Dataset) -> PopulationPrior:
     """Build the priors of a campaign from its loads and its clock.
 
     Parameters
@@ -58,15 +96,15 @@ def build_prior(angles: xr.Dataset, frames: xr.Dataset) -> Prior:
     if largest == 0:
         raise Fault("the load is 0 in every trial: parameters cannot be told from such recordings")
     duration = _compute_duration(angles, used)
-    k_v = largest / ELASTIC_RAD
+    k_v = largest / PRIORS.elastic_rad
     centre = [k_v, k_v * np.sqrt(duration * float(frames["frame_interval"]))]
-    centre += [largest * duration / FLOW_RAD]
-    return Prior(
+    centre += [largest * duration / PRIORS.flow_rad]
+    return PopulationPrior(
         mu_mean=np.array([*np.log(centre), 0.0]),
-        mu_sd=np.array(MU_SD),
-        sigma_median=np.array(SIGMA_MEDIAN),
-        sigma_log_sd=np.full(4, SIGMA_LOG_SD),
-        noise_log_sd=NOISE_LOG_SD,
+        mu_sd=np.array(PRIORS.mu_sd),
+        sigma_median=np.array(PRIORS.sigma_median),
+        sigma_log_sd=np.full(4, PRIORS.sigma_log_sd),
+        noise_log_sd=PRIORS.noise_log_sd,
     )
 
 

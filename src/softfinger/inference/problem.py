@@ -8,9 +8,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from softfinger.faults import Fault
+from softfinger.inference.budget import BUDGET
+from softfinger.inference.correlation import OWN
 from softfinger.inference.first_guess import guess_own
 from softfinger.inference.mixed_effects import Prior
 from softfinger.inference.mixed_effects_laplace import Fit, SharedBounds, fit_nonlinear
+from softfinger.inference.priors import PRIORS, PopulationPrior, build_prior
 from softfinger.inference.reduce import reduce_trials
 from softfinger.inference.setting import build_setting, read_geometry
 from softfinger.measurement.measure import measure
@@ -27,14 +30,6 @@ from softfinger.mechanics.forward.simulate import (
 )
 from softfinger.mechanics.geometry import FingerGeometry
 
-OWN = 4  # log k_v, log c_v, log c_p, q_ini
-MEAN_SD = (2.0, 2.5, 3.0, 0.5)  # prior sd of the population's mean, about the first guess
-SPREAD = (0.2, 0.3, 0.4, 0.01)  # typical sd between trials
-SPREAD_WEIGHT = 2.0  # what that counts in trials
-MOST_STEPS, FEW_TRIALS_STEPS = 60, 100  # linearisations: a few trials are quick, and need more
-TOLERANCE = 1e-5  # [rad] of the forward model, a hundredth of a good camera's noise
-LONGEST_OWN_STEP = (0.7, 0.7, 1.0, 0.5)
-START_SPREAD = (0.4, 0.6, 0.8, 0.02)
 LAYOUT = ("trial", "joint", "frame")
 
 
@@ -53,7 +48,7 @@ class Problem:
     trials: Trials
     noise: xr.Dataset
     finger: Finger
-    guess: NDArray[np.float64]
+    population: PopulationPrior
     setting: Setting
     repaired: EffectModel | None = None
     directions: NDArray[np.float64] | None = None
@@ -86,7 +81,7 @@ class Problem:
             trials.load_time,
             trials.load_torque,
             by_own=only is None,
-            tolerance=TOLERANCE,
+            tolerance=BUDGET.angle_error,
         )
 
     def linearise(
@@ -105,10 +100,10 @@ class Problem:
         mean, sd = model.shared_prior
         joints = self.trials.joints
         return Prior(
-            np.concatenate([self.guess.ravel(), mean]),
-            np.concatenate([np.tile(MEAN_SD, joints), sd]) ** -2.0,
-            np.tile(SPREAD, joints),
-            SPREAD_WEIGHT,
+            np.concatenate([np.tile(self.population.mu_mean, joints), mean]),
+            np.concatenate([np.tile(self.population.mu_sd, joints), sd]) ** -2.0,
+            np.tile(PRIORS.spread, joints),
+            PRIORS.spread_weight,
             OWN,
         )
 
@@ -131,7 +126,7 @@ class Problem:
         `first` is the log evidence from which its gain counts: the digits asked of it follow;
         `rival` that which is worth reaching.
         """
-        longest = np.tile(LONGEST_OWN_STEP, self.trials.joints)
+        longest = np.tile(BUDGET.longest_step, self.trials.joints)
         try:
             return fit_nonlinear(
                 lambda own, shared: self.linearise(model, own, shared),
@@ -139,7 +134,7 @@ class Problem:
                 self.build_bounds(model),
                 longest,
                 start,
-                steps=steps or max(MOST_STEPS, FEW_TRIALS_STEPS // len(self.trials.name)),
+                steps=steps or max(BUDGET.steps, BUDGET.few_trials_steps // len(self.trials.name)),
                 tolerance=tolerance,
                 first=first,
                 rival=rival,
@@ -192,7 +187,7 @@ def _repair_base(
     known = build_model(content, problem.setting)
     model = known if priors else build_model(content, problem.setting, priors=False)
     start = np.clip(known.shared_prior[0], model.low, model.high)
-    again = problem.fit(model, (fit.own, start, fit.omega), steps=60)
+    again = problem.fit(model, (fit.own, start, fit.omega), steps=BUDGET.steps)
     if again is None:
         raise Fault("the model of the model file cannot be fitted to these recordings")
     return replace(problem, repaired=model), again
@@ -203,15 +198,16 @@ def _fit_base(angles: xr.Dataset, noise: xr.Dataset, before: Fit | None) -> tupl
     guess = guess_own(trials)
     own = np.tile(guess.ravel(), (len(trials.name), 1))
     own[:, OWN - 1 :: OWN] = _first_angle(trials, guess)
-    omega = np.diag(np.tile(START_SPREAD, trials.joints) * np.ones(own.shape[1])) ** 2
+    omega = np.diag(np.tile(BUDGET.start_spread, trials.joints) * np.ones(own.shape[1])) ** 2
     start = (own, np.zeros(0), omega) if before is None else (before.own, np.zeros(0), before.omega)
     geometry = read_geometry(angles)
     unknown = describe_unknown_finger(trials.joints)
     middle = (0.0 if geometry is None else geometry.link_length.sum() / 2, 0.0)
     # ASSUME: the camera looks at the middle of the straight finger
     finger = unknown if geometry is None else describe_finger(geometry, optical_centre=middle)
-    problem = Problem(trials, noise, finger, guess, build_setting(angles, trials, own))
-    fit = problem.fit(problem.base, start, steps=60)
+    population = build_prior(*(data.sel(trial=trials.name) for data in (angles, noise)))
+    problem = Problem(trials, noise, finger, population, build_setting(angles, trials, own))
+    fit = problem.fit(problem.base, start, steps=BUDGET.steps)
     if fit is None:
         raise Fault(
             "the base model cannot be fitted to these recordings: check that load and angles "
@@ -247,7 +243,7 @@ def simulate_frames(
         trials.load_time,
         trials.load_torque,
         by_own=gradient,
-        tolerance=TOLERANCE,
+        tolerance=BUDGET.angle_error,
     )
 
 

@@ -23,6 +23,7 @@ from pytensor.link.numba.cache import CACHED_SRC_FUNCTIONS
 from pytensor.tensor.variable import TensorVariable
 from scipy.special import expit
 
+from softfinger.inference.budget import BUDGET
 from softfinger.inference.correlation import (
     Covariance,
     correlate_free_partials_array,
@@ -32,8 +33,6 @@ from softfinger.inference.density import Given, gather_data, shift_mean
 from softfinger.inference.whitening import colour_trials, place_mean, shift_pull
 from softfinger.progress import follow_progress
 
-DISPERSION = 2.0  # of the starts, in approximate posterior standard deviations
-FIRST_STEP = 0.3  # the sampler's units are already those of the posterior
 LENGTHS = {"effect": "effect_mean", "mu": "mu_mean", "sigma": "mu_mean", "eta": "mu_mean"}
 """Variables and the data whose length is theirs."""
 STATISTICS = ("diverging", "energy", "logp", "n_steps", "step_size", "tree_depth", "depth")
@@ -227,7 +226,7 @@ def sample_density(
         return float(value), spread * slope
 
     def start(seed: int) -> NDArray[np.float64]:
-        return DISPERSION * np.random.default_rng(seed).standard_normal(density.size)
+        return BUDGET.dispersion * np.random.default_rng(seed).standard_normal(density.size)
 
     compiled = nutpie.compiled_pyfunc.from_pyfunc(
         density.size,
@@ -243,7 +242,7 @@ def sample_density(
     with follow_progress("sampling chains", chains * (tune + draws)) as follow:
         sampler = nutpie.sample(
             compiled, draws=draws, tune=tune, chains=chains, cores=cores,
-            target_accept=target_accept, maxdepth=max_depth, initial_step=FIRST_STEP,
+            target_accept=target_accept, maxdepth=max_depth, initial_step=BUDGET.first_step,
             seed=int(rng.integers(2**31)), save_warmup=False, progress_bar=False,
             progress_callback=lambda each: follow(sum(chain.finished_draws for chain in each)),
             blocking=False,

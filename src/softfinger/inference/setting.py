@@ -5,14 +5,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from softfinger.campaign.load_log import STEP_WITHIN_FRAME_INTERVALS
+from softfinger.inference.decisions import DECISIONS
 from softfinger.measurement.trials import Trials
 from softfinger.mechanics.effects.effect import Setting
 from softfinger.mechanics.geometry import FingerGeometry
 from softfinger.mechanics.load import evaluate_load_array
 from softfinger.mechanics.three_element import compute_elastic_basis_array
-
-FALLEN = 0.05  # of the largest load: a fall that counts
-RESTING = 0.1  # of the largest load: what counts as no load
 
 
 def build_setting(angles: xr.Dataset, trials: Trials, own: NDArray[np.float64]) -> Setting:
@@ -37,8 +35,8 @@ def build_setting(angles: xr.Dataset, trials: Trials, own: NDArray[np.float64]) 
         interval=trials.interval,
         duration=float((stop - begin).max()),
         torque=torque,
-        reversals=bool(_falls(trials.load_torque, torque, 1 - FALLEN)),
-        rests=bool(_falls(trials.load_torque, torque, RESTING)),
+        reversals=bool(_falls(trials.load_torque, torque, 1 - DECISIONS.fallen)),
+        rests=bool(_falls(trials.load_torque, torque, DECISIONS.resting)),
         load_known="assumed" not in kinds,
         tension=kinds == {"tension_n"},
         stiffness=np.exp(np.median(own[:, :, 0], axis=0)),
@@ -71,7 +69,7 @@ def _falls(load: NDArray, torque: float, share: float) -> bool:
     """Whether the load of some trial falls below a share of what it had reached."""
     size = np.abs(load)
     reached = np.maximum.accumulate(size, axis=1)
-    return bool(np.any((size < share * reached) & (reached > RESTING * torque)))
+    return bool(np.any((size < share * reached) & (reached > DECISIONS.resting * torque)))
 
 
 def find_step_gap(trials: Trials) -> float:

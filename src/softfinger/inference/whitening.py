@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
-from softfinger.inference.priors import Prior
+from softfinger.inference.priors import PopulationPrior
 
 LEAST_INFORMATION = 1e-6  # of the prior's
 Array = Any  # of numpy or of PyTensor: the formulas are the same
@@ -60,7 +60,7 @@ def place_mean(
 
 
 def read_trials(
-    curvature: NDArray[np.float64], pull: NDArray[np.float64], prior: Prior
+    curvature: NDArray[np.float64], pull: NDArray[np.float64], prior: PopulationPrior
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Value and variance (p, trial) of each parameter that a trial's stand-in gives by itself.
 

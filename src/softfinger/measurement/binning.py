@@ -15,10 +15,8 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from softfinger.compiled import compiled
+from softfinger.measurement.budget import BUDGET
 
-GROWTH = 0.12  # width of a bin over the time since the last change of load
-MOST_SHARE = 1.0 / 80.0  # width of a bin over the length of the trial
-LONGEST_GAP = 2.5  # median intervals without a frame that end a bin
 NEGLIGIBLE = 1e-9  # of a row of the whitening matrix
 
 
@@ -51,9 +49,9 @@ def cut_bins_array(
     """
     edges = np.concatenate([[time[0]], changes[changes > time[0]]])
     since = time - edges[np.searchsorted(edges, time, side="right") - 1]
-    widest = np.minimum(GROWTH * since, MOST_SHARE * (time[-1] - time[0]))
+    widest = np.minimum(BUDGET.bin_growth * since, BUDGET.bin_share * (time[-1] - time[0]))
     phase = np.searchsorted(edges, time, side="right")
-    return _cut(time, widest, phase, LONGEST_GAP * interval)
+    return _cut(time, widest, phase, BUDGET.bin_gap * interval)
 
 
 @compiled

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-LEAST_NATS = 6.0  # evidence from which a component is there
-MOST_EVALUATIONS = 60
+from softfinger.measurement.budget import BUDGET
+from softfinger.measurement.decisions import DECISIONS
 
 Sizes = dict[str, float]
 
@@ -18,7 +18,7 @@ def choose_components(
     """Choose components and their sizes.
 
     A component's evidence is averaged over its possible sizes; the best one joins while it gains
-    `LEAST_NATS`, and then the sizes of all are sought.
+    `present_nats`, and then the sizes of all are sought.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def choose_components(
     while absent:
         gain = {name: _weigh(evaluate, size, name, sizes[name]) for name in absent}
         name = max(gain, key=lambda name: gain[name])
-        if gain[name] < LEAST_NATS:
+        if gain[name] < DECISIONS.present_nats:
             break
         absent.remove(name)
         known = dict(size)
@@ -74,6 +74,6 @@ def _refine(evaluate: Callable[[Mapping[str, float]], float], size: Sizes) -> Si
         lambda x: -evaluate(dict(zip(names, np.exp(x).tolist(), strict=True))),
         np.log([size[name] for name in names]),
         method="Nelder-Mead",
-        options={"xatol": 0.03, "fatol": 0.03, "maxfev": MOST_EVALUATIONS},
+        options={"xatol": 0.03, "fatol": 0.03, "maxfev": BUDGET.evaluations},
     )
     return {name: round(float(np.exp(x)), 12) for name, x in zip(names, found.x, strict=True)}

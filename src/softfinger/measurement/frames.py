@@ -11,9 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from softfinger.faults import Fault
-
-LEAST_SHARE_SEEN = 0.5
-LEAST_FRAMES = 8
+from softfinger.measurement.decisions import DECISIONS
 
 
 def select_frames(angles: xr.Dataset) -> xr.Dataset:
@@ -46,10 +44,10 @@ def select_frames(angles: xr.Dataset) -> xr.Dataset:
     present = find_present_joints_array(seen)
     used = np.where(present[:, :, None], seen, True).all(axis=1) & present.any(axis=1)[:, None]
     used &= mark_advancing_array(time.values, used)
-    enough = used.sum(axis=1) >= LEAST_FRAMES
+    enough = used.sum(axis=1) >= DECISIONS.least_frames
     if not enough.any():
         raise Fault(
-            f"no trial has {LEAST_FRAMES} frames in which its joints were seen: "
+            f"no trial has {DECISIONS.least_frames} frames in which its joints were seen: "
             "there is nothing to fit"
         )
     present &= enough[:, None]
@@ -71,8 +69,8 @@ def find_present_joints_array(seen: NDArray[np.bool_]) -> NDArray[np.bool_]:
     >>> find_present_joints_array(np.array([[[True, True, True], [False, False, True]]]))
     array([[ True, False]])
     """
-    candidates = seen.any(axis=1).sum(axis=1)
-    return (seen.sum(axis=2) >= LEAST_SHARE_SEEN * candidates[:, None]) & (candidates[:, None] > 0)
+    candidates = seen.any(axis=1).sum(axis=1)[:, None]
+    return (seen.sum(axis=2) >= DECISIONS.least_share_seen * candidates) & (candidates > 0)
 
 
 def mark_advancing_array(time: NDArray[np.float64], used: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -8,8 +8,8 @@ are spread over Chebyshev nodes in log gap by the weights of polynomial interpol
 import numpy as np
 from numpy.typing import NDArray
 
-MOST_DISTINCT = 6
-INTERPOLATING_NODES = 8
+from softfinger.measurement.budget import BUDGET
+
 ROUNDING = 1e-3  # relative: gaps closer than this are one
 
 
@@ -21,10 +21,10 @@ def place_gap_nodes_array(gap: NDArray[np.float64]) -> NDArray[np.float64]:
     """
     rounded = np.exp(np.round(np.log(gap) / ROUNDING) * ROUNDING)
     distinct, group = np.unique(rounded, return_inverse=True)
-    if len(distinct) <= MOST_DISTINCT:
+    if len(distinct) <= BUDGET.distinct_gaps:
         return np.array([np.median(gap[group == k]) for k in range(len(distinct))])
     low, high = np.log(gap.min()), np.log(gap.max())
-    angle = (np.arange(INTERPOLATING_NODES) + 0.5) * np.pi / INTERPOLATING_NODES
+    angle = (np.arange(BUDGET.gap_nodes) + 0.5) * np.pi / BUDGET.gap_nodes
     return np.exp(0.5 * (low + high) - 0.5 * (high - low) * np.cos(angle))
 
 
@@ -36,7 +36,7 @@ def spread_gaps_array(gap: NDArray[np.float64], nodes: NDArray[np.float64]) -> N
            [0., 1.]])
     """
     x, places = np.log(gap), np.log(nodes)
-    if len(nodes) <= MOST_DISTINCT:
+    if len(nodes) <= BUDGET.distinct_gaps:
         nearest = np.abs(x[:, None] - places).argmin(axis=1)
         return np.eye(len(nodes))[nearest]
     weights = np.ones((len(gap), len(nodes)))

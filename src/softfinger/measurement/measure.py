@@ -10,19 +10,17 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from softfinger.measurement.components import LEAST_NATS
-from softfinger.measurement.frames import LEAST_FRAMES, select_frames
+from softfinger.measurement.decisions import DECISIONS
+from softfinger.measurement.frames import select_frames
 from softfinger.measurement.noise import NoiseFit, complete_noise, fit_noise
 from softfinger.measurement.outliers import find_outliers
-from softfinger.measurement.reml import DEGREE, LEAST_SD, profile_windows
+from softfinger.measurement.priors import PRIORS
+from softfinger.measurement.reml import LEAST_SD, profile_windows
 from softfinger.measurement.repeats import find_repeated_frames, find_rounding
 from softfinger.measurement.scales import Scales, WindowVariances, fit_scales
 
 LAYOUT = ("trial", "joint", "frame")
 FRAMES = ("trial", "frame")
-FREEDOMS = np.array([3.0, 4.0, 6.0, 10.0, 20.0])  # of heavy tails
-USUAL = 1e-3  # share of its frames that a sound recording loses
-GROSS = 6.0  # sd of what is no tail, but a slip
 
 Array = NDArray[np.float64]
 
@@ -143,7 +141,7 @@ def _find_outliers(angles: xr.Dataset, frames: xr.Dataset, noise: xr.Dataset | N
 
 def _leave_out(frames: xr.Dataset, distance: Array) -> xr.Dataset:
     used = frames["used"].values & (distance == 0.0)
-    used &= (used.sum(axis=1) >= LEAST_FRAMES)[:, None]
+    used &= (used.sum(axis=1) >= DECISIONS.least_frames)[:, None]
     return frames.assign(used=(FRAMES, used), outlier_distance=(FRAMES, distance))
 
 
@@ -162,7 +160,7 @@ def _list_variances(fit: NoiseFit, moved: Array) -> WindowVariances:
             continue
         residual = np.empty(len(windows.rows))
         rss, _ = profile_windows(rho, *windows[:3], residual)
-        freedom = np.diff(windows.start) - DEGREE - 1.0
+        freedom = np.diff(windows.start) - PRIORS.degree - 1.0
         usual = rss.sum() / freedom.sum()
         begin = windows.start[:-1]
         trial, frame = windows.place // count, windows.place % count
@@ -200,7 +198,7 @@ def _list_components(
     found |= _weigh_outliers(frames) | _weigh_tails(fit)
     found |= _count_frames("repeated_frames", frames["repeated"].values.sum(), frames)
     found |= _count_frames("lost_frames", float(frames["lost"]), frames)
-    return {name: pair for name, pair in found.items() if pair[1] >= LEAST_NATS}
+    return {name: pair for name, pair in found.items() if pair[1] >= DECISIONS.present_nats}
 
 
 def _weigh_outliers(frames: xr.Dataset) -> dict[str, tuple[float, float]]:
@@ -229,25 +227,24 @@ def _weigh_tails(fit: NoiseFit) -> dict[str, tuple[float, float]]:
             sd = np.sqrt(np.add.reduceat(residual**2, windows.start[:-1]) / sizes)
             units.append(residual / np.repeat(np.maximum(sd, LEAST_SD), sizes))
     unit = np.concatenate(units)
-    unit = unit[np.abs(unit) < GROSS]
+    unit = unit[np.abs(unit) < DECISIONS.gross_sd]
     if not unit.size:
         return {}
     normal = -0.5 * np.sum(unit**2 + np.log(2 * np.pi))
-    scale = np.sqrt((FREEDOMS - 2.0) / FREEDOMS)
     gain = np.array(
-        [student.logpdf(unit, f, scale=s).sum() for f, s in zip(FREEDOMS, scale, strict=True)]
+        [student.logpdf(unit, f, scale=np.sqrt((f - 2.0) / f)).sum() for f in PRIORS.freedoms]
     )
     evidence = float(np.logaddexp.reduce(gain - normal) - np.log(len(gain)))
-    return {"heavy_tails": (float(FREEDOMS[gain.argmax()]), evidence)}
+    return {"heavy_tails": (PRIORS.freedoms[gain.argmax()], evidence)}
 
 
 def _count_frames(name: str, count: float, frames: xr.Dataset) -> dict[str, tuple[float, float]]:
     """Share of frames that are of no use, and what a sound recording's share says against it."""
-    used = float(frames["used"].values.sum())
+    used, usual = float(frames["used"].values.sum()), DECISIONS.usual_loss
     share = count / (count + used)
-    if share <= USUAL:
+    if share <= usual:
         return {}
-    evidence = count * np.log(share / USUAL) + used * (np.log1p(-share) - np.log1p(-USUAL))
+    evidence = count * np.log(share / usual) + used * (np.log1p(-share) - np.log1p(-usual))
     return {name: (share, float(evidence))}
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from softfinger.measurement.frames import select_frames
+from softfinger.measurement.decisions import DECISIONS
 from softfinger.measurement.reml import (
     Windows,
     cut_windows,
@@ -20,12 +20,9 @@ from softfinger.measurement.reml import (
     profile_windows,
 )
 
-NOISE_VARIANCE_SD = 0.02  # how well a bin's noise variance is known, relatively
-DIFFERENT = 9.0  # of −2 log L for each further ρ (3 sd) from which joints do not share one
-
 
 class NoiseFit(NamedTuple):
-    """Noise as `estimate_noise` describes it, and each joint's quiet windows."""
+    """Noise as `fit_noise` describes it, and each joint's quiet windows."""
 
     noise: xr.Dataset
     windows: list[Windows]
@@ -36,7 +33,7 @@ class NoiseFit(NamedTuple):
         return self.noise["noise_autocorrelation"].values
 
 
-def estimate_noise(angles: xr.Dataset, frames: xr.Dataset | None = None) -> xr.Dataset:
+def fit_noise(angles: xr.Dataset, frames: xr.Dataset) -> NoiseFit:
     """Estimate the noise of each joint angle without a model of the motion.
 
     Parameters
@@ -45,20 +42,15 @@ def estimate_noise(angles: xr.Dataset, frames: xr.Dataset | None = None) -> xr.D
         The `angles` artifact. If its attribute noise_sd_rad is finite, the sd is that number
         and only the autocorrelation is estimated.
     frames
-        What `select_frames` says; computed when absent.
+        What `select_frames` says.
 
     Returns
     -------
-    Dataset
-        noise_sd (joint) [rad]; noise_autocorrelation (joint), per median frame interval;
-        noise_correlation (joint, other_joint), of the innovations; window_count (joint).
-        NaN for a joint without a window.
+    NoiseFit
+        noise: noise_sd (joint) [rad]; noise_autocorrelation (joint), per median frame interval;
+        noise_correlation (joint, other_joint), of the innovations; window_count (joint); NaN for a
+        joint without a window. windows: the quiet ones that show it.
     """
-    return fit_noise(angles, select_frames(angles) if frames is None else frames).noise
-
-
-def fit_noise(angles: xr.Dataset, frames: xr.Dataset) -> NoiseFit:
-    """Estimate the noise, and keep the quiet windows that show it."""
     declared = float(angles.attrs.get("noise_sd_rad", np.nan))
     windows = [cut_windows(angles, frames, joint) for joint in range(angles.sizes["joint"])]
     fits = _share_autocorrelation(
@@ -119,7 +111,7 @@ def _share_autocorrelation(
         sum(evaluate_reml(fit[2], fit[1], declared)[0] for fit in some if fit[2].dof > 0)
         for some in (fits, shared)
     )
-    return fits if together - apart > DIFFERENT * (len(known) - 1) else shared
+    return fits if together - apart > DECISIONS.own_rho * (len(known) - 1) else shared
 
 
 def _correlate_joints(windows: list[Windows], autocorrelation: list[float]) -> NDArray:

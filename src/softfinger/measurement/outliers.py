@@ -5,11 +5,11 @@ and Λ the precision of the noise, what frame i adds to all the others is t_i² 
 (Λr)_i, which is χ² with one degree of freedom a joint if the model is right. Where it is wrong,
 many trials stand out at the same time after a change of load; so t_i² counts relative to its median
 among the frames, of all trials and changes, that have as long a time since the last change of load,
-and a model's misfit is not cleaned away: where fewer than `LEAST_IN_BIN` frames compare, none is
+and a model's misfit is not cleaned away: where fewer than `least_alike` frames compare, none is
 judged; and no frame is compared with one before the last change. An outlier makes its neighbours
 stand out as well, so only the peaks are taken, round after round.
 
-ASSUME: outliers are rare. A trial that would lose more than `MOST_SHARE` of its frames keeps all.
+ASSUME: outliers are rare. A trial that would lose more than `most_outliers` keeps all its frames.
 """
 
 import numpy as np
@@ -19,15 +19,10 @@ from scipy.ndimage import median_filter
 from scipy.stats import chi2
 
 from softfinger.compiled import compiled
+from softfinger.measurement.budget import BUDGET
 from softfinger.measurement.covariance import compute_innovation_covariance_array
+from softfinger.measurement.decisions import DECISIONS
 from softfinger.measurement.quiet import compute_time_since_array
-
-TAIL = 1e-6  # chance of a good frame to be left out
-MOST_SHARE = 0.2
-ROUNDS = 10
-BINS_PER_DECADE = 8
-LEAST_IN_BIN = 6
-MEDIAN_FRAMES = 15  # of the running median: bursts shorter than half of it stand out
 
 Array = NDArray[np.float64]
 
@@ -44,7 +39,7 @@ def find_outliers(
     angles, frames
         The `angles` artifact, and its frames as `select_frames` describes them.
     noise
-        As from `estimate_noise`; None where it is not known yet: then frames count by their size
+        As from `fit_noise`; None where it is not known yet: then frames count by their size
         over the trial's usual one.
     """
     used, present = frames["used"].values, frames["present"].values
@@ -54,7 +49,7 @@ def find_outliers(
     freedom = np.maximum(present.sum(axis=1), 1)[:, None]
     distance, since = (np.full(used.shape, np.nan) for _ in range(2))
     changed = used.any(axis=1)
-    for _ in range(ROUNDS):
+    for _ in range(BUDGET.rounds):
         for trial in np.flatnonzero(changed):
             here, some = np.flatnonzero(present[trial]), used[trial] & (found[trial] == 0)
             load = (angles[name].values[trial] for name in ("load_time", "load_torque"))
@@ -69,12 +64,13 @@ def find_outliers(
             else:
                 distance[trial, some] = measure_distance_array(rows, gap, *_read(noise, here))
         usual = _find_usual(distance / chi2.median(freedom), since)
-        standing = (distance > usual * chi2.isf(TAIL, freedom)) & _find_peaks(distance)
+        far = usual * chi2.isf(DECISIONS.good_lost, freedom)
+        standing = (distance > far) & _find_peaks(distance)
         found = np.where(standing, distance, found)
         changed = standing.any(axis=1)
         if not changed.any():
             break
-    too_many = (found > 0).sum(axis=1) > MOST_SHARE * used.sum(axis=1)
+    too_many = (found > 0).sum(axis=1) > DECISIONS.most_outliers * used.sum(axis=1)
     return np.where(too_many[:, None], 0.0, found)
 
 
@@ -94,7 +90,7 @@ def subtract_median_array(rows: Array, gap: Array) -> Array:
     """
     parts = np.split(rows, np.flatnonzero(~np.isfinite(gap)) + 1)
     return np.concatenate(
-        [part - median_filter(part, (MEDIAN_FRAMES, 1), mode="mirror") for part in parts]
+        [part - median_filter(part, (DECISIONS.median_frames, 1), mode="mirror") for part in parts]
     )
 
 
@@ -166,10 +162,10 @@ def _find_usual(excess: Array, since: Array) -> Array:
     """
     finite = np.isfinite(excess)
     floor = np.median(since[finite]) * 1e-3
-    place = np.floor(BINS_PER_DECADE * np.log10(np.maximum(since, floor) / floor))
+    place = np.floor(DECISIONS.alike_per_decade * np.log10(np.maximum(since, floor) / floor))
     usual = np.full(excess.shape, np.inf)
     for value in np.unique(place[finite]):
         some = finite & (place == value)
-        if some.sum() >= LEAST_IN_BIN:
+        if some.sum() >= DECISIONS.least_alike:
             usual[some] = max(float(np.median(excess[some])), 1.0)
     return usual

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-SHARE_UNSETTLED = 0.2  # of the time between two changes of load, counted from the first
+from softfinger.measurement.decisions import DECISIONS
 
 
 def find_quiet_array(
@@ -22,8 +22,8 @@ def find_quiet_array(
     phase = np.searchsorted(edges, time, side="right") - 1
     begin = np.maximum(edges[phase], time[0])
     end = np.minimum(edges[phase + 1], time[-1])
-    loaded = edges[phase] > -np.inf
-    return (time > begin + np.where(loaded, SHARE_UNSETTLED, 0.0) * (end - begin)) & (time < end)
+    unsettled = np.where(edges[phase] > -np.inf, DECISIONS.unsettled, 0.0)
+    return (time > begin + unsettled * (end - begin)) & (time < end)
 
 
 def find_load_changes_array(
@@ -34,7 +34,7 @@ def find_load_changes_array(
     >>> find_load_changes_array(np.array([0.0, 4.0, 4.0, 8.0]), np.array([0.0, 0.0, 1.0, 1.0]))
     array([4.])
     """
-    threshold = 0.05 * max(np.ptp(load_torque), np.abs(load_torque).max())
+    threshold = DECISIONS.load_change * max(np.ptp(load_torque), np.abs(load_torque).max())
     if threshold == 0:
         return np.empty(0)
     step = np.diff(load_time)

@@ -24,12 +24,10 @@ from scipy.optimize import minimize_scalar
 from scipy.special import expit
 
 from softfinger.compiled import compiled
+from softfinger.measurement.decisions import DECISIONS
+from softfinger.measurement.priors import PRIORS
 from softfinger.measurement.quiet import find_quiet_array
 
-WINDOW_FRAMES = 200
-LEAST_WINDOW_FRAMES = 25
-DEGREE = 4
-LASTING_FRAMES = WINDOW_FRAMES / 4
 LEAST_SD = 1e-9  # [rad] far below any camera's noise: a frozen recording has none
 
 
@@ -99,7 +97,7 @@ def profile_windows(
 
 
 class Windows(NamedTuple):
-    """Quiet windows of a joint, end to end: rows (n, DEGREE + 2) hold powers and the angle."""
+    """Quiet windows of a joint, end to end: rows (n, degree + 2) hold powers and the angle."""
 
     rows: NDArray
     gap: NDArray
@@ -109,7 +107,7 @@ class Windows(NamedTuple):
     @property
     def dof(self) -> int:
         """Rows that the quartics leave free."""
-        return len(self.rows) - (DEGREE + 1) * (len(self.start) - 1)
+        return len(self.rows) - (PRIORS.degree + 1) * (len(self.start) - 1)
 
     def keep(self, chosen: NDArray[np.bool_]) -> "Windows":
         """Keep the chosen windows (window,)."""
@@ -134,25 +132,27 @@ def cut_windows(angles: xr.Dataset, frames: xr.Dataset, joint: int) -> Windows:
         for part in _split_quiet(index, find_quiet_array(time[trial, index], *load)):
             t = time[trial, part]
             position = 2 * (t - t[0]) / (t[-1] - t[0]) - 1
-            rows.append(np.column_stack([np.vander(position, DEGREE + 1), angle[trial, part]]))
+            powers = np.vander(position, PRIORS.degree + 1)
+            rows.append(np.column_stack([powers, angle[trial, part]]))
             gaps.append(np.diff(t, prepend=-np.inf) / interval)
             sizes.append(len(part))
             places.append(trial * time.shape[1] + part)
     if not rows:
-        return Windows(np.empty((0, DEGREE + 2)), np.empty(0), np.zeros(1, int), np.empty(0, int))
+        none = np.empty((0, PRIORS.degree + 2))
+        return Windows(none, np.empty(0), np.zeros(1, int), np.empty(0, int))
     start = np.concatenate([[0], np.cumsum(sizes)])
     return Windows(np.concatenate(rows), np.concatenate(gaps), start, np.concatenate(places))
 
 
 def _split_quiet(index: NDArray, quiet: NDArray[np.bool_]) -> list[NDArray]:
-    """Split the quiet runs of used frames into even windows of at most WINDOW_FRAMES."""
+    """Split the quiet runs of used frames into even windows of at most `window_frames`."""
     runs = np.split(index, np.flatnonzero(np.diff(quiet)) + 1)
     first = bool(quiet[0])
     quiet_runs = runs[0 if first else 1 :: 2]
     windows = []
     for run in quiet_runs:
-        windows += np.array_split(run, -(-len(run) // WINDOW_FRAMES))
-    return [window for window in windows if len(window) >= LEAST_WINDOW_FRAMES]
+        windows += np.array_split(run, -(-len(run) // DECISIONS.window_frames))
+    return [window for window in windows if len(window) >= DECISIONS.least_window_frames]
 
 
 def fit_joint(windows: Windows, declared: float) -> tuple[float, float, Windows]:
@@ -161,8 +161,8 @@ def fit_joint(windows: Windows, declared: float) -> tuple[float, float, Windows]
         return declared, np.nan, windows
     sd, rho = _maximise_reml(windows, declared)
     rss, _ = profile_windows(rho, *windows[:3], np.empty(len(windows.rows)))
-    variance = rss / (np.diff(windows.start) - DEGREE - 1)
-    calm = windows.keep(variance <= 3 * np.median(variance))
+    variance = rss / (np.diff(windows.start) - PRIORS.degree - 1)
+    calm = windows.keep(variance <= DECISIONS.lively * np.median(variance))
     sd, rho = _maximise_reml(calm, declared)
     return sd, rho, calm
 
@@ -174,10 +174,11 @@ def _maximise_reml(windows: Windows, declared: float) -> tuple[float, float]:
 
 def find_autocorrelation(windows: list[Windows], declared: float) -> float:
     """Find the most probable ρ that all joints share, each at its own best σ."""
+    frames = PRIORS.lasting_windows * DECISIONS.window_frames
 
     def deviance(logit: float) -> float:
         rho = expit(logit)
-        lasting = -2.0 / np.log(rho) / LASTING_FRAMES
+        lasting = -2.0 / np.log(rho) / frames
         return lasting + sum(evaluate_reml(part, rho, declared)[0] for part in windows)
 
     return float(expit(minimise_deviance(deviance)))

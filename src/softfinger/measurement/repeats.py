@@ -9,8 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-CHANCE = 1e-3  # of equal neighbours by rounding alone, below which they are held frames
-LEAST_DIFFERENCES = 20
+from softfinger.measurement.decisions import DECISIONS
 
 
 def find_repeated_frames(angles: xr.Dataset, frames: xr.Dataset) -> NDArray[np.bool_]:
@@ -22,7 +21,7 @@ def find_repeated_frames(angles: xr.Dataset, frames: xr.Dataset) -> NDArray[np.b
         some = np.flatnonzero(used[trial])
         rows = angle[trial, present[trial]][:, some]
         same = (np.diff(rows, axis=1) == 0.0).all(axis=0)
-        if same.any() and np.prod([_expect_equal(row) for row in rows]) < CHANCE:
+        if same.any() and np.prod([_expect_equal(row) for row in rows]) < DECISIONS.equal_by_chance:
             found[trial, some[1:]] = same
     return found
 
@@ -53,7 +52,7 @@ def find_step_array(values: NDArray[np.float64]) -> float:
     """
     distinct = np.unique(np.round(values, 12))
     gaps = np.diff(distinct)
-    if len(values) < LEAST_DIFFERENCES or not gaps.size:
+    if len(values) < DECISIONS.least_values or not gaps.size:
         return 0.0
     step = float(gaps.min())
     away = np.abs(gaps / step - np.round(gaps / step))

@@ -5,7 +5,7 @@ far the joint is from where it began. Each quiet window's variance s² (ν degre
 measures it: log s² is all but normal about the truth, with variance 4/ν-like ψ'(ν/2), more where
 the noise has heavy tails. The b are normal, with a part that all joints of a trial share; windows
 may scatter by more than chance. Every component must win its place: its evidence is averaged over
-sizes, and it is left out where that gains less than `LEAST_NATS`.
+sizes, and it is left out where that gains less than `present_nats`.
 
 References
 ----------
@@ -20,15 +20,15 @@ from numpy.typing import NDArray
 from scipy.special import digamma, polygamma
 
 from softfinger.measurement.components import choose_components
+from softfinger.measurement.priors import PRIORS
 
 Array = NDArray[np.float64]
 
 SIZES: Mapping[str, Array] = {
-    "trial": np.array([0.05, 0.1, 0.2, 0.4, 0.8]),  # sd of log sd
-    "cell": np.array([0.05, 0.1, 0.2, 0.4, 0.8]),
-    "signal": np.array([0.3, 0.6, 1.2, 2.5, 5.0]),  # c times the largest deflection
+    "trial": np.array(PRIORS.uneven_sizes),
+    "cell": np.array(PRIORS.uneven_sizes),
+    "signal": np.array(PRIORS.signal_sizes),
 }
-WINDOW_SCATTER = np.array([0.0, 0.05, 0.1, 0.2, 0.4])  # of log variance
 UNKNOWN = 1e6  # variance of what no window measures
 
 
@@ -107,13 +107,13 @@ def _is_testable(windows: WindowVariances, name: str) -> bool:
 
 def _evaluate(windows: WindowVariances, size: Mapping[str, float]) -> float:
     """Log evidence at given sizes, the windows' own scatter averaged out."""
-    values = [_solve(windows, size, scatter)[0] for scatter in WINDOW_SCATTER]
+    values = [_solve(windows, size, scatter)[0] for scatter in PRIORS.window_scatter]
     return float(np.logaddexp.reduce(values) - np.log(len(values)))
 
 
 def _locate(windows: WindowVariances, size: Mapping[str, float]) -> Array:
     """Posterior mean of b (trial, joint), at the most probable scatter of the windows."""
-    solved = [_solve(windows, size, scatter) for scatter in WINDOW_SCATTER]
+    solved = [_solve(windows, size, scatter) for scatter in PRIORS.window_scatter]
     return max(solved, key=lambda one: one[0])[1]
 
 

@@ -14,13 +14,13 @@ from softfinger.mismatch.checks.findings import Findings, examine
 from softfinger.mismatch.config import MismatchSettings
 from softfinger.mismatch.experiment.masking import list_invisible, tabulate_masking
 from softfinger.mismatch.search.calibrate import FalseAlarms, calibrate_false_alarms
-from softfinger.mismatch.search.decide import (
+from softfinger.mismatch.search.judge import judge_finalists, settle_measurement
+from softfinger.mismatch.search.settle import (
     Posterior,
     drop_negligible,
     settle_search,
     weigh_models,
 )
-from softfinger.mismatch.search.judge import judge_finalists, settle_measurement
 from softfinger.mismatch.search.stepwise import (
     Search,
     hold_against_shape,

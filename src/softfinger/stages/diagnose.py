@@ -51,6 +51,7 @@ def diagnose(
     repaired: Path,
     next_experiment: Path,
     config: Mapping[str, Any],
+    r_hat_max: float,
     seed: int,
     model: Path | None = None,
     **artifacts: Path,
@@ -67,6 +68,8 @@ def diagnose(
         Folder for the load logs of the experiment that is proposed; empty where none is.
     config
         The `mismatch` block of the configuration.
+    r_hat_max
+        The configuration's, beyond which a sampled size is not taken.
     model
         A model file whose model is diagnosed in place of the base.
     **artifacts
@@ -74,7 +77,7 @@ def diagnose(
     """
     Path(verdict).unlink(missing_ok=True)  # an older one would be of other artifacts
     roles = {"angles": angles} if model is None else {"angles": angles, "model": model}
-    provenance = describe_run("diagnose", roles, config, seed)
+    provenance = describe_run("diagnose", roles, {**config, "r_hat_max": r_hat_max}, seed)
     recorded = open_artifact(angles, angles_spec.SPEC)
     stream = derive_seed(seed, "diagnose")
     content = None if model is None else read_model_file(model)
@@ -90,7 +93,7 @@ def diagnose(
         write_model_file(describe_repair(found, fitted_to), temporary)
     said = found.verdict
     if config["sample_repaired"]:
-        said, r_hat = refine_verdict(found, recorded, np.random.default_rng(stream))
+        said, r_hat = refine_verdict(found, recorded, np.random.default_rng(stream), r_hat_max)
         print(f"sampling the repaired model: largest R-hat {r_hat:.3f}")
     proposal = propose_experiment(found, recorded)
     warnings = [

@@ -16,7 +16,7 @@ from softfinger.artifacts.specs import visibility as visibility_spec
 from softfinger.campaign import read_campaign
 from softfinger.faults import Fault
 from softfinger.inference.problem import Candidate, pose_problem
-from softfinger.mismatch.experiment.next_experiment import LEAST_GAIN
+from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.experiment.plan import (
     Protocol,
     choose_protocol,
@@ -96,7 +96,7 @@ def rig_plan(
     unknown = sorted(set(wanted) - set(known))
     if unknown:
         raise Fault(f"no protocol can have '{unknown[0]}' on this rig; it can have {known}")
-    best = choose_protocol(tables, wanted or known, LEAST_GAIN)
+    best = choose_protocol(tables, wanted or known, DECISIONS.shows)
     gathered = gather_tables(tables, wanted or known)
     save_artifact(gathered, visibility_spec.SPEC, visibility, provenance)
     if best is None:
@@ -119,7 +119,7 @@ def configure_rig(plan: Plan, config: Mapping[str, Any]) -> dict[str, Any]:
         **config,
         **own,
         "level": "angles",
-        "n_trials": 12,
+        "n_trials": DECISIONS.design_trials,
         "duration_s": duration,
         "fps": plan.fps,
         "load_time_s": [0.0, duration],

@@ -1,8 +1,11 @@
 """Weights that turn draws of an expansion into draws of the model."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from softfinger.inference import correction
 from softfinger.inference.correction import correct_draws
 from softfinger.inference.posterior import prepare_fit
 
@@ -51,3 +54,20 @@ def test_a_hopeless_expansion_is_told(prepared):
     found = correct(prepared, prepared.given.expansion, draw_about(prepared, 40.0))
     assert not found.pareto_k < 0.7
     np.testing.assert_array_equal(found.kept[0], np.arange(200))
+
+
+def test_few_draws_are_not_weighed(prepared):
+    for count, weighed in ((12, False), (20, True)):
+        found = correct(prepared, prepared.given.expansion, draw_about(prepared, 1.0, count))
+        assert np.isfinite(found.pareto_k) == weighed
+
+
+def test_draws_of_many_trials_are_kept_as_they_are(prepared, monkeypatch):
+    """Half of 1600 draws would be left, and a thousand are asked for."""
+    trials = len(prepared.recorded.candidate.fit.own)
+    drawn = draw_about(prepared, 1.0, 800)
+    small = replace(correction.BUDGET, simulated=800 * trials, measured=100 * trials)
+    monkeypatch.setattr(correction, "BUDGET", small)
+    found = correct(prepared, prepared.given.expansion, drawn)
+    assert np.isnan(found.pareto_k)
+    np.testing.assert_array_equal(found.kept[0], np.arange(800))

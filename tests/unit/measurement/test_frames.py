@@ -61,3 +61,10 @@ def test_interval_is_the_median_between_used_frames(campaign):
     angles, _, _ = campaign
     angles["joint_angle"][:, :, 1::2] = np.nan
     assert float(select_frames(angles)["frame_interval"]) == pytest.approx(2 / 30)
+
+
+@pytest.mark.parametrize(("seen", "used"), [(7, False), (8, True)])
+def test_a_trial_of_few_frames_is_not_used(campaign, seen, used):
+    angles, _, _ = campaign
+    angles["joint_angle"][4, :, seen:] = np.nan
+    assert bool(select_frames(angles)["used"].values[4].any()) == used

@@ -1,9 +1,14 @@
 import numpy as np
 import pytest
 
-from softfinger.measurement.noise import estimate_noise
+from softfinger.measurement.frames import select_frames
+from softfinger.measurement.noise import fit_noise
 from softfinger.measurement.quiet import find_load_changes_array, find_quiet_array
 from softfinger.measurement.reml import whiten_array
+
+
+def estimate_noise(angles):
+    return fit_noise(angles, select_frames(angles)).noise
 
 
 @pytest.mark.parametrize("rho", [0.0, 0.4, 0.9])

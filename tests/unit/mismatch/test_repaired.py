@@ -115,7 +115,7 @@ def test_levels_are_told_apart(named):
 
 
 def test_sampling_refines_the_parameters_of_a_verdict(named, recorded):
-    refined, r_hat = refine_verdict(named, recorded, np.random.default_rng(3))
+    refined, r_hat = refine_verdict(named, recorded, np.random.default_rng(3), 1.01)
     assert 0.9 < r_hat < 1.01
     before, after = named.verdict.effects[0], refined.effects[0]
     assert set(after.parameters) == set(before.parameters)
@@ -130,13 +130,12 @@ def test_sampling_refines_the_parameters_of_a_verdict(named, recorded):
     )
 
 
-def test_chains_that_do_not_agree_refine_nothing(named, recorded, monkeypatch):
-    monkeypatch.setattr("softfinger.mismatch.verdict.refine.R_HAT_MAX", 0.1)
-    refined, _ = refine_verdict(named, recorded, np.random.default_rng(3))
+def test_chains_that_do_not_agree_refine_nothing(named, recorded):
+    refined, _ = refine_verdict(named, recorded, np.random.default_rng(3), 0.1)
     assert refined == named.verdict
 
 
 def test_nothing_is_sampled_where_nothing_was_left_out(clean, recorded):
-    refined, r_hat = refine_verdict(clean, recorded, np.random.default_rng(3))
+    refined, r_hat = refine_verdict(clean, recorded, np.random.default_rng(3), 1.01)
     assert refined is clean.verdict
     assert np.isnan(r_hat)

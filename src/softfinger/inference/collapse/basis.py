@@ -17,13 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
+from softfinger.inference.budget import BUDGET
 from softfinger.mechanics.three_element import compute_elastic_basis_array
 
 TOLERANCE = 1e-10  # of the largest singular value
-CURVES = 96  # Chebyshev places in x from which the space is learnt
-TABLE_STEP = 0.02  # in x
-SLOWEST, FASTEST = 0.02, 20.0  # rate · duration, rate · median interval
-SAMPLED_PROTOCOLS = 12
 
 Protocol = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 
@@ -52,13 +49,15 @@ def build_elastic_table(protocols: list[Protocol]) -> ElasticTable:
     """
     duration = max(time[-1] - min(load[0], time[0]) for time, load, _ in protocols)
     interval = min(np.median(np.diff(time)) for time, _, _ in protocols)
-    low, high = np.log(SLOWEST / duration), np.log(FASTEST / interval)
-    chosen = np.linspace(0, len(protocols) - 1, min(len(protocols), SAMPLED_PROTOCOLS)).astype(int)
+    low, high = np.log(BUDGET.slowest / duration), np.log(BUDGET.fastest / interval)
+    chosen = np.linspace(0, len(protocols) - 1, min(len(protocols), BUDGET.table_protocols)).astype(
+        int
+    )
     places = place_curves_array(low, high)
     curves = np.hstack([_evaluate(places, protocols[i])[0] for i in chosen])
     _, size, modes = np.linalg.svd(curves, full_matrices=False)
     modes = modes[size > TOLERANCE * size[0]]
-    nodes = np.linspace(low, high, int(np.ceil((high - low) / TABLE_STEP)) + 1)
+    nodes = np.linspace(low, high, int(np.ceil((high - low) / BUDGET.table_step)) + 1)
     value, slope = _project(nodes, [protocols[i] for i in chosen], modes)
     return ElasticTable(np.array([low, nodes[1] - nodes[0]]), value, slope)
 
@@ -72,13 +71,13 @@ def build_elastic_modes(table: ElasticTable, protocol: Protocol) -> NDArray[np.f
 
 
 def place_curves_array(low: float, high: float) -> NDArray[np.float64]:
-    """Place CURVES Chebyshev points between low and high.
+    """Place BUDGET.curves Chebyshev points between low and high.
 
     >>> x = place_curves_array(-1.0, 1.0)
     >>> len(x), bool(x[0] > -1.0), bool(abs(x.sum()) < 1e-12)
     (96, True, True)
     """
-    angle = (np.arange(CURVES) + 0.5) * np.pi / CURVES
+    angle = (np.arange(BUDGET.curves) + 0.5) * np.pi / BUDGET.curves
     return 0.5 * (low + high) - 0.5 * (high - low) * np.cos(angle)
 
 

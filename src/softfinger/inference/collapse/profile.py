@@ -15,11 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
+from softfinger.inference.budget import BUDGET
 from softfinger.inference.collapse.basis import ElasticTable, fill_coefficients
 from softfinger.inference.collapse.table import Collapse
 
-GRID = 160
-ZOOM, ZOOMS = 5, 9
 RIDGE = 1e-13  # relative; curves that cannot be told apart share their amplitude
 
 
@@ -69,13 +68,13 @@ def profile_rates(gram: NDArray[np.float64], table: ElasticTable) -> Profile:
         The coefficients c(x).
     """
     low, high = table.nodes[[0, -1]]
-    offset = np.linspace(0.0, high - low, GRID)
+    offset = np.linspace(0.0, high - low, BUDGET.profile_grid)
     best = np.full(len(gram), low)
-    for _ in range(ZOOMS + 1):
+    for _ in range(BUDGET.profile_zooms + 1):
         rss = solve_linear_array(gram, best[:, None] + offset, table)[1]
         best += offset[rss.argmin(axis=1)]
         width = offset[1] - offset[0]
-        offset = np.linspace(-width, width, 2 * ZOOM + 1)
+        offset = np.linspace(-width, width, 2 * BUDGET.profile_zoom + 1)
     linear, rss = solve_linear_array(gram, best[:, None], table)
     return Profile(best, linear[:, 0], rss[:, 0])
 

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mechanics.effects.model import EffectModel, Piece
-from softfinger.mismatch.candidates.rank import FIRST_STEPS, LEADING, REACH, go_on, prune
+from softfinger.mismatch.budget import BUDGET
+from softfinger.mismatch.candidates.rank import go_on, prune
 
 Start = tuple[EffectModel, NDArray[np.float64]]
 
@@ -36,7 +37,7 @@ def keep_leading(pieces: Iterable[Piece], larger: list[Candidate], best: Candida
     for candidate in sorted(larger, key=lambda c: -c.log_evidence):
         if best.model.ids < candidate.model.ids:
             leading |= dict.fromkeys(candidate.model.ids - best.model.ids)
-    chosen = set(list(leading)[:LEADING])
+    chosen = set(list(leading)[: BUDGET.leading])
     return [piece for piece in pieces if piece.effect.id in chosen]
 
 
@@ -96,8 +97,8 @@ def _fit_near(problem: Problem, best: Candidate, start: Start) -> Candidate | No
     """Fit a model that soon comes near the best one; None where it does not come to rest."""
     model, shared = start
     before = best.fit.own, shared, best.fit.omega
-    fit = problem.fit(model, before, steps=FIRST_STEPS, first=best.fit.first)
-    if fit is None or fit.log_evidence < best.log_evidence - REACH:
+    fit = problem.fit(model, before, steps=BUDGET.first_steps, first=best.fit.first)
+    if fit is None or fit.log_evidence < best.log_evidence - BUDGET.reach_nats:
         return None
     fit = go_on(problem, model, fit)
     if fit is None or not fit.converged:

@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from itertools import combinations
 
 from softfinger.inference.problem import Candidate, Problem
+from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.columns import Block, ScoreColumns, join_blocks
 from softfinger.mismatch.candidates.rank import (
     Progress,
@@ -18,9 +19,6 @@ from softfinger.mismatch.candidates.rank import (
     fit_scored,
     score_block,
 )
-
-FORMS = 3  # of each effect, those that say most alone, that are tried in pairs
-SETS = 4  # pairs of effects that are fitted
 
 
 def rank_pairs(
@@ -46,7 +44,7 @@ def rank_pairs(
     best: dict[frozenset[str], Score] = {}
     for score in score_pairs(problem, origin, columns):
         best.setdefault(score.model.ids, score)
-    fresh = [score for ids, score in list(best.items())[:SETS] if ids not in before]
+    fresh = [score for ids, score in list(best.items())[: BUDGET.pairs] if ids not in before]
     return fit_scored(problem, origin, fresh, progress, max(asked, find_best(known)))
 
 
@@ -67,7 +65,7 @@ def _choose_forms(problem: Problem, origin: Candidate, columns: ScoreColumns) ->
     chosen, taken = [], Counter()
     for _, block in starts:
         name = block.model.pieces[-1].effect.id
-        if taken[name] < FORMS:
+        if taken[name] < BUDGET.forms:
             taken[name] += 1
             chosen.append(block)
     return chosen

@@ -15,14 +15,9 @@ from softfinger.inference.problem import Candidate, Problem
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.effect import Setting
 from softfinger.mechanics.effects.model import EffectModel, Piece
+from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.columns import Block, ScoreColumns
-
-FIRST_STEPS = 4  # linearisations before candidates are compared
-LEADING = 4  # effects whose best form is fitted however far it lies behind
-NEAR, NEAR_SHARE = 2.0, 0.7  # nats, or share of the best gain, within which a form is fitted
-REACH, REACH_SHARE = 20.0, 0.5  # nats, or share of the best gain, within which a fit goes on
-RIVAL_NATS, RIVAL_SHARE = 10.0, 0.15  # nats, or share of the best gain, within which sets compete
-HOPELESS = -2.0  # nats: no form whose linearised gain is lower is fitted
+from softfinger.mismatch.decisions import DECISIONS
 
 Progress = Callable[[Iterable, str], Iterable]
 
@@ -212,17 +207,17 @@ def fit_scored(
     well. One that does not come to rest cannot be chosen, and counts by what it has reached. Forms
     that are not fitted count by their score.
     """
-    leading = set(list(dict.fromkeys(s.effect for s in scores))[:LEADING])
+    leading = set(list(dict.fromkeys(s.effect for s in scores))[: BUDGET.leading])
     begun, candidates, best = [], [], max(origin.log_evidence, floor)
     for score in progress(scores, "fitting effects"):
         gain = best - origin.log_evidence
-        near = score.gain >= max(0.0, gain - max(NEAR, NEAR_SHARE * gain))
-        if not near and (score.effect not in leading or score.gain <= HOPELESS):
+        near = score.gain >= max(0.0, gain - max(BUDGET.near_nats, BUDGET.near_share * gain))
+        if not near and (score.effect not in leading or score.gain <= BUDGET.hopeless_nats):
             candidates.append(Candidate(score.model, None, origin.log_evidence + score.gain))
             continue
         leading.discard(score.effect)
         start = origin.fit.own, score.shared, origin.fit.omega
-        fit = problem.fit(score.model, start, steps=FIRST_STEPS, first=origin.fit.first)
+        fit = problem.fit(score.model, start, steps=BUDGET.first_steps, first=origin.fit.first)
         if fit is not None and fit.log_evidence > best:
             fit = go_on(problem, score.model, fit, best - competing_nats(gain))
         if fit is None:
@@ -230,7 +225,7 @@ def fit_scored(
         if fit.converged:
             best = max(best, fit.log_evidence)
         begun.append((score.model, fit))
-    reach = max(REACH, REACH_SHARE * (best - origin.log_evidence))
+    reach = max(BUDGET.reach_nats, BUDGET.reach_share * (best - origin.log_evidence))
     for model, fit in begun:
         if fit.log_evidence < best - reach:
             candidates.append(Candidate(model, None, fit.log_evidence))
@@ -250,7 +245,7 @@ def find_best(candidates: Iterable[Candidate]) -> float:
 
 def competing_nats(gain: float) -> float:
     """Distance [nats] from the best model, of such a gain, within which others compete with it."""
-    return max(RIVAL_NATS, RIVAL_SHARE * gain)
+    return max(DECISIONS.rival_nats, DECISIONS.rival_share * gain)
 
 
 def go_on(problem: Problem, model: EffectModel, fit: Fit, rival: float = -np.inf) -> Fit | None:

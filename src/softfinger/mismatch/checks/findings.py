@@ -10,10 +10,8 @@ from softfinger.mismatch.checks.free_form import FreeForm
 from softfinger.mismatch.checks.jumps import Jumps, find_jumps
 from softfinger.mismatch.checks.lines import Line, find_line
 from softfinger.mismatch.checks.summary import compute_excess, compute_residual
+from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.search.stepwise import Search, allow_rest
-
-MISSING = 1e-3  # p-value of a misfit from which something is missing
-SCATTER_LEFT = 0.5  # of the excess: with more scatter than that left, effects are not it
 
 
 class Findings(NamedTuple):
@@ -56,8 +54,8 @@ class Findings(NamedTuple):
         Scatter may be noise that was misjudged; evidence for a shape, a line or jumps is not, so
         less of that may be left.
         """
-        scatter = self.best_p < MISSING
-        scatter &= self.best_excess > SCATTER_LEFT * max(self.base_excess, 0.0)
+        scatter = self.best_p < DECISIONS.missing
+        scatter &= self.best_excess > DECISIONS.scatter_left * max(self.base_excess, 0.0)
         return bool(scatter or self.left > allow_rest(self.gain, needed))
 
 

@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from softfinger.inference.budget import BUDGET as INFERENCE
 from softfinger.inference.mixed_effects import Prior, fit_linear
 from softfinger.inference.mixed_effects_laplace import (
     Fit,
@@ -19,12 +20,11 @@ from softfinger.inference.mixed_effects_laplace import (
     centre_gram,
     fit_nonlinear,
 )
-from softfinger.inference.problem import LONGEST_OWN_STEP, Candidate, Problem
-from softfinger.mismatch.checks.free_form_terms import KNOTS, Term, evaluate_basis_array, list_terms
-
-GRID = 41
-STEPS = 25  # linearisations at most
-SURE_SD = 3.0  # from which a joint's spline differs from zero
+from softfinger.inference.problem import Candidate, Problem
+from softfinger.mismatch.budget import BUDGET
+from softfinger.mismatch.checks.free_form_terms import Term, evaluate_basis_array, list_terms
+from softfinger.mismatch.decisions import DECISIONS
+from softfinger.mismatch.priors import PRIORS
 
 
 class FreeForm(NamedTuple):
@@ -111,9 +111,9 @@ def settle_term(
             term.linearise,
             prior,
             bounds,
-            np.tile(LONGEST_OWN_STEP, problem.trials.joints),
+            np.tile(INFERENCE.longest_step, problem.trials.joints),
             (before.own, np.concatenate([before.shared, np.zeros(term.count)]), before.omega),
-            steps=STEPS,
+            steps=BUDGET.shape_steps,
             rival=before.log_evidence + sizes + rival,
         )
     except np.linalg.LinAlgError:
@@ -136,9 +136,9 @@ def _widen(problem: Problem, candidate: Candidate, term: Term, size: float) -> P
 
 
 def _describe(term: Term, mean: NDArray[np.float64], covariance: NDArray[np.float64]) -> xr.Dataset:
-    grid = np.linspace(0.0, 1.0, GRID)
+    grid = np.linspace(0.0, 1.0, BUDGET.shape_points)
     basis = evaluate_basis_array(grid) - term.level
-    blocks = [slice(k * KNOTS, (k + 1) * KNOTS) for k in range(len(term.labels))]
+    blocks = [slice(k * PRIORS.knots, (k + 1) * PRIORS.knots) for k in range(len(term.labels))]
     value = np.stack([basis @ mean[b] for b in blocks])
     sd = np.stack(
         [np.sqrt(np.einsum("gk,kl,gl->g", basis, covariance[b, b], basis)) for b in blocks]
@@ -157,5 +157,5 @@ def _describe(term: Term, mean: NDArray[np.float64], covariance: NDArray[np.floa
 def _list_joints(shape: xr.Dataset) -> list[int]:
     """Joints in which a spline clearly differs from zero."""
     size = np.abs(shape["value"]) / np.maximum(shape["sd"], 1e-300)
-    strong = shape["quantity"][(size.max("place") > SURE_SD).values].values
+    strong = shape["quantity"][(size.max("place") > DECISIONS.joint_sd).values].values
     return sorted({int(str(label).rsplit("_", 1)[1]) for label in strong})

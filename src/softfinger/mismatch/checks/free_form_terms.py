@@ -19,12 +19,10 @@ from softfinger.inference.reduce import reduce_trials
 from softfinger.inference.setting import load_at
 from softfinger.mismatch.checks.locate import PARAMETERS, list_trial_covariates, time_since_change
 from softfinger.mismatch.checks.rate_law import compute_rate_array, follow_late_array
+from softfinger.mismatch.decisions import DECISIONS
+from softfinger.mismatch.priors import PRIORS
 
-KNOTS = 9
 ANGLE, RATE = "angle_rad", "rate_rad_per_s"
-SIZES_RAD = (0.001, 0.004, 0.016, 0.064)
-SIZES_LOG = (0.1, 0.3, 1.0)
-FEWEST = 4  # different values of a covariate
 
 Array = NDArray[np.float64]
 
@@ -37,14 +35,14 @@ class Term(NamedTuple):
     argument, span
         What it depends on, and the range of that.
     labels, unit
-        Of the quantities that it adds to, each with a spline of `KNOTS` coefficients.
+        Of the quantities that it adds to, each with a spline of its own.
     sizes
         Candidates for the sd of the coefficients.
     linearise
         η (trial, d), φ and coefficients (p + `count`,) → Gram matrices of [∂F/∂η | ∂F/∂φ, … |
         residual], whitened; NaN where there is no motion.
     level
-        (KNOTS,), or 0: the basis where the term adds nothing, which is taken off everywhere.
+        (knots,), or 0: the basis where the term adds nothing, which is taken off everywhere.
     """
 
     argument: str
@@ -58,7 +56,7 @@ class Term(NamedTuple):
     @property
     def count(self) -> int:
         """Number of coefficients."""
-        return len(self.labels) * KNOTS
+        return len(self.labels) * PRIORS.knots
 
 
 def list_terms(problem: Problem, candidate: Candidate) -> list[Term]:
@@ -71,7 +69,7 @@ def list_terms(problem: Problem, candidate: Candidate) -> list[Term]:
         if high > low:
             terms.append(_build_within(problem, candidate, name, values, (low, high)))
     for name, values in list_trial_covariates(problem).items():
-        if len(np.unique(values[np.isfinite(values)])) >= FEWEST:
+        if len(np.unique(values[np.isfinite(values)])) >= DECISIONS.least_values:
             terms.append(_build_between(problem, candidate, name, values))
     return terms
 
@@ -95,13 +93,13 @@ def list_arguments(problem: Problem, angle: Array) -> dict[str, Array]:
 
 
 def evaluate_basis_array(values: Array, derivative: int = 0) -> Array:
-    """Evaluate a clamped cubic B-spline basis (…, `KNOTS`) on [0, 1], or a derivative of it.
+    """Evaluate a clamped cubic B-spline basis (…, knots) on [0, 1], or a derivative of it.
 
     >>> evaluate_basis_array(np.array([0.0, 0.3, 1.0])).sum(axis=-1).round(12)
     array([1., 1., 1.])
     """
-    knots = np.concatenate([[0.0] * 3, np.linspace(0.0, 1.0, KNOTS - 2), [1.0] * 3])
-    spline = BSpline(knots, np.eye(KNOTS), 3)
+    knots = np.concatenate([[0.0] * 3, np.linspace(0.0, 1.0, PRIORS.knots - 2), [1.0] * 3])
+    spline = BSpline(knots, np.eye(PRIORS.knots), 3)
     return spline(np.clip(values, 0.0, 1.0), nu=derivative)
 
 
@@ -122,7 +120,7 @@ def _build_within(
 
     def linearise(own: Array, shared: Array) -> Array:
         size = own.shape[1] + len(shared) + 1
-        coefficients = shared[p:].reshape(joints, KNOTS)
+        coefficients = shared[p:].reshape(joints, PRIORS.knots)
         try:
             angle, slope = problem.simulate(candidate.model, own, shared[:p])
         except (ArithmeticError, Fault):
@@ -131,14 +129,14 @@ def _build_within(
         if known is None:  # ∂(F + s(F)) = (1 + s′) ∂F
             rate = evaluate_basis_array(_scale(angle, span), 1) / width
             slope = slope * (1.0 + np.einsum("tjnk,jk->tjn", rate, coefficients))[..., None]
-        columns = np.zeros((*angle.shape, joints * KNOTS))
+        columns = np.zeros((*angle.shape, joints * PRIORS.knots))
         for j in range(joints):
-            columns[:, j, :, j * KNOTS : (j + 1) * KNOTS] = basis[:, j]
+            columns[:, j, :, j * PRIORS.knots : (j + 1) * PRIORS.knots] = basis[:, j]
         moved = angle + np.einsum("tjnk,jk->tjn", basis, coefficients)
         return reduce_trials(problem.trials, moved, np.concatenate([slope, columns], axis=3))
 
     labels = [f"joint_angle_{j + 1}" for j in range(joints)]
-    return Term(name, span, labels, "rad", SIZES_RAD, linearise, level)
+    return Term(name, span, labels, "rad", PRIORS.shape_sizes_rad, linearise, level)
 
 
 def _scale(values: Array, span: tuple[float, float]) -> Array:
@@ -153,9 +151,9 @@ def _build_between(problem: Problem, candidate: Candidate, name: str, values: Ar
     basis = evaluate_basis_array(np.where(seen, _scale(values, span), 0.5))
     basis = (basis - basis.mean(axis=0)) * seen[:, None]
     moving = [k for k in range(d) if k % OWN != OWN - 1]
-    spread = np.zeros((len(values), d, len(moving) * KNOTS))
+    spread = np.zeros((len(values), d, len(moving) * PRIORS.knots))
     for place, k in enumerate(moving):
-        spread[:, k, place * KNOTS : (place + 1) * KNOTS] = basis
+        spread[:, k, place * PRIORS.knots : (place + 1) * PRIORS.knots] = basis
 
     def linearise(own: Array, shared: Array) -> Array:
         gram = problem.linearise(candidate.model, own + spread @ shared[p:], shared[:p])
@@ -165,4 +163,4 @@ def _build_between(problem: Problem, candidate: Candidate, name: str, values: Ar
         return wide.transpose(0, 2, 1) @ gram @ wide
 
     labels = [f"{PARAMETERS[k % OWN]}_{k // OWN + 1}" for k in moving]
-    return Term(name, span, labels, "1", SIZES_LOG, linearise)
+    return Term(name, span, labels, "1", PRIORS.shape_sizes_log, linearise)

@@ -22,11 +22,8 @@ from softfinger.inference.disturbances import locate_disturbances
 from softfinger.inference.problem import LAYOUT, OWN, Candidate, Problem, simulate_frames
 from softfinger.measurement.quiet import find_quiet_array
 from softfinger.measurement.reml import whiten_array
-
-SIZES_RAD = (0.003, 0.01, 0.03)
-SHARES = (0.02, 0.1, 0.3, 0.6, 0.95)  # of the trials that jump
-LEAST_FRAMES = 10  # of a joint in a trial
-SURE = 5.0  # nats of a trial from which it is listed
+from softfinger.mismatch.decisions import DECISIONS
+from softfinger.mismatch.priors import PRIORS
 
 Array = NDArray[np.float64]
 
@@ -60,7 +57,7 @@ def find_jumps(problem: Problem, candidate: Candidate, angles: xr.Dataset) -> Ju
     evidence = np.full((len(trials.name), trials.joints), -np.inf)
     rival = evidence.copy()
     for i, j, series, sd in _list_series(problem, candidate, angles):
-        sizes = np.array(SIZES_RAD) / sd
+        sizes = np.array(PRIORS.jump_sizes_rad) / sd
         evidence[i, j] = weigh_shapes(series, *project_steps(series), sizes)
         rivals = [weigh_shapes(series, *shape, sizes) for shape in project_outliers(series)]
         rival[i, j] = np.logaddexp(*rivals) - np.log(2.0)
@@ -69,8 +66,8 @@ def find_jumps(problem: Problem, candidate: Candidate, angles: xr.Dataset) -> Ju
         return Jumps(0.0, [], [])
     trial, other = (_average(x[seen]) for x in (evidence, rival))
     trial = trial - np.maximum(other, 0.0)
-    mixed = [np.logaddexp(np.log1p(-p), np.log(p) + trial).sum() for p in SHARES]
-    jumping = np.flatnonzero(seen)[trial > SURE]
+    mixed = [np.logaddexp(np.log1p(-p), np.log(p) + trial).sum() for p in PRIORS.jump_shares]
+    jumping = np.flatnonzero(seen)[trial > DECISIONS.jump_nats]
     joints = sorted({int(evidence[i].argmax()) + 1 for i in jumping})
     gain = float(np.logaddexp.reduce(mixed) - np.log(len(mixed)))
     return Jumps(gain, [trials.name[i] for i in jumping], joints)
@@ -133,7 +130,7 @@ def _list_series(
     for i, used in enumerate(trials.used):
         quiet = find_quiet_array(time[i, used], trials.load_time[i], trials.load_torque[i])
         gap = np.diff(time[i, used], prepend=-np.inf) / trials.interval
-        if quiet.sum() < LEAST_FRAMES:
+        if quiet.sum() < DECISIONS.jump_frames:
             continue
         for j in np.flatnonzero(trials.present[i]):
             sd, rho = noise[:, j]

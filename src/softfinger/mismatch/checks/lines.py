@@ -14,11 +14,9 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from softfinger.inference.problem import Problem
-
-LEAST_PERIODS = 3  # in a trial: slower waves are drift
-MOST_FREQUENCIES = 900
-LEAST_FRAMES = 24
-SIZES = (0.1, 0.3, 1.0, 3.0, 10.0, 100.0)
+from softfinger.mismatch.budget import BUDGET
+from softfinger.mismatch.decisions import DECISIONS
+from softfinger.mismatch.priors import PRIORS
 
 
 class Line(NamedTuple):
@@ -44,17 +42,17 @@ def find_line(problem: Problem, residual: NDArray[np.float64], time: NDArray[np.
         (trial, frame) [s].
     """
     interval, duration = problem.trials.interval, problem.setting.duration
-    low, high = LEAST_PERIODS / duration, 0.45 / interval
-    count = int(min(MOST_FREQUENCIES, max(2 * (high - low) * duration, 1)))
+    low, high = DECISIONS.wave_periods / duration, 0.45 / interval
+    count = int(min(BUDGET.frequencies, max(2 * (high - low) * duration, 1)))
     frequency = np.linspace(low, high, count)
     shapes = list_shapes(problem.setting.stiffness)
     power = np.zeros((len(shapes), count))
-    gain = np.zeros((len(SIZES), *power.shape))
+    gain = np.zeros((len(PRIORS.wave_sizes), *power.shape))
     series = np.zeros(len(shapes), int)
     for i in range(len(residual)):
         for k, here in measure_power(problem, residual[i], time[i], frequency, shapes):
             power[k] += here
-            for size, gained in zip(SIZES, gain, strict=True):
+            for size, gained in zip(PRIORS.wave_sizes, gain, strict=True):
                 gained[k] += 0.5 * here * size / (1.0 + size) - np.log1p(size)
             series[k] += 1
     tail = np.array([chi2.sf(p, 2 * max(n, 1)) for p, n in zip(power, series, strict=True)])
@@ -90,9 +88,9 @@ def measure_power(
     What neighbouring joints have in common, they get from the link between them: a wave in all
     joints stands out from their weighted sum (generalised least squares) and hardly from any one.
     """
-    seen = np.isfinite(residual).sum(axis=1) >= LEAST_FRAMES
+    seen = np.isfinite(residual).sum(axis=1) >= DECISIONS.wave_frames
     used = np.isfinite(residual[seen]).all(axis=0)
-    if not seen.any() or used.sum() < LEAST_FRAMES:
+    if not seen.any() or used.sum() < DECISIONS.wave_frames:
         return
     gap = np.diff(time[used]) / problem.trials.interval
     rho = problem.noise["noise_autocorrelation"].values[seen]

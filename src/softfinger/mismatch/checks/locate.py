@@ -15,11 +15,9 @@ from softfinger.inference.problem import OWN, Problem
 from softfinger.inference.reduce import whiten_residual
 from softfinger.inference.setting import load_at
 from softfinger.mismatch.candidates.rank import Candidate
+from softfinger.mismatch.decisions import DECISIONS
 
 PHASES = ("rest", "loading", "holding", "unloading")
-WINDOWS_S = (0.0, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, np.inf)
-LEAST_COUNT = 8
-LEAST_TRIALS = 6
 PARAMETERS = ("log_k_v", "log_c_v", "log_c_p", "q_ini")
 
 
@@ -44,8 +42,8 @@ def label_phase(problem: Problem, trial: int) -> NDArray[np.int64]:
     top = max(np.abs(load).max(), 1e-300)
     time = problem.trials.node[trial, : problem.trials.bins[trial]].mean(axis=1)
     slope = np.gradient(np.abs(load), time) if len(time) > 1 else np.zeros_like(load)
-    moving = np.abs(slope) * (time[-1] - time[0]) > 0.2 * top
-    phase = np.where(np.abs(load) < 0.05 * top, 0, 2)
+    moving = np.abs(slope) * (time[-1] - time[0]) > DECISIONS.loading * top
+    phase = np.where(np.abs(load) < DECISIONS.at_rest * top, 0, 2)
     return np.where(moving, np.where(slope > 0, 1, 3), phase)
 
 
@@ -58,16 +56,16 @@ def locate_within(problem: Problem, candidate: Candidate) -> xr.Dataset:
         mean_square, mean, count, p_value, q_value (joint, phase, window); NaN for an empty cell.
     """
     white = whiten_all(problem, candidate)
-    shape = (problem.trials.joints, len(PHASES), len(WINDOWS_S) - 1)
+    shape = (problem.trials.joints, len(PHASES), len(DECISIONS.windows_s) - 1)
     total, square, count = np.zeros(shape), np.zeros(shape), np.zeros(shape)
     for i, rows in enumerate(white):
-        window = np.searchsorted(WINDOWS_S, time_since_change(problem, i), side="right") - 1
-        place = label_phase(problem, i), np.clip(window, 0, shape[2] - 1)
+        window = np.searchsorted(DECISIONS.windows_s, time_since_change(problem, i), side="right")
+        place = label_phase(problem, i), np.clip(window - 1, 0, shape[2] - 1)
         for j in np.flatnonzero(problem.trials.present[i]):
             np.add.at(total[j], place, rows[:, j])
             np.add.at(square[j], place, rows[:, j] ** 2)
             np.add.at(count[j], place, 1)
-    full = count >= LEAST_COUNT
+    full = count >= DECISIONS.least_count
     with np.errstate(invalid="ignore", divide="ignore"):
         scatter = chi2.sf(square, np.maximum(count, 1))
         shift = 2 * norm.sf(np.abs(total) / np.sqrt(count))
@@ -87,7 +85,7 @@ def locate_within(problem: Problem, candidate: Candidate) -> xr.Dataset:
         coords={
             "joint": np.arange(1, shape[0] + 1),
             "phase": list(PHASES),
-            "window": np.array(WINDOWS_S[:-1]),
+            "window": np.array(DECISIONS.windows_s[:-1]),
         },
     )
 
@@ -109,7 +107,7 @@ def locate_between(problem: Problem, candidate: Candidate) -> xr.Dataset:
     for k, values in enumerate(covariates.values()):
         for j in range(joints):
             seen = problem.trials.present[:, j] & np.isfinite(values)
-            if seen.sum() < LEAST_TRIALS or np.ptp(values[seen]) == 0:
+            if seen.sum() < DECISIONS.least_trials or np.ptp(values[seen]) == 0:
                 continue
             for parameter in range(OWN):
                 if np.ptp(own[seen, j, parameter]) > 0:
@@ -152,7 +150,7 @@ def list_trial_covariates(problem: Problem) -> dict[str, NDArray[np.float64]]:
     return {
         name: found[name]
         for name, v in known.items()
-        if len(v) >= LEAST_TRIALS and np.ptp(v) > 1e-3 * max(np.abs(v).max(), 1e-300)
+        if len(v) >= DECISIONS.least_trials and np.ptp(v) > 1e-3 * max(np.abs(v).max(), 1e-300)
     }
 
 

@@ -10,8 +10,8 @@ from softfinger.inference.mixed_effects import Prior
 from softfinger.inference.mixed_effects_laplace import Fit
 from softfinger.inference.mixed_effects_loo import compute_left_out
 from softfinger.inference.problem import OWN, Candidate, Problem, predict_frames
-from softfinger.measurement.noise import NOISE_VARIANCE_SD
 from softfinger.mismatch.checks.locate import PARAMETERS
+from softfinger.mismatch.priors import PRIORS
 from softfinger.mismatch.verdict.schema import Elpd
 
 
@@ -109,5 +109,5 @@ def compute_excess(fit: Fit, rows: NDArray[np.int64]) -> tuple[float, float]:
         freedom += n - rank
     freedom = max(freedom - len(fit.shared), 1)
     excess = square / freedom - 1.0
-    sd = np.hypot(np.sqrt(2.0 / freedom), NOISE_VARIANCE_SD)
+    sd = np.hypot(np.sqrt(2.0 / freedom), PRIORS.noise_variance_sd)
     return float(excess), float(norm.sf(excess / sd))

@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from softfinger.inference.problem import OWN, Candidate, Problem
 from softfinger.mismatch.candidates.columns import ScoreColumns
 from softfinger.mismatch.checks.locate import PARAMETERS
+from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.search.calibrate import project_columns_array
-
-PLAUSIBLE = 2.0  # prior sd of every amplitude: the strength that tables speak of
 
 
 def tabulate_masking(columns: ScoreColumns, problem: Problem, base: Candidate) -> xr.Dataset:
@@ -43,7 +42,7 @@ def tabulate_masking(columns: ScoreColumns, problem: Problem, base: Candidate) -
     for label, first, count in zip(columns.label, columns.first, columns.count, strict=True):
         direction = np.zeros(len(columns.sd))
         part = slice(first, first + count)
-        direction[part] = PLAUSIBLE * columns.sd[part]
+        direction[part] = DECISIONS.strength * columns.sd[part]
         size = float(direction @ left @ direction)
         if label not in chosen or size > chosen[label][0]:
             chosen[label] = size, direction

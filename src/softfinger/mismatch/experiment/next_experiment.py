@@ -5,15 +5,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.diagnose import Diagnosis
 from softfinger.mismatch.experiment.plan import (
-    DESIGN_TRIALS,
     choose_protocol,
     list_protocols,
     plan_experiment,
 )
-
-LEAST_GAIN = 15.0  # nats: what is to be seen beyond doubt
 
 
 def propose_experiment(found: Diagnosis, angles: xr.Dataset) -> dict[str, Any] | None:
@@ -43,7 +41,7 @@ def propose_experiment(found: Diagnosis, angles: xr.Dataset) -> dict[str, Any] |
     largest = float(np.abs(chosen["load_torque"].values).max())
     protocols = list_protocols(largest, float(np.nanmax(chosen["time"].values)))
     best = choose_protocol(
-        plan_experiment(found.problem, found.search.base, protocols), wanted, LEAST_GAIN
+        plan_experiment(found.problem, found.search.base, protocols), wanted, DECISIONS.shows
     )
     if best is None:
         return None
@@ -53,7 +51,7 @@ def propose_experiment(found: Diagnosis, angles: xr.Dataset) -> dict[str, Any] |
     seen = [
         str(effect)
         for effect in gain["effect"].values
-        if float(gain.sel(effect=effect)) > LEAST_GAIN
+        if float(gain.sel(effect=effect)) > DECISIONS.shows
     ]
     return {
         "protocol": name,
@@ -61,14 +59,14 @@ def propose_experiment(found: Diagnosis, angles: xr.Dataset) -> dict[str, Any] |
         "expected_gain_nats": {
             str(e): round(float(g), 1) for e, g in zip(wanted, gain, strict=True)
         },
-        "n_trials": DESIGN_TRIALS,
+        "n_trials": DECISIONS.design_trials,
         "load_column": column,
         "loads": [
             {"time_s": time.tolist(), "load": (torque * scale).tolist()}
             for time, torque in zip(protocol.load_time, protocol.load_torque, strict=True)
         ],
-        "statement": f"{DESIGN_TRIALS} trials of the protocol '{name}', of the same length and "
-        f"largest load, would show {', '.join(seen)}.",
+        "statement": f"{DECISIONS.design_trials} trials of the protocol '{name}', of the same "
+        f"length and largest load, would show {', '.join(seen)}.",
     }
 
 

@@ -16,9 +16,8 @@ from softfinger.measurement.measure import assume_noise
 from softfinger.measurement.trials import prepare_trials
 from softfinger.mismatch.candidates.columns import collect_columns
 from softfinger.mismatch.candidates.rank import Candidate, list_pieces
+from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.experiment.masking import tabulate_masking
-
-DESIGN_TRIALS = 12
 
 
 class Protocol(NamedTuple):
@@ -52,7 +51,7 @@ def list_protocols(largest: float, duration: float) -> dict[str, Protocol]:
 
 
 def build_design(
-    problem: Problem, base: Candidate, protocol: Protocol, trials: int = DESIGN_TRIALS
+    problem: Problem, base: Candidate, protocol: Protocol, trials: int = DECISIONS.design_trials
 ) -> tuple[Problem, Candidate]:
     """Build a campaign without data: the base model's motion under another protocol.
 

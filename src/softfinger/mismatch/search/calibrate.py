@@ -16,10 +16,7 @@ from softfinger.compiled import compiled
 from softfinger.inference.mixed_effects import Prior, _climb, _solve, fit_linear
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mismatch.candidates.columns import ScoreColumns
-
-REPLICATES = 199
-REFITTED = 1  # forms of a replicate, the best by their score, whose gain is that of a fit
-TAIL_SHARE = 0.2  # of the replicates, from which the tail of the largest gain is learnt
+from softfinger.mismatch.decisions import DECISIONS
 
 
 class FalseAlarms(NamedTuple):
@@ -36,7 +33,7 @@ class FalseAlarms(NamedTuple):
         0.5
         """
         ordered = np.sort(self.gain)
-        edge = ordered[-int(np.ceil(TAIL_SHARE * len(ordered)))]
+        edge = ordered[-int(np.ceil(DECISIONS.tail_share * len(ordered)))]
         if gain <= edge:
             return float(np.mean(self.gain >= gain))
         beyond = ordered[ordered >= edge] - edge
@@ -46,7 +43,7 @@ class FalseAlarms(NamedTuple):
     def threshold(self, probability: float) -> float:
         """Gain [nats] that chance exceeds with a probability (below the tail's share)."""
         ordered = np.sort(self.gain)
-        edge = ordered[-int(np.ceil(TAIL_SHARE * len(ordered)))]
+        edge = ordered[-int(np.ceil(DECISIONS.tail_share * len(ordered)))]
         beyond = ordered[ordered >= edge] - edge
         share = np.mean(self.gain >= edge)
         return float(edge + max(beyond.mean(), 0.5) * np.log(share / probability))
@@ -57,7 +54,7 @@ def calibrate_false_alarms(
     problem: Problem,
     base: Candidate,
     rng: np.random.Generator,
-    replicates: int = REPLICATES,
+    replicates: int,
 ) -> FalseAlarms:
     """Draw replicates of the base model and find the largest gain in each."""
     d = len(base.fit.omega)
@@ -74,10 +71,10 @@ def calibrate_false_alarms(
         product += np.einsum("tcd,td->tc", whole[:, :, :d], base.fit.mean + own)
         gains = score_columns_array(columns, whole, product, prior, base.fit.omega)
         gains = np.where(np.isfinite(gains), gains, -np.inf)
-        for form in np.argsort(-gains)[:REFITTED]:
-            again = _refit(columns, whole, product, prior, base.fit.omega, form)
-            gains[form] = max(gains[form], again)
         largest[k] = gains.max(initial=0.0)
+        if gains.size:  # the best form by its score gains what a fit of it does
+            again = _refit(columns, whole, product, prior, base.fit.omega, int(gains.argmax()))
+            largest[k] = max(largest[k], again)
     return FalseAlarms(largest)
 
 

@@ -12,17 +12,14 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from softfinger.inference.budget import BUDGET as INFERENCE
 from softfinger.inference.disturbances import fit_disturbances, soften
-from softfinger.inference.mixed_effects_laplace import SHARE
 from softfinger.inference.problem import Candidate, Problem, predict_frames
 from softfinger.measurement.measure import add_components, measure
 from softfinger.measurement.trials import prepare_trials
+from softfinger.mismatch.budget import BUDGET
+from softfinger.mismatch.priors import PRIORS
 from softfinger.mismatch.search.stepwise import Search
-
-TOLERANCE = 0.02  # nats within which a refit is at rest
-LEADERS = 2  # single effects that are judged beside the base model before the search
-COMPONENT_NATS = 3.0  # a disturbance's size is one of a few, and one campaign in four has it
-FINALISTS = 6  # sets of effects that are judged after it
 
 
 class Judged(NamedTuple):
@@ -58,7 +55,7 @@ def settle_measurement(
     leaders: dict[frozenset[str], Candidate] = {}
     for candidate in singles:
         gain = candidate.log_evidence - base.log_evidence
-        if candidate.fit is not None and gain > needed and len(leaders) < LEADERS:
+        if candidate.fit is not None and gain > needed and len(leaders) < BUDGET.leaders:
             leaders.setdefault(candidate.model.ids, candidate)
     judging = (judge(plain, c, plain, base) for c in (base, *leaders.values()))
     best = max((j for j in judging if j is not None), key=lambda j: j.evidence, default=None)
@@ -91,7 +88,7 @@ def judge_finalists(
     measured = measure_again(plain, search.best, angles)
     finalists: dict[frozenset[str], Candidate] = {search.base.model.ids: search.base}
     for candidate in search.candidates:
-        if candidate.fit is not None and len(finalists) <= FINALISTS:
+        if candidate.fit is not None and len(finalists) <= BUDGET.finalists:
             finalists.setdefault(candidate.model.ids, candidate)
     finalists.setdefault(search.best.model.ids, search.best)
     fitted = problem if measured is plain else None
@@ -132,7 +129,7 @@ def judge(
     again = candidate if problem is fitted else _fit(problem, candidate, base)
     if again is None:
         return None
-    cost = COMPONENT_NATS * len(size)
+    cost = PRIORS.component_nats * len(size)
     return Judged(problem, again, again.log_evidence + _measure_level(problem) - cost)
 
 
@@ -187,7 +184,8 @@ def _measure_level(problem: Problem) -> float:
 def _fit(problem: Problem, candidate: Candidate, base: Candidate) -> Candidate | None:
     fit, gain = candidate.fit, candidate.log_evidence - base.log_evidence
     start = fit.own, fit.shared, fit.omega
-    again = problem.fit(candidate.model, start, tolerance=max(TOLERANCE, SHARE * gain))
+    tolerance = max(BUDGET.rest_nats, INFERENCE.rest_share * gain)
+    again = problem.fit(candidate.model, start, tolerance=tolerance)
     if again is None or not again.converged:
         return None
     return Candidate(candidate.model, again, again.log_evidence)

@@ -14,11 +14,11 @@ import numpy as np
 from softfinger.inference.mixed_effects_laplace import Fit
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mechanics.effects.model import Piece
+from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.columns import ScoreColumns, collect_columns
 from softfinger.mismatch.candidates.other_forms import find_other_form, keep_leading, swap_forms
 from softfinger.mismatch.candidates.pairs import rank_pairs
 from softfinger.mismatch.candidates.rank import (
-    RIVAL_NATS,
     Progress,
     Score,
     competing_nats,
@@ -27,12 +27,7 @@ from softfinger.mismatch.candidates.rank import (
     rank_pieces,
 )
 from softfinger.mismatch.checks.free_form import FreeForm, fit_free_form
-
-MOST_EFFECTS = 3
-FORM_ERROR = 0.005  # of what effects explain: what their textbook forms may leave to others
-SHAPE_LEFT = 0.25  # of what effects gain: with more than that left to a shape, they are not it
-LEAST_LEFT = float(np.log(10 / 0.01))  # nats that ten such terms exceed by chance in 1 %
-RIVALS = 2  # sets of effects from which a further effect is tried
+from softfinger.mismatch.decisions import DECISIONS
 
 
 class Shape(NamedTuple):
@@ -117,10 +112,10 @@ def search_effects(
     first_gain = best.log_evidence - base.log_evidence
     if first_gain <= needed:
         return Search(base, found, [], base, max(first_gain, 0.0), refused, scores)
-    for size in range(2, MOST_EFFECTS + 1):
+    for size in range(2, BUDGET.most_effects + 1):
         larger = []
         explained = best.log_evidence - base.log_evidence
-        if len(best.model.ids - base.model.ids) == MOST_EFFECTS - 1:
+        if len(best.model.ids - base.model.ids) == BUDGET.most_effects - 1:
             # a last effect that gains more than this is too much for two to leave: unlisted
             most = allow_rest(explained, needed)
             shape, alone = measure_shape(problem, best), measure_shape(problem, base)
@@ -170,12 +165,12 @@ def require_gain(needed: float, explained: float, pieces: list[Piece], best: Can
     free = {piece.effect.id for piece in pieces if piece.form.is_free}
     if best.model.ids <= free:
         return more
-    return more + FORM_ERROR * max(explained, 0.0)
+    return more + DECISIONS.form_error * max(explained, 0.0)
 
 
 def allow_rest(explained: float, needed: float) -> float:
     """Evidence [nats] that effects which explain so much may leave to a shape, a line or jumps."""
-    return max(needed, LEAST_LEFT, SHAPE_LEFT * explained)
+    return max(needed, DECISIONS.least_left, DECISIONS.shape_left * explained)
 
 
 def measure_shape(problem: Problem, candidate: Candidate) -> Shape:
@@ -217,7 +212,7 @@ def _list_rivals(base: Candidate, found: list[Candidate], size: int) -> list[Can
     for candidate in sorted(found, key=lambda c: -c.log_evidence):
         if candidate.fit is not None and len(candidate.model.ids) == size:
             best.setdefault(candidate.model.ids, candidate)
-    rivals = list(best.values())[:RIVALS]
+    rivals = list(best.values())[: BUDGET.rivals]
     leading = rivals[0].log_evidence
     behind = competing_nats(leading - base.log_evidence)
     return [c for c in rivals if c.log_evidence > leading - behind]
@@ -226,7 +221,7 @@ def _list_rivals(base: Candidate, found: list[Candidate], size: int) -> list[Can
 def _can_lead(rival: Candidate, best: Candidate, larger: list[Candidate]) -> bool:
     """Whether a set is no farther behind the best than a further effect brings the best ahead."""
     behind = best.log_evidence - rival.log_evidence
-    return behind <= max(find_best(larger) - best.log_evidence, RIVAL_NATS)
+    return behind <= max(find_best(larger) - best.log_evidence, DECISIONS.rival_nats)
 
 
 def _extend(

@@ -8,7 +8,7 @@ from softfinger.mismatch.candidates.rank import Candidate
 from softfinger.mismatch.checks.lines import Line
 from softfinger.mismatch.checks.locate import locate_between, locate_within
 from softfinger.mismatch.search.calibrate import FalseAlarms
-from softfinger.mismatch.search.decide import Posterior, join_ids
+from softfinger.mismatch.search.settle import Posterior, join_ids
 from softfinger.mismatch.search.stepwise import Search
 
 MODELS = ("base", "final")

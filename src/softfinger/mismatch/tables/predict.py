@@ -10,18 +10,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from softfinger.inference.budget import BUDGET as INFERENCE
 from softfinger.inference.mixed_effects import hold_omega
 from softfinger.inference.mixed_effects_laplace import centre_gram, fit_nonlinear
-from softfinger.inference.problem import LONGEST_OWN_STEP, OWN, TOLERANCE, Problem
+from softfinger.inference.problem import OWN, Problem
 from softfinger.mechanics.forward.simulate import simulate_joint_angle_array
 from softfinger.mechanics.forward.slots import SlotArrays
+from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.rank import Candidate
-
-FOLDS = 5
-DRAWS = 99
-REFIT_STEPS = 8
-MOST_LEVELS = 6
-SAME_LEVEL = 0.05  # two largest loads that differ by less, relatively, are one level
+from softfinger.mismatch.decisions import DECISIONS
 
 
 class Population(NamedTuple):
@@ -63,9 +60,9 @@ def refit_without(
             linearise,
             problem.build_prior(model),
             problem.build_bounds(model),
-            np.tile(LONGEST_OWN_STEP, problem.trials.joints),
+            np.tile(INFERENCE.longest_step, problem.trials.joints),
             (fit.own, fit.shared, fit.omega),
-            steps=REFIT_STEPS,
+            steps=BUDGET.refit_steps,
         )
     except np.linalg.LinAlgError:
         return None
@@ -87,8 +84,8 @@ def predict_trials(
     """
     trials, model = problem.trials, candidate.model
     n, d = len(trials.name), len(candidate.fit.omega)
-    drawn = np.full((DRAWS, n, trials.joints, trials.node.shape[1]), np.nan)
-    for k in range(DRAWS):
+    drawn = np.full((BUDGET.draws, n, trials.joints, trials.node.shape[1]), np.nan)
+    for k in range(BUDGET.draws):
         own, parts = candidate.fit.own.copy(), []
         for chosen, population in groups:
             both = rng.multivariate_normal(population.mean, population.covariance, method="eigh")
@@ -105,7 +102,7 @@ def predict_trials(
             trials.load_time,
             trials.load_torque,
             by_own=False,
-            tolerance=TOLERANCE,
+            tolerance=INFERENCE.angle_error,
         )
         drawn[k] = angle.reshape(*drawn.shape[1:], 2).mean(axis=-1)
     inside = np.any([chosen for chosen, _ in groups], axis=0)
@@ -145,8 +142,8 @@ def list_folds(trials: int) -> list[NDArray[np.bool_]]:
     >>> [int(fold.sum()) for fold in list_folds(7)]
     [2, 2, 1, 1, 1]
     """
-    number = np.arange(trials) % min(FOLDS, trials)
-    return [number == k for k in range(min(FOLDS, trials))]
+    number = np.arange(trials) % min(BUDGET.folds, trials)
+    return [number == k for k in range(min(BUDGET.folds, trials))]
 
 
 def list_levels(problem: Problem) -> dict[float, NDArray[np.bool_]]:
@@ -156,10 +153,10 @@ def list_levels(problem: Problem) -> dict[float, NDArray[np.bool_]]:
     """
     largest = np.abs(problem.trials.load_torque).max(axis=1)
     order = np.argsort(largest, kind="stable")
-    jump = np.diff(largest[order]) > SAME_LEVEL * max(largest.max(), 1e-300)
+    jump = np.diff(largest[order]) > DECISIONS.same_level * max(largest.max(), 1e-300)
     number = np.empty(len(largest), int)
     number[order] = np.concatenate([[0], np.cumsum(jump)])
     if number.max() == 0:
         return {}
-    chosen = np.unique(np.linspace(0, number.max(), MOST_LEVELS).astype(int))
+    chosen = np.unique(np.linspace(0, number.max(), BUDGET.levels).astype(int))
     return {float(np.median(largest[number == k])): number == k for k in chosen}

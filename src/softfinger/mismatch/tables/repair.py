@@ -9,9 +9,11 @@ from softfinger.inference.mixed_effects_loo import compute_left_out
 from softfinger.inference.problem import OWN, Problem
 from softfinger.inference.setting import load_at
 from softfinger.measurement.trials import Trials
+from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.rank import Candidate
 from softfinger.mismatch.checks.locate import PARAMETERS, time_since_change
 from softfinger.mismatch.checks.summary import compare_parameters, compute_residual, compute_spread
+from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.tables.evidence import MODELS
 from softfinger.mismatch.tables.predict import (
     learn_without,
@@ -21,9 +23,6 @@ from softfinger.mismatch.tables.predict import (
     rank_recordings,
     refit_without,
 )
-
-CI_PROBS = (0.5, 0.9)
-RESAMPLES = 400
 
 
 def measure_repair(
@@ -111,7 +110,7 @@ def _measure_model(
         "trial": trials.name,
         "joint": np.arange(1, trials.joints + 1),
         "parameter": list(PARAMETERS),
-        "ci_prob": list(CI_PROBS),
+        "ci_prob": list(DECISIONS.ci_probs),
         "bound": ["lower", "upper"],
         "level": np.array(list(levels), float),
     }
@@ -141,14 +140,14 @@ def measure_coverage(
     coverage, bound
         (joint, ci_prob) and (joint, ci_prob, 2), by bootstrap over trials; NaN for one trial.
     """
-    shape = (problem.trials.joints, len(CI_PROBS))
+    shape = (problem.trials.joints, len(DECISIONS.ci_probs))
     n = len(problem.trials.name)
     if n < 2:
         return np.full(shape, np.nan), np.full((*shape, 2), np.nan)
     groups = [(fold, learn_without(problem, candidate, fold)) for fold in list_folds(n)]
     drawn = predict_trials(problem, candidate, groups, rng)
     share = share_inside(rank_recordings(drawn, recorded, noise_sd, rng))
-    again = np.stack([_mean(share[rng.integers(0, n, n)]) for _ in range(RESAMPLES)])
+    again = np.stack([_mean(share[rng.integers(0, n, n)]) for _ in range(BUDGET.resamples)])
     bound = np.moveaxis(np.nanquantile(again, (0.05, 0.95), axis=0), 0, -1)
     return _mean(share), bound
 
@@ -161,7 +160,7 @@ def share_inside(rank: NDArray[np.float64]) -> NDArray[np.float64]:
     """
     away = 2 * np.abs(rank - 0.5)
     known = np.isfinite(rank).sum(axis=2)
-    inside = np.stack([(away < p).sum(axis=2) for p in CI_PROBS], axis=-1)
+    inside = np.stack([(away < p).sum(axis=2) for p in DECISIONS.ci_probs], axis=-1)
     return np.where(known[..., None] > 0, inside / np.maximum(known[..., None], 1), np.nan)
 
 
@@ -189,7 +188,7 @@ def measure_levels(
             continue
         drawn = predict_trials(problem, candidate, [(chosen, population)], rng)
         rank = rank_recordings(drawn, recorded, noise_sd, rng)
-        inside[row] = _mean(share_inside(rank))[:, CI_PROBS.index(0.9)]
+        inside[row] = _mean(share_inside(rank))[:, DECISIONS.ci_probs.index(0.9)]
         away = recorded[chosen] - np.median(drawn[:, chosen], axis=0)
         mean = _mean(away)
         error[row] = np.sqrt(np.nanmean(mean**2, axis=1))

@@ -6,18 +6,24 @@ import xarray as xr
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mismatch.checks.findings import Findings, weigh_against_shape
 from softfinger.mismatch.checks.free_form import FreeForm
-from softfinger.mismatch.checks.locate import WINDOWS_S, list_trial_covariates, locate_within
+from softfinger.mismatch.checks.locate import list_trial_covariates, locate_within
 from softfinger.mismatch.checks.summary import compute_elpd, compute_residual, explain_spread
-from softfinger.mismatch.search.decide import SURE, Posterior, join_ids
+from softfinger.mismatch.decisions import DECISIONS
+from softfinger.mismatch.search.settle import Posterior, join_ids
 from softfinger.mismatch.search.stepwise import Search
 from softfinger.mismatch.verdict.describe import list_effects
+from softfinger.mismatch.verdict.schema import (
+    Effect,
+    Location,
+    Remaining,
+    ResidualRms,
+    SetAside,
+    Verdict,
+)
 from softfinger.mismatch.verdict.schema import FreeForm as FreeFormNote
-from softfinger.mismatch.verdict.schema import Location, Remaining, ResidualRms, SetAside, Verdict
 from softfinger.mismatch.verdict.sufferings import describe_measurement
 
-FALSE_DISCOVERIES = 0.05  # rate among located cells
 NO_FRAME = "too few frames inform: they are missing, flagged, held or gross errors"
-LIKELY = 0.5  # probability from which an effect is stated to be a part of what is unlisted
 
 
 def conclude(
@@ -36,7 +42,7 @@ def conclude(
         posterior = posterior.doubt(weigh_against_shape(search, findings))
     effects = [] if decision == "adequate" else list_effects(problem, search, posterior, decision)
     if decision == "unlisted":
-        effects = [effect for effect in effects if effect.probability > LIKELY]
+        effects = keep_likely(effects)
     location = effects[0].location if effects else None
     if decision == "unlisted":
         location = locate_misfit(problem, search.best, findings)
@@ -67,6 +73,11 @@ def conclude(
     )
 
 
+def keep_likely(effects: list[Effect]) -> list[Effect]:
+    """Keep the effects that are likely a part of what is unlisted."""
+    return [effect for effect in effects if effect.probability > DECISIONS.likely]
+
+
 def choose_decision(search: Search, posterior: Posterior, unlisted: bool) -> str:
     """Choose among adequate, named, ambiguous and unlisted."""
     if unlisted:
@@ -74,7 +85,7 @@ def choose_decision(search: Search, posterior: Posterior, unlisted: bool) -> str
     if search.best is search.base:
         return "adequate"
     top = next(iter(posterior.sets.values()))
-    return "named" if top >= SURE else "ambiguous"
+    return "named" if top >= DECISIONS.sure else "ambiguous"
 
 
 def describe_remaining(problem: Problem, candidate: Candidate, findings: Findings) -> Remaining:
@@ -83,7 +94,7 @@ def describe_remaining(problem: Problem, candidate: Candidate, findings: Finding
     place = cells["q_value"].fillna(1.0).stack(cell=("joint", "phase", "window"))
     worst = place[int(np.argmin(place.values))]
     where = "nowhere more than by chance"
-    if float(worst) < FALSE_DISCOVERIES:
+    if float(worst) < DECISIONS.false_discoveries:
         joint, phase, since = worst["cell"].item()
         where = f"joint {joint}, {phase}, from {since:g} s after a change of load"
     rms = float(np.sqrt(max(1.0 + findings.best_excess, 0.0)))
@@ -98,7 +109,11 @@ def describe_free_form(free: FreeForm | None) -> FreeFormNote | None:
 
 
 def locate_misfit(problem: Problem, candidate: Candidate, findings: Findings) -> Location:
-    """Where an unlisted misfit lies: between trials if its shape does, else in cells of time."""
+    """Where an unlisted misfit lies: between trials if its shape does, else in cells of time.
+
+    A slip or a shape has a Bayes factor, whose inverse bounds a p-value (Vovk and Wang 2021, Ann.
+    Stat. 49, 1736): without it, evidence so large comes in no more than that share of campaigns.
+    """
     cells = locate_within(problem, candidate)
     p_value = cells["p_value"].fillna(1.0)
     joints = {
@@ -110,14 +125,15 @@ def locate_misfit(problem: Problem, candidate: Candidate, findings: Findings) ->
     free, jumps = findings.free, findings.jumps
     slipped = bool(jumps.trials) and jumps.gain == findings.left
     between = free is not None and free.argument in list_trial_covariates(problem) and not slipped
-    if slipped:
-        joints = {name: 1e-3 if int(name) in jumps.joints else p for name, p in joints.items()}
-    if between:
-        joints = {name: 1e-3 if int(name) in free.joints else p for name, p in joints.items()}
+    shown = jumps if slipped else free if between else None
+    if shown is not None:
+        bound = float(np.exp(-max(shown.gain, 0.0)))
+        joints |= {str(j): min(bound, joints[str(j)]) for j in shown.joints}
     worst = cells["q_value"].fillna(1.0).min(("joint", "phase")).values
-    hit = np.flatnonzero(worst < FALSE_DISCOVERIES)
+    hit = np.flatnonzero(worst < DECISIONS.false_discoveries)
     last = float(problem.setting.duration)
-    times = (WINDOWS_S[hit[0]], min(WINDOWS_S[hit[-1] + 1], last)) if hit.size else None
+    edges = DECISIONS.windows_s
+    times = (edges[hit[0]], min(edges[hit[-1] + 1], last)) if hit.size else None
     return Location(
         level="measurement" if slipped else "between_trials" if between else "within_trial",
         joints=joints,

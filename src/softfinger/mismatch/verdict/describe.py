@@ -5,8 +5,9 @@ from scipy.stats import norm
 
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mechanics.effects.model import Entry
+from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.checks.locate import find_window
-from softfinger.mismatch.search.decide import Posterior
+from softfinger.mismatch.search.settle import Posterior
 from softfinger.mismatch.search.stepwise import Search
 from softfinger.mismatch.verdict.law import state_law
 from softfinger.mismatch.verdict.schema import (
@@ -17,8 +18,6 @@ from softfinger.mismatch.verdict.schema import (
     estimate_normal,
 )
 from softfinger.mismatch.verdict.statements import state_effect
-
-LEVELS = (np.arange(1000) + 0.5) / 1000  # at which a normal law stands for its draws
 
 
 def list_effects(
@@ -84,7 +83,8 @@ def estimate_entry(entry: Entry, mean: float, sd: float) -> dict[str, Estimate]:
     if not parameter.report:
         estimate = estimate_lognormal if parameter.log else estimate_normal
         return {entry.name: estimate(mean, sd)}
-    internal = np.clip(mean + sd * norm.ppf(LEVELS), parameter.low, None)
+    level = (np.arange(BUDGET.quantile_points) + 0.5) / BUDGET.quantile_points
+    internal = np.clip(mean + sd * norm.ppf(level), parameter.low, None)
     estimates = {}
     for name, values in entry.report(internal).items():
         low, lower, middle, upper, high = np.quantile(values, (0.05, 0.16, 0.5, 0.84, 0.95))

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from softfinger.inference.posterior import prepare_candidate, sample_posterior
 from softfinger.mechanics.effects.model import Entry
+from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.diagnose import Diagnosis
 from softfinger.mismatch.verdict.schema import Effect, Estimate, Verdict
 from softfinger.mismatch.verdict.statements import state_effect
@@ -16,14 +17,13 @@ from softfinger.mismatch.verdict.statements import state_effect
 SAMPLING: dict[str, Any] = {
     "sampler": "nuts",
     "covariance": "independent",
-    "chains": 4,
-    "tune": 300,
-    "draws": 250,
-    "cores": 2,
-    "target_accept": 0.8,
-    "max_depth": 10,
+    "chains": BUDGET.chains,
+    "tune": BUDGET.tune,
+    "draws": BUDGET.kept_draws,
+    "cores": BUDGET.cores,
+    "target_accept": BUDGET.target_accept,
+    "max_depth": BUDGET.max_depth,
 }
-R_HAT_MAX = 1.01  # beyond it the chains do not agree, and the fit's curvature stays
 
 
 class Refined(NamedTuple):
@@ -33,7 +33,9 @@ class Refined(NamedTuple):
     r_hat: float
 
 
-def refine_verdict(diagnosis: Diagnosis, angles: xr.Dataset, rng: np.random.Generator) -> Refined:
+def refine_verdict(
+    diagnosis: Diagnosis, angles: xr.Dataset, rng: np.random.Generator, r_hat_max: float
+) -> Refined:
     """Sample the best model, and give its effects' parameters by their draws.
 
     The verdict stays as it is where nothing was left out, or where the chains do not agree.
@@ -46,6 +48,8 @@ def refine_verdict(diagnosis: Diagnosis, angles: xr.Dataset, rng: np.random.Gene
         Its `angles` artifact.
     rng
         Of the sampler.
+    r_hat_max
+        Beyond it the chains do not agree, and the fit's curvature stays.
     """
     best, verdict = diagnosis.search.best, diagnosis.verdict
     if not verdict.effects or not best.model.pieces:
@@ -54,7 +58,7 @@ def refine_verdict(diagnosis: Diagnosis, angles: xr.Dataset, rng: np.random.Gene
     posterior, _ = sample_posterior(prepared, SAMPLING, rng)
     effect = posterior["effect_internal"]
     r_hat = float(az.rhat(effect.to_dataset(name="effect"))["effect"].max())
-    if not r_hat < R_HAT_MAX:
+    if not r_hat < r_hat_max:
         return Refined(verdict, r_hat)
     draws = effect.transpose("effect_parameter", "chain", "draw").values
     found: dict[str, dict[str, Estimate]] = {}

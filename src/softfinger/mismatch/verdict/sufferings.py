@@ -6,10 +6,8 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.verdict.schema import Suffering, Warned
-
-CONTRADICTS = 2.0  # times the declared sd, or its inverse
-OTHER = 1.5  # times the campaign's noise: a trial whose noise is named
 
 
 class _Words(NamedTuple):
@@ -45,7 +43,7 @@ def doubt_declared(measurement: xr.Dataset) -> list[Warned]:
     declared = measurement["noise_sd"].values
     shown = measurement["recorded_noise_sd"].values
     ratio = float(np.exp(np.nanmean(np.log(shown / declared)))) if (shown > 0).any() else 1.0
-    if CONTRADICTS**-1 <= ratio <= CONTRADICTS:
+    if DECISIONS.contradicts**-1 <= ratio <= DECISIONS.contradicts:
         return []
     statement = (
         f"campaign.yaml, noise_sd_rad: {declared[0]:g} rad is declared and used, but the "
@@ -62,7 +60,9 @@ def _list_trials(name: str, measurement: xr.Dataset) -> list[str]:
     elif name == "repeated_frames":
         hit = measurement["repeated"].values.any(axis=1)
     elif name == "uneven_noise":
-        hit = (np.abs(np.log(_scale_trials(measurement))) > np.log(OTHER)).to_numpy()
+        hit = (
+            np.abs(np.log(_scale_trials(measurement))) > np.log(DECISIONS.other_noise)
+        ).to_numpy()
     else:
         return []
     return trials[hit].tolist()

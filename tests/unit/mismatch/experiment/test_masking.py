@@ -17,6 +17,6 @@ def test_a_law_of_flow_vanishes_under_one_load_and_not_under_several(draw_campai
         masking = tabulate_masking(collect_columns(problem, base, pieces), problem, base)
         assert set(masking["effect"].values) == set(laws)
         gains.append(masking["expected_gain"])
-    assert gains[0].max() < 0.2  # a free law of flow keeps a trace
+    assert gains[0].max() < 0.5  # a free law of flow keeps a trace
     assert gains[1].sel(effect="yield_threshold") > 1.0
     assert gains[1].sel(effect="stress_nonlinear_flow") > 10.0

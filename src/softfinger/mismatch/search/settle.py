@@ -11,10 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from softfinger.mismatch.candidates.rank import Candidate
+from softfinger.mismatch.decisions import DECISIONS
+from softfinger.mismatch.priors import PRIORS
 from softfinger.mismatch.search.stepwise import Search
-
-SURE = 0.95  # posterior probability from which one set of effects is named
-SLIGHT = 0.02  # of what effects gain: additions that disagree and gain less are not claimed
 
 Ids = frozenset[str]
 
@@ -38,12 +37,12 @@ class Posterior(NamedTuple):
 
     @property
     def equivalent(self) -> list[Ids]:
-        """The fewest sets of effects that reach `SURE` together."""
+        """The fewest sets of effects that reach `DECISIONS.sure` together."""
         total, chosen = 0.0, []
         for ids, probability in self.sets.items():
             chosen.append(ids)
             total += probability
-            if total >= SURE:
+            if total >= DECISIONS.sure:
                 break
         return chosen
 
@@ -59,11 +58,11 @@ def weigh_models(base: Candidate, others: Iterable[Candidate]) -> Posterior:
     for candidate in others:
         groups.setdefault(candidate.model.ids - base.model.ids, []).append(candidate)
     groups.pop(frozenset(), None)
-    log_weight = {frozenset(): np.log(0.5) + base.log_evidence}
+    log_weight = {frozenset(): np.log(PRIORS.base) + base.log_evidence}
     for ids, members in groups.items():
         evidence = np.array([member.log_evidence for member in members])
         share = np.logaddexp.reduce(evidence) - np.log(len(members))
-        log_weight[ids] = share + np.log(0.5 / len(groups))
+        log_weight[ids] = share + np.log((1.0 - PRIORS.base) / len(groups))
     total = np.logaddexp.reduce(list(log_weight.values()))
     sets = {ids: float(np.exp(weight - total)) for ids, weight in log_weight.items()}
     sets = dict(sorted(sets.items(), key=lambda item: (-item[1], sorted(item[0]))))
@@ -90,7 +89,7 @@ def settle_search(search: Search) -> Search:
     if kept is None or kept.fit is None:
         return search
     added = search.best.log_evidence - kept.log_evidence
-    if added > SLIGHT * (kept.log_evidence - search.base.log_evidence):
+    if added > DECISIONS.slight * (kept.log_evidence - search.base.log_evidence):
         return search
     size = len(kept.model.ids)
     fewer = [c for c in search.candidates if len(c.model.ids) <= size]

@@ -1,0 +1,96 @@
+"""Numbers that only limit the work of an inference, and how finely it computes."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class InferenceBudget:
+    """How much is drawn, tried and tabulated."""
+
+    steps: int = 60
+    """Linearisations of a fit. Why: most rest after ten."""
+    few_trials_steps: int = 100
+    """The same over the number of trials, if more. Why: few trials are quick, and need more."""
+    angle_error: float = 1e-5
+    """[rad] that the forward model may err by. Why: a hundredth of a good camera's noise."""
+    longest_step: tuple[float, ...] = (0.7, 0.7, 1.0, 0.5)
+    """Of log k_v, log c_v, log c_p and q_ini in a linearisation. Why: it is straight so far."""
+    start_spread: tuple[float, ...] = (0.4, 0.6, 0.8, 0.02)
+    """Spreads from which a fit starts. Why: twice the typical ones, so that trials are free."""
+    rest_share: float = 1e-4
+    """Share of a gain that a fit may still lack at rest. Why: the digits that are asked of it."""
+    pace: int = 8
+    """Last steps that show how fast a fit gains. Why: one step may be short by chance."""
+    least_fraction: float = 0.05
+    """Of a step that is taken where changes overshoot. Why: less never arrives."""
+    shortenings: int = 6
+    """Halvings of a step that does not gain. Why: what 2 % of it does not gain, none does."""
+    returns: int = 2
+    """Gauss-Newton steps of η back to the bottom of the valley. Why: they converge in squares."""
+    omega_moves: int = 200
+    """Trials up to which Ω adapts when one is left out. Why: with more, it hardly does."""
+    guess_rates: int = 25
+    """Rates that a first guess tries. Why: the fit starts there, no more."""
+    guess_trials: int = 15
+    """Trials that it looks at. Why: as `guess_rates`."""
+    curves: int = 96
+    """Rates whose motions span the table of the step solution. Why: to 1e-10 of the largest."""
+    table_step: float = 0.02
+    """Of the log rate between entries. Why: as `curves`, by cubic interpolation."""
+    slowest: float = 0.02
+    """Lowest rate · duration in the table. Why: slower is a straight line."""
+    fastest: float = 20.0
+    """Highest rate · median interval in it. Why: faster is over before the first frame."""
+    table_protocols: int = 12
+    """Protocols from which the table is learnt. Why: others lie between."""
+    profile_grid: int = 160
+    """Rates at which a trial's likelihood is profiled. Why: no mode is missed."""
+    profile_zoom: int = 5
+    """Points on either side in a zoom. Why: each makes the grid five times finer."""
+    profile_zooms: int = 9
+    """Zooms. Why: to rounding."""
+    simulated: int = 120_000
+    """Trials that are moved to weigh draws. Why: under a minute on one core."""
+    measured: int = 20_000
+    """Trials that are moved where weighing all would take longer. Why: an sd to 1 %."""
+    together: int = 2_000
+    """Trials in one call. Why: it bounds the memory."""
+    load_rows: int = 24
+    """Rows of a load log that err alone; of a longer one, neighbours err together."""
+    jitter_bins: int = 40
+    """Bins of a trial in which jitter counts. Why: those in which it moves fastest."""
+    drift_shapes: int = 5
+    """Shapes of a random walk that count. Why: the sixth has 1 % of its variance."""
+    disturbance_rounds: int = 3
+    """Rounds in which a model adapts to a disturbance. Why: the model is linearised."""
+    dispersion: float = 2.0
+    """Of the chains' starts, in posterior sds. Why: R-hat needs starts wider than the posterior."""
+    first_step: float = 0.3
+    """Of NUTS before tuning. Why: its units are those of the posterior."""
+    gibbs_moves: tuple[float, ...] = (0.0, 0.92)
+    """Autoregression of a trial's moves in a sweep. Why: one far, one that is accepted."""
+    walk: float = 2.4
+    """Of a random walk, in posterior sds over √p. Why: Gelman, Roberts, Gilks (1996)."""
+    pairs: int = 4
+    """Antithetic pairs that integrate a trial out. Why: 0.1 nats in a trial."""
+    refits: int = 150
+    """Trials in all refits together. Why: 12 of 12 trials, one of 100."""
+    refit_chains: int = 2
+    """Chains of a refit. Why: it is for the mean of one trial's likelihood."""
+    refit_tune: int = 150
+    """Draws of each that only tune it. Why: as `refit_chains`."""
+    refit_draws: int = 200
+    """Draws of each that count. Why: as `refit_chains`."""
+    left_out_draws: int = 1000
+    """Draws of the population without a trial. Why: quantiles of 5 % to a tenth of an sd."""
+    pit_draws: int = 250
+    """New trials behind a PIT. Why: its own error is 3 %, below a histogram's."""
+    prior_draws: int = 1000
+    """New trials of the prior. Why: a band's edge from fifty."""
+    predicted_frames: int = 60
+    """Frames of a predicted trial, evenly spaced. Why: what a figure shows."""
+    predicted_protocols: int = 8
+    """Load histories that the prior predicts. Why: what a figure shows."""
+
+
+BUDGET = InferenceBudget()

@@ -1,0 +1,29 @@
+"""Numbers that only limit the work of a measurement, and the accuracy of its sums."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class MeasurementBudget:
+    """How much is tried, and how finely frames are kept."""
+
+    evaluations: int = 60
+    """Evaluations that refine the sizes of components. Why: sizes to 3 %."""
+    rounds: int = 10
+    """Rounds in which peaks are taken for outliers. Why: a burst of ten frames goes in five."""
+    bin_growth: float = 0.12
+    """Width of a bin over the time since the last change of load. Why: creep bends little in it."""
+    bin_share: float = 1.0 / 80.0
+    """Width of a bin over the length of the trial, at most. Why: as `bin_growth`, late in it."""
+    bin_gap: float = 2.5
+    """[median intervals] Gap that ends a bin. Why: a lost frame does not, two do."""
+    distinct_gaps: int = 6
+    """Different gaps that are kept as they are. Why: as many as interpolation needs nodes."""
+    gap_nodes: int = 8
+    """Nodes on which more gaps are spread. Why: 1e-4 of what noise does between them.
+
+    Test: `test_gaps.py::test_many_gaps_are_interpolated`.
+    """
+
+
+BUDGET = MeasurementBudget()

@@ -1,0 +1,120 @@
+"""Numbers that decide which frames inform, and what recordings are said to suffer from."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class MeasurementDecisions:
+    """What cleaning and noise are decided by."""
+
+    present_nats: float = 6.0
+    """Evidence [nats] from which a component of the noise is there.
+
+    Why: odds of 400, as there are a dozen components and none is to be found by chance.
+    Test: `test_measure.py::test_clean_recordings_suffer_from_nothing`.
+    """
+    least_share_seen: float = 0.5
+    """Share of a trial's frames in which a joint is seen, from which it is present.
+
+    Why: a joint that is seen less costs the others more frames than it has.
+    Test: `test_frames.py::test_a_joint_that_was_hardly_seen_does_not_cost_the_others_their_frames`.
+    """
+    least_frames: int = 8
+    """Used frames from which a trial is used.
+
+    Why: a joint has four parameters, and its noise two.
+    Test: `test_frames.py::test_a_trial_of_few_frames_is_not_used`.
+    """
+    gross_sd: float = 6.0
+    """Noise sds beyond which a value is a slip, and says nothing of the noise's tails.
+
+    Why: a normal value lies so far out once in 500 million.
+    Test: `test_measurement_decisions.py::test_a_slip_is_no_tail`.
+    """
+    usual_loss: float = 1e-3
+    """Share of its frames that a sound recording loses or repeats.
+
+    Why: a camera that drops one frame in a thousand is sound.
+    Test: `test_measurement_decisions.py::test_few_lost_frames_are_usual`.
+    """
+    own_rho: float = 9.0
+    """Gain in −2 log L, for each joint, from which joints have an autocorrelation each.
+
+    Why: three sds of one number.
+    Test: `test_noise.py::test_joints_share_one_autocorrelation_unless_it_plainly_differs`.
+    """
+    good_lost: float = 1e-6
+    """Chance of a good frame to be left out as an outlier.
+
+    Why: a campaign of 100 000 frames loses none.
+    Test: `test_measure.py::test_gross_errors_are_left_out_and_hardly_anything_else`.
+    """
+    most_outliers: float = 0.2
+    """Share of a trial's frames beyond which none is an outlier.
+
+    Why: outliers are rare; what is not is motion.
+    Test: `test_measurement_decisions.py::test_a_trial_of_many_outliers_keeps_all`.
+    """
+    least_alike: int = 6
+    """Frames as long after a change of load from which one is judged against them.
+
+    Why: the median of fewer is one of them.
+    Test: `test_measurement_decisions.py::test_where_few_frames_compare_none_is_an_outlier`.
+    """
+    alike_per_decade: int = 8
+    """Groups of such frames in a decade of the time since the change.
+
+    Why: a misfit decays by a third from one to the next.
+    Test: `test_measure.py::test_what_every_trial_does_after_a_change_of_load_is_no_outlier`.
+    """
+    median_frames: int = 15
+    """Frames of the running median that frames stand out from.
+
+    Why: bursts of up to seven frames are outliers, longer ones are motion.
+    Test: `test_measurement_decisions.py::test_a_short_burst_stands_out_and_a_long_one_does_not`.
+    """
+    unsettled: float = 0.2
+    """Share of the time between two changes of load, from the first on, that is not quiet.
+
+    Why: by then a quartic follows what moves.
+    Test: `test_noise.py::test_before_the_first_load_all_is_quiet`.
+    """
+    load_change: float = 0.05
+    """Share of the load's range by which a jump or a turn is a change.
+
+    Why: a load cell's noise is less, and a step of a protocol is more.
+    Test: `test_noise.py::test_a_dense_log_of_a_steady_load_has_one_change`.
+    """
+    lively: float = 3.0
+    """Times the median variance of the windows, beyond which one is not calm.
+
+    Why: χ² of 25 frames reaches that once in a million; a slip does.
+    Test: `test_noise.py::test_a_window_that_jumps_is_left_out`.
+    """
+    window_frames: int = 200
+    """Frames of a quiet window, at most.
+
+    Why: a quartic follows a settled finger over a few seconds of a usual camera.
+    Test: `test_measurement_decisions.py::test_windows_are_neither_long_nor_short`.
+    """
+    least_window_frames: int = 25
+    """Frames of a quiet window, at least.
+
+    Why: a quartic takes five of them.
+    Test: `test_noise.py::test_too_short_recordings_give_no_noise`.
+    """
+    equal_by_chance: float = 1e-3
+    """Chance of equal neighbours by rounding, below which equal ones are held frames.
+
+    Why: a coarse reader repeats itself without holding.
+    Test: `test_measure.py::test_rounded_angles_err_by_their_rounding`.
+    """
+    least_values: int = 20
+    """Values from which a step of rounding is sought in them.
+
+    Why: few random values lie on some grid by chance.
+    Test: `test_measurement_decisions.py::test_few_values_show_no_step`.
+    """
+
+
+DECISIONS = MeasurementDecisions()

@@ -1,0 +1,27 @@
+"""What a measurement assumes of noise: model assumptions."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class MeasurementPriors:
+    """Prior sizes of what the noise may have; each of a grid is as likely."""
+
+    freedoms: tuple[float, ...] = (3.0, 4.0, 6.0, 10.0, 20.0)
+    """Degrees of freedom of heavy tails. Why: from hardly a variance to hardly a tail."""
+    uneven_sizes: tuple[float, ...] = (0.05, 0.1, 0.2, 0.4, 0.8)
+    """Sds of the log of the noise's sd over trials, or cells. Why: 5 % up to a factor of two."""
+    signal_sizes: tuple[float, ...] = (0.3, 0.6, 1.2, 2.5, 5.0)
+    """Growth of the noise at the largest deflection. Why: hardly seen up to five times."""
+    window_scatter: tuple[float, ...] = (0.0, 0.05, 0.1, 0.2, 0.4)
+    """Sds of a window's log variance beyond chance. Why: light and motion differ a little."""
+    degree: int = 4
+    """Of the polynomial that motion follows in a quiet window. Why: creep has settled there."""
+    lasting_windows: float = 0.25
+    """Mean of how long noise lasts, in windows. Why: what lasts longer is a drift to a window.
+
+    Test: `test_noise.py::test_noise_that_outlasts_the_windows_is_not_taken_for_an_endless_drift`.
+    """
+
+
+PRIORS = MeasurementPriors()

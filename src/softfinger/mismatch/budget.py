@@ -1,0 +1,73 @@
+"""Numbers that only limit the work of a diagnosis: more would find the same, later."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class DiagnosisBudget:
+    """How much a diagnosis tries."""
+
+    first_steps: int = 4
+    """Linearisations before candidates are compared. Why: by then the order is settled."""
+    leading: int = 4
+    """Effects whose best form is fitted however far behind its score. Why: scores are linear.
+
+    Test: `test_rank.py::test_only_leading_effects_are_fitted_where_none_comes_near_what_is_asked`.
+    """
+    near_nats: float = 2.0
+    """[nats] within the best gain in which a form is fitted. Why: what a linear score errs by."""
+    near_share: float = 0.7
+    """The same as a share of the best gain. Why: far from zero a linear score errs by that much."""
+    reach_nats: float = 20.0
+    """[nats] within the best fit in which a fit goes on. Why: what `first_steps` may lack."""
+    reach_share: float = 0.5
+    """The same as a share of the best gain. Why: as `near_share`, after some steps."""
+    hopeless_nats: float = -2.0
+    """[nats] No form with a lower linearised gain is fitted. Why: its prior alone costs that."""
+    most_effects: int = 3
+    """Effects in a set that is tried. Why: a third beyond the second is unlisted already."""
+    rivals: int = 2
+    """Sets of effects from which a further effect is tried. Why: forward addition with a second."""
+    forms: int = 3
+    """Forms of an effect that are tried in pairs. Why: they hide alike."""
+    pairs: int = 4
+    """Pairs of effects that are fitted. Why: pairs' scores are of pairs, and in order."""
+    leaders: int = 2
+    """Effects that are judged with a measurement of their own before the search."""
+    finalists: int = 6
+    """Sets of effects that are judged so after it. Why: the sixth is out of all competition."""
+    rest_nats: float = 0.02
+    """[nats] at which a finalist's fit has come to rest. Why: far below any decision's size."""
+    shape_steps: int = 25
+    """Linearisations of a free-form term. Why: it starts where the model is already fitted."""
+    shape_points: int = 41
+    """Places at which a spline is tabulated. Why: four to a knot, and both ends."""
+    frequencies: int = 900
+    """Frequencies at which waves are sought. Why: two a resolution element in a 30 s trial."""
+    folds: int = 5
+    """Parts into which trials are left out. Why: the usual number."""
+    draws: int = 99
+    """New trials behind a band. Why: ranks in hundredths."""
+    refit_steps: int = 8
+    """Linearisations of a fit without a load level. Why: it starts at the mode of all."""
+    levels: int = 6
+    """Load levels that are left out, evenly chosen. Why: what a figure has room for."""
+    resamples: int = 400
+    """Draws of trials behind the bounds of a coverage. Why: 5 % quantiles from twenty each."""
+    quantile_points: int = 1000
+    """Points of a normal posterior whose reported function is summed up. Why: 0.1 % each."""
+    chains: int = 4
+    """Chains that sample the repaired model. Why: R-hat needs several."""
+    tune: int = 300
+    """Draws of each that only tune it. Why: the expansion whitens the posterior."""
+    kept_draws: int = 400
+    """Draws of each that count. Why: with fewer, R-hat is above 1.01 by chance."""
+    cores: int = 2
+    """Chains at a time. Why: the draws are the same whatever it is."""
+    target_accept: float = 0.8
+    """Share of accepted steps that tuning seeks. Why: a whitened posterior is nearly normal."""
+    max_depth: int = 10
+    """Doublings of a trajectory. Why: a whitened posterior needs three."""
+
+
+BUDGET = DiagnosisBudget()

@@ -1,0 +1,39 @@
+"""What a diagnosis assumes of what it seeks: model assumptions, with no truth to check them by."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class DiagnosisPriors:
+    """Prior probabilities and sizes."""
+
+    base: float = 0.5
+    """Probability of the base model. Why: neither side is favoured.
+
+    Test: `test_settle.py::test_base_and_effects_share_the_prior_by_halves`.
+    """
+    component_nats: float = 3.0
+    """[nats] that a disturbance costs. Why: its size is one of five; one campaign in four has it.
+
+    Test: `test_decisions.py::test_a_disturbance_costs_its_prior`.
+    """
+    noise_variance_sd: float = 0.02
+    """Relative sd of the noise's variance. Why: what REML windows leave of it in 40 trials.
+
+    Test: `test_decisions.py::test_excess_that_the_noise_may_explain_is_none`.
+    """
+    knots: int = 9
+    """Coefficients of a cubic spline. Why: it turns up to eight times, more than any law."""
+    shape_sizes_rad: tuple[float, ...] = (0.001, 0.004, 0.016, 0.064)
+    """[rad] Sds of a spline's coefficients that are as likely. Why: noise of a good camera up."""
+    shape_sizes_log: tuple[float, ...] = (0.1, 0.3, 1.0)
+    """The same, of log parameters between trials. Why: 10 % up to a factor of 3."""
+    jump_sizes_rad: tuple[float, ...] = (0.003, 0.01, 0.03)
+    """[rad] Sds of a slip that are as likely. Why: a marker's edge up to its width."""
+    jump_shares: tuple[float, ...] = (0.02, 0.1, 0.3, 0.6, 0.95)
+    """Shares of the trials that slip that are as likely. Why: one in fifty up to nearly all."""
+    wave_sizes: tuple[float, ...] = (0.1, 0.3, 1.0, 3.0, 10.0, 100.0)
+    """Powers of a wave over the noise's that are as likely. Why: half decades."""
+
+
+PRIORS = DiagnosisPriors()
