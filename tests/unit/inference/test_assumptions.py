@@ -5,7 +5,7 @@ import xarray as xr
 
 from softfinger.inference.assumptions import judge_independence, measure_prior_sensitivity
 from softfinger.inference.density import Effects
-from softfinger.inference.priors import Prior
+from softfinger.inference.priors import PopulationPrior
 
 NAMES = ("log_k_v", "log_c_v", "log_c_p", "q_ini")
 
@@ -60,7 +60,7 @@ def test_an_effect_that_the_recordings_do_not_show_depends_on_its_prior():
         chain=range(4), draw=range(500), effect_parameter=["unseen", "seen"]
     )
     seen = xr.DataArray(-0.5 * (draws[..., 1:] / 0.1) ** 2, dims=(*dims, "trial"))
-    prior = Prior(np.zeros(4), np.ones(4), np.ones(4), np.ones(4), 0.05)
+    prior = PopulationPrior(np.zeros(4), np.ones(4), np.ones(4), np.ones(4), 0.05)
     effects = Effects(["unseen", "seen"], np.zeros(2), np.ones(2), None)
     found = measure_prior_sensitivity(posterior, seen, prior, effects)
     unseen, shown = (found.sel(effect_parameter=name) for name in ("unseen", "seen"))
