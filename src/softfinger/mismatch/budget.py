@@ -60,7 +60,7 @@ class DiagnosisBudget:
     """Chains that sample the repaired model. Why: R-hat needs several."""
     tune: int = 300
     """Draws of each that only tune it. Why: the expansion whitens the posterior."""
-    kept_draws: int = 400
+    kept_draws: int = 500
     """Draws of each that count. Why: with fewer, R-hat is above 1.01 by chance."""
     cores: int = 2
     """Chains at a time. Why: the draws are the same whatever it is."""
