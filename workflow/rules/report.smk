@@ -22,6 +22,7 @@ FIGURES += [
     "location",
     "masking",
     "prior_predictive",
+    "measurement",
 ]
 if VIDEOS:
     FIGURES += ["tracking"]

@@ -16,6 +16,7 @@ from softfinger.report.blocks import Section, Tile
 from softfinger.report.material import Artifact, Material
 from softfinger.report.sections import overview
 from softfinger.report.sections.data import build_data
+from softfinger.report.sections.measured import build_measured
 from softfinger.report.sections.mismatch import build_mismatch
 from softfinger.report.sections.model import build_model
 from softfinger.report.sections.origin import build_origin
@@ -41,6 +42,7 @@ OVERVIEW = (
 """The first layer, for the head of a lab."""
 REFEREE = (
     build_data,
+    build_measured,
     build_model,
     build_computation,
     build_calibration,

@@ -15,6 +15,7 @@ from softfinger.report.material import Artifact, Material
 from softfinger.report.pictures import fit, mismatch, population, recordings, spread
 from softfinger.report.pictures.assumptions import picture_assumptions
 from softfinger.report.pictures.free_form import picture_free_form
+from softfinger.report.pictures.measurement import picture_laws, picture_measurement
 from softfinger.report.sections.parameters import each_parameter, explain_rivals, list_rivals
 
 PICTURES: dict[str, Callable[[Material], Picture | None]] = {
@@ -36,6 +37,8 @@ PICTURES: dict[str, Callable[[Material], Picture | None]] = {
     "location": mismatch.picture_location,
     "masking": mismatch.picture_masking,
     "free_form": picture_free_form,
+    "laws": picture_laws,
+    "measurement": picture_measurement,
     "prior_predictive": fit.picture_prior,
     "sampling": fit.picture_sampling,
     "assumptions": picture_assumptions,

@@ -14,6 +14,8 @@ NEEDED = 0.5
 """Probability from which an effect is drawn as needed."""
 SINCE = np.geomspace(0.05, 100.0, 12)
 """Edges of the time since the last change of load [s]."""
+DEFLECTION = np.linspace(0.0, 1.0, 41)
+"""At which the noise is shown [rad]."""
 CHANGE_QUANTILES = (0.05, 0.5, 0.95)
 
 
@@ -97,6 +99,35 @@ def summarise_location(
     shows = [p_value.get(int(joint), 1.0) < SEEN for joint in joints]
     line = location is not None and float(location["line_p_value"]) < SEEN
     return xr.Dataset({"shows": ("joint", shows), "line_shows": ((), line)}, {"joint": joints})
+
+
+def summarise_measurement(measurement: xr.Dataset) -> xr.Dataset:
+    """Sum up what each trial suffers from, and how its noise grows.
+
+    Parameters
+    ----------
+    measurement
+        The artifact of that name.
+
+    Returns
+    -------
+    Dataset
+        gross_share, repeated_share (trial), of the frames that were seen; noise_ratio (trial,
+        joint), sd over the campaign's, NaN where a joint is absent; grown_sd (deflection, joint)
+        [rad], sd of the noise at a deflection [rad] of the coordinate.
+    """
+    gross, repeated = measurement["outlier_distance"] > 0, measurement["repeated"] == 1
+    seen = (gross | repeated | (measurement["used"] == 1)).sum("frame")
+    deflection = xr.DataArray(DEFLECTION, {"deflection": DEFLECTION}, "deflection")
+    growth = np.sqrt(1.0 + (measurement["noise_per_rad"] * deflection) ** 2)
+    share = {"gross_share": gross, "repeated_share": repeated}
+    return xr.Dataset(
+        {
+            **{name: marked.sum("frame") / seen.clip(min=1) for name, marked in share.items()},
+            "noise_ratio": measurement["trial_factor"].where(measurement["present"] == 1),
+            "grown_sd": growth * measurement["noise_sd"],
+        }
+    )
 
 
 def summarise_assumptions(assumptions: xr.Dataset) -> xr.Dataset:

@@ -126,6 +126,7 @@ SUMMED: dict[str, tuple[str, Callable[[xr.Dataset], xr.Dataset]]] = {
     "pairs": ("shapley", causes.find_pairs),
     "misfit": ("repair", diagnosis.summarise_misfit),
     "assumptions": ("assumptions", diagnosis.summarise_assumptions),
+    "noise": ("measurement", diagnosis.summarise_measurement),
 }
 """Group → the one artifact that it sums up, and how."""
 

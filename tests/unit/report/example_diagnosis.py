@@ -4,7 +4,15 @@ import numpy as np
 import xarray as xr
 
 from softfinger.artifacts.spec import list_faults
-from softfinger.artifacts.specs import free_form, location, masking, ranking, repair
+from softfinger.artifacts.specs import (
+    free_form,
+    laws,
+    location,
+    masking,
+    measurement,
+    ranking,
+    repair,
+)
 
 NAMES = ["second_retardation", "wire_friction", "gravity"]
 LABELS = {
@@ -47,6 +55,16 @@ VERDICT = {
     "n_trials": 5,
     "set_aside": [],
     "next_experiment": None,
+    "measurement": [
+        {
+            "id": "outliers",
+            "joints": [],
+            "trials": ["trial_002"],
+            "size": {"share": 0.01},
+            "evidence": 31.0,
+            "statement": "1 % of the frames are gross errors, and are left out.",
+        }
+    ],
 }
 
 
@@ -108,6 +126,63 @@ def make_free_form(joints, attrs):
     return shape
 
 
+def make_measurement(angles, attrs):
+    """The second trial is noisy and has gross errors; the noise grows with the deflection."""
+    shape = angles.sizes["trial"], angles.sizes["frame"]
+    joints = angles["joint"].values
+    distance = np.zeros(shape)
+    distance[1, :4] = 50.0
+    factor = np.ones((shape[0], joints.size))
+    factor[1] = 3.0
+    found = xr.Dataset(
+        {
+            "present": (("trial", "joint"), np.ones(factor.shape, bool)),
+            "used": (("trial", "frame"), distance == 0),
+            "repeated": (("trial", "frame"), np.zeros(shape, bool)),
+            "outlier_distance": (("trial", "frame"), distance),
+            "frame_scale": (("trial", "frame"), np.ones(shape)),
+            "trial_factor": (("trial", "joint"), factor),
+            "noise_sd": ("joint", np.full(joints.size, 0.002)),
+            "noise_autocorrelation": ("joint", np.full(joints.size, 0.3)),
+            "noise_correlation": (("joint", "other_joint"), np.eye(joints.size)),
+            "noise_per_rad": ((), 2.0),
+            "window_count": ("joint", np.full(joints.size, 12)),
+            "component_size": ("component", [0.01]),
+            "component_evidence": ("component", [31.0]),
+        },
+        {
+            "trial": angles["trial"],
+            "joint": joints,
+            "other_joint": joints,
+            "component": ["outliers"],
+        },
+        attrs,
+    )
+    assert list_faults(measurement.SPEC, found) == []
+    return found
+
+
+def make_laws(attrs):
+    """A free moment arm for all joints, and a spring's law in joint 2."""
+    place = np.tile(np.linspace(0.0, 1.5, 31), (2, 1))
+    value = 1.0 + np.array([[-0.2], [0.4]]) * place
+    found = xr.Dataset(
+        {
+            "argument": (("law", "place"), place),
+            "value": (("law", "place"), value),
+            "low": (("law", "place"), value - 0.05),
+            "high": (("law", "place"), value + 0.05),
+            "effect": ("law", ["moment_arm", "strain_stiffening"]),
+            "argument_name": ("law", ["angle_rad", "angle_rad"]),
+            "kind": ("law", ["factor", "factor"]),
+            "joint": ("law", [0, 2]),
+        },
+        attrs=attrs,
+    )
+    assert list_faults(laws.SPEC, found) == []
+    return found
+
+
 def make_diagnosis(angles):
     joints, trials = angles["joint"].values, angles["trial"].values
     attrs = {"campaign": "example", "source": "synthetic", "decision": "named"}
@@ -121,5 +196,7 @@ def make_diagnosis(angles):
         "masking": fill(masking.SPEC, joints, trials, attrs),
         "repair": make_repair(joints, trials, attrs | more),
         "free_form": make_free_form(joints, attrs),
+        "measurement": make_measurement(angles, attrs),
+        "laws": make_laws(attrs),
         "verdict": VERDICT,
     }

@@ -23,6 +23,7 @@ VOID = {"meta", "img", "link", "br", "input", "hr"}
 FIRST = ["verdict", "motion", "spread", "causes", "measurement", "next"]
 FOLDED = [
     "data",
+    "measured",
     "model",
     "computation",
     "calibration",
@@ -119,7 +120,15 @@ def test_the_first_layer_takes_two_minutes(diagnosed):
 
 def test_the_first_layer_names_what_recordings_suffer_from_and_what_to_record(diagnosed):
     said = {
-        "measurement": [{"statement": "Noise differs between trials."}],
+        "measurement": [
+            {
+                "id": "uneven_noise",
+                "trials": [],
+                "size": {"log_sd": 0.6},
+                "evidence": 40.0,
+                "statement": "Noise differs between trials.",
+            }
+        ],
         "next_experiment": {
             "statement": "6 trials of levels would show wire_friction.",
             "tells_apart": ["wire_friction"],

@@ -52,6 +52,16 @@ SPEC = ArtifactSpec(
             "sd": _trial("px", "largest of the markers' median sd"),
             "rigid_residual": _trial("px", "largest wander of a marker on its link"),
         },
+        "noise": {
+            "gross_share": _trial("1", "frames left out as gross errors", **_SHARE),
+            "repeated_share": _trial("1", "frames that repeat the one before", **_SHARE),
+            "noise_ratio": Variable(
+                ("trial", "joint"), "1", "sd of the noise over the campaign's", at_least=0.0
+            ),
+            "grown_sd": Variable(
+                ("deflection", "joint"), "rad", "sd of the noise at a deflection", at_least=0.0
+            ),
+        },
         "pictured": {
             "trial": Variable((), "1", "trial that the tracking's figure shows", "text"),
             "frame": Variable((), "1", "its frame", _WHOLE),
@@ -137,6 +147,7 @@ SPEC = ArtifactSpec(
             "evidence",
             "location",
             "assumptions",
+            "noise",
         }
     ),
 )

@@ -28,6 +28,7 @@ from softfinger.report.formatting import (
     join_words,
 )
 from softfinger.report.material import Material
+from softfinger.report.pictures.measurement import picture_laws
 from softfinger.report.pictures.mismatch import (
     picture_location,
     picture_masking,
@@ -65,6 +66,8 @@ def build_mismatch(material: Material) -> Section:
     evidence = picture_ranking(material)
     blocks += [] if evidence is None else [evidence]
     blocks += build_effect_tables(verdict, label_thousandth(material.motion_unit))
+    law = picture_laws(material)
+    blocks += [] if law is None else [law]
     if "ranking" in material:
         evidence = material.find("evidence")
         blocks.append(build_catalogue_table(material.get("ranking"), evidence))
@@ -236,7 +239,25 @@ def build_effect_tables(verdict: Mapping[str, Any], small: str) -> list[Block]:
     caption = f"Residual rms, joints pooled.{gain} From the verdict."
     columns = ("what", f"residual rms [{small}]")
     title = "Fit before and after" if verdict["effects"] else "Fit and noise"
-    return [*found, Table("before_after", title, caption, columns, sizes)]
+    return [
+        *found,
+        *build_form_table(verdict),
+        Table("before_after", title, caption, columns, sizes),
+    ]
+
+
+def build_form_table(verdict: Mapping[str, Any]) -> list[Block]:
+    """Tabulate how far the textbook forms are from the free laws."""
+    rows = tuple(
+        (text(spell(effect["id"])), text(spell(form)), number(format_number(nats), nats))
+        for effect in verdict["effects"]
+        for form, nats in ((effect.get("law") or {}).get("forms_nats") or {}).items()
+    )
+    if not rows:
+        return []
+    caption = "Log evidence of the textbook form less that of the free law. From the verdict."
+    columns = ("effect", "textbook form", "evidence [nats]")
+    return [Table("forms", "Textbook forms against the free law", caption, columns, rows)]
 
 
 def describe_limits(verdict: Mapping[str, Any]) -> list[Block]:

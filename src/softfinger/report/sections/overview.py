@@ -124,7 +124,7 @@ def build_measurement(material: Material) -> Section:
     aside = material.angles["set_aside_trial"].size
     if aside:
         items.append(f"{count_things(aside, 'trial')} set aside, each with its reason.")
-    more = (("data", "every trial, and those set aside"), ("computation", "the computation"))
+    more = (("measured", "in numbers"), ("data", "every trial, and those set aside"))
     title = "What the recordings suffer from"
     return Section("measurement", title, (Listing(tuple(items)),), more)
 

@@ -1,0 +1,68 @@
+"""The free laws that the recordings ask for."""
+
+from __future__ import annotations
+
+import xarray as xr
+from matplotlib.figure import Figure
+
+from softfinger.figures.style import (
+    BLUE,
+    DOUBLE_COLUMN,
+    GREEN,
+    GREY,
+    ORANGE,
+    RED,
+    get_source,
+    new_figure,
+    styled,
+)
+
+STYLES = ((BLUE, "-"), (RED, "--"), (GREEN, "-."), (ORANGE, ":"))
+NULL = {"factor": 1.0, "exponential": 1.0, "sum": 0.0}
+
+
+@styled
+def draw_laws(laws: xr.Dataset) -> Figure:
+    """Draw every free law with its band: a panel for each effect, a line for each joint.
+
+    Parameters
+    ----------
+    laws
+        The artifact `laws`.
+    """
+    effects = list(dict.fromkeys(laws["effect"].values.astype(str).tolist()))
+    width = DOUBLE_COLUMN * min(1.0, 0.2 + 0.3 * len(effects))
+    figure = new_figure(get_source(laws), 2.4, width)
+    axes = dict(zip(effects, figure.subplots(1, len(effects), squeeze=False)[0], strict=True))
+    drawn = dict.fromkeys(effects, 0)
+    for row in range(laws.sizes["law"]):
+        here = laws.isel(law=row)
+        name, joint = str(here["effect"].values), int(here["joint"])
+        colour, line = STYLES[drawn[name] % len(STYLES)]
+        drawn[name] += 1
+        place, label = here["argument"].values, f"joint {joint}" if joint else "all joints"
+        axes[name].fill_between(place, here["low"], here["high"], color=colour, alpha=0.2, lw=0)
+        axes[name].plot(place, here["value"], line, color=colour, label=label)
+        axes[name].axhline(NULL[str(here["kind"].values)], color=GREY, lw=0.6)
+        axes[name].set(
+            title=name.replace("_", " "),
+            xlabel=label_argument(str(here["argument_name"].values)),
+            ylabel="sum [1]" if str(here["kind"].values) == "sum" else "factor [1]",
+            xlim=(place[0], place[-1]),
+        )
+    for ax in axes.values():
+        ax.legend()
+    return figure
+
+
+def label_argument(name: str) -> str:
+    """Label an argument whose name ends in its unit.
+
+    >>> label_argument("angle_rad"), label_argument("torque_nm"), label_argument("trial_number")
+    ('angle [rad]', 'torque [N m]', 'trial number [1]')
+    """
+    units = {"rad": "rad", "nm": "N m", "s": "s", "n": "N"}
+    words, _, last = name.rpartition("_")
+    if words and last in units:
+        return f"{words.replace('_', ' ')} [{units[last]}]"
+    return f"{name.replace('_', ' ')} [1]"

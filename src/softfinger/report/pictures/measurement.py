@@ -1,0 +1,43 @@
+"""The figures of the measurement and of the free laws, with alternative text and caption."""
+
+from __future__ import annotations
+
+from softfinger.figures.laws import draw_laws
+from softfinger.figures.measurement import draw_measurement
+from softfinger.figures.style import label_thousandth
+from softfinger.report.blocks import Picture
+from softfinger.report.material import Material
+from softfinger.report.pictures.mismatch import count_trials
+
+
+def picture_measurement(material: Material) -> Picture | None:
+    """What the recordings suffer from, trial by trial."""
+    noise = material.find("noise")
+    if noise is None:
+        return None
+    return Picture(
+        "measurement",
+        "What the recordings suffer from",
+        draw_measurement(noise, label_thousandth(material.motion_unit)),
+        "Noise of every trial over the campaign's; share of frames that are left out of every "
+        "trial; standard deviation of the noise against the deflection, for each joint.",
+        "Left: noise of a trial over the campaign's; 1 where the recordings show no difference. "
+        "Middle: frames that are gross errors, or repeat the one before. Right: how the noise "
+        "grows with the deflection; level where it does not. "
+        f"n = {count_trials(material)}. Rule diagnose, artifact measurement.",
+    )
+
+
+def picture_laws(material: Material) -> Picture | None:
+    """The free laws of the repaired model, where it has any."""
+    if "laws" not in material or not material.get("laws").sizes.get("law", 0):
+        return None
+    return Picture(
+        "laws",
+        "The laws that the recordings ask for",
+        draw_laws(material.get("laws")),
+        "Free law of each effect against its argument, with a shaded band.",
+        "Curve of each free law over the range that was recorded, and its 90 % band. Grey: "
+        "without the effect. What lies outside the range is not known. "
+        f"n = {count_trials(material)}. Rule diagnose, artifact laws.",
+    )
