@@ -15,6 +15,7 @@ import numba
 import numpy as np
 from numba.core import types
 from numba.core.dispatcher import Dispatcher
+from numba.core.extending import _Intrinsic
 
 LIBRARIES = {"numba", "numpy", "scipy", "llvmlite"} | sys.stdlib_module_names
 """Their code changes with their version only."""
@@ -74,6 +75,8 @@ class _Reader:
         match value:
             case Dispatcher() | FunctionType():
                 return self._describe_function(value)
+            case _Intrinsic():
+                return self._describe_function(value._defn)
             case tuple() | list():
                 return f"{type(value).__qualname__}({', '.join(map(self.describe, value))})"
             case dict():

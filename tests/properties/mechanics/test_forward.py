@@ -53,8 +53,7 @@ EFFECTS = {
     "inertia": {"inertia_scale": 1.0},
     "camera_delay": {"delay": 0.05},
     "lens_distortion": {
-        "lens_radial": 10.0, "lens_aspect": 0.02, "lens_skew": 0.01, "angle_scale": 0.02,
-        "angle_cubic": 0.05, "lens_along": 0.01, "lens_across": -0.02,
+        "lens_radial": 10.0, "angle_cubic": 0.05, "lens_along": 0.01, "lens_across": -0.02,
     },
 }  # fmt: skip
 

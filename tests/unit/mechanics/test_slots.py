@@ -2,17 +2,15 @@ import numpy as np
 import pytest
 
 from softfinger.faults import Fault
+from softfinger.mechanics.effects import list_effects
+from softfinger.mechanics.forward.hooks import find_hooks
+from softfinger.mechanics.forward.slot import SLOTS, Slot, declare, list_slots
 from softfinger.mechanics.forward.slots import (
-    CHAIN_SLOTS,
-    COUPLING_SLOTS,
-    JOINT_SLOTS,
-    SLOTS,
     build_slots,
     build_tangent,
     check_slots,
-    find_groups,
+    find_moved_slots,
 )
-from softfinger.mechanics.forward.work import GROUPS
 
 
 def test_nulls_where_nothing_is_given_and_values_where_something_is():
@@ -20,13 +18,14 @@ def test_nulls_where_nothing_is_given_and_values_where_something_is():
     slots = build_slots(
         5, 3, {"arm_scale": [1.0, 2.0, 3.0], "lag": np.arange(5.0), "coupling_share": matrix}
     )
-    arm = JOINT_SLOTS.index("arm_scale")
-    assert slots.joint.shape == (5, 3, len(JOINT_SLOTS))
+    names = list_slots("joint")
+    arm = names.index("arm_scale")
+    assert slots.joint.shape == (5, 3, len(names))
     assert slots.joint[4, :, arm].tolist() == [1.0, 2.0, 3.0]
-    assert slots.chain[:, CHAIN_SLOTS.index("lag")].tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
-    np.testing.assert_array_equal(slots.coupling[2, COUPLING_SLOTS.index("coupling_share")], matrix)
+    assert slots.pick(SLOTS["lag"]).tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
+    np.testing.assert_array_equal(slots.pick(SLOTS["coupling_share"])[2], matrix)
     rest = np.delete(slots.joint, arm, axis=-1)
-    nulls = [SLOTS[name].null for name in JOINT_SLOTS if name != "arm_scale"]
+    nulls = [SLOTS[name].null for name in names if name != "arm_scale"]
     np.testing.assert_array_equal(rest, np.tile(nulls, (5, 3, 1)))
 
 
@@ -37,13 +36,23 @@ def test_tangents_are_zero_where_nothing_is_given():
     assert not tangent.coupling.any()
 
 
+def find_kinds(slots, tangents):
+    hooks = [hook for effect in list_effects().values() for hook in effect.hooks]
+    return [hook.kind for hook in find_hooks(hooks, find_moved_slots(slots, tangents))]
+
+
 def test_physics_is_on_where_a_value_or_a_direction_says_so():
     null = build_slots(5, 3, {})
-    assert not find_groups(GROUPS, null, []).any()
-    on = find_groups(GROUPS, build_slots(5, 3, {"tilt_across": 0.1}), [])
-    assert [name for name, is_on in zip(GROUPS, on, strict=True) if is_on] == ["gravity"]
-    on = find_groups(GROUPS, null, [build_tangent(5, 3, {"yield_torque": 1.0})])
-    assert [name for name, is_on in zip(GROUPS, on, strict=True) if is_on] == ["flow"]
+    assert find_kinds(null, []) == []
+    assert find_kinds(build_slots(5, 3, {"tilt_across": 0.1}), []) == ["balance"]
+    assert find_kinds(null, [build_tangent(5, 3, {"yield_torque": 1.0})]) == ["flow"]
+
+
+def test_a_name_is_declared_once():
+    known = SLOTS["lag"]
+    assert declare(lag=known) == (known.place,)  # its file may be read again
+    with pytest.raises(Fault, match="'lag' is declared twice"):
+        declare(lag=Slot("joint", "s", 0.0, "another"))
 
 
 @pytest.mark.parametrize(

@@ -151,7 +151,7 @@ def test_concealed_effects_count_where_campaigns_are_concealed():
 def test_sampling_does_not_depend_on_the_search():
     found = list_names("softfinger.stages.fit")
     assert not [name for name in found if name.startswith(("mismatch/", "report/", "figures/"))]
-    assert "mechanics/forward/torque.py" in found
+    assert "mechanics/forward/balance.py" in found
 
 
 def test_code_outside_the_package_is_followed_into_it():

@@ -2,10 +2,49 @@
 
 import numpy as np
 
+from softfinger.compiled import compiled
 from softfinger.mechanics.effects.effect import Effect, Form, Parameter, Setting, Values, positive
 from softfinger.mechanics.effects.law import Law, free_form
+from softfinger.mechanics.forward.curve import combine, weigh_slope, weigh_value
+from softfinger.mechanics.forward.hooks import Hook
+from softfinger.mechanics.forward.ramp import softplus
+from softfinger.mechanics.forward.slot import Slot, declare
+from softfinger.mechanics.forward.work import Balance, Model, Nodes
 
 WIDTHS_RAD = {"hard": 0.01, "soft": 0.05}
+
+
+_ANGLE, _STIFFNESS, _WIDTH, _LAW, _REACH = declare(
+    stop_angle=Slot("joint", "rad", 1.0, "joint angle at which a stop is met"),
+    stop_stiffness=Slot("joint", "N m/rad", 0.0, "stiffness of the stop", "nonnegative"),
+    stop_width=Slot(
+        "joint", "rad", 1e-3, "angle over which the contact sets in", "positive", constant=True
+    ),
+    stop_law=Slot("law", "1", 0.0, "stiffness of the stop (1 + law), a law of the depth"),
+    stop_reach=Slot("joint", "rad", 1.0, "depth at which that law ends", "positive", constant=True),
+)
+
+
+@compiled
+def add_stop(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
+    """A stop that takes K (1 + law of the depth) times the (softly rectified) angle beyond it."""
+    for j in range(model.joint.shape[0]):
+        stiffness = model.joint[j, _STIFFNESS]
+        beyond = nodes.angle[i, j] - model.joint[j, _ANGLE]
+        depth, touch = softplus(beyond, model.joint[j, _WIDTH])
+        reach, law = model.joint[j, _REACH], model.law[j, _LAW]
+        harder = 1.0 + combine(law, weigh_value(depth / reach))
+        steep = harder + depth * combine(law, weigh_slope(depth / reach)) / reach
+        balance.torque[i, j] -= stiffness * depth * harder
+        balance.by_angle[i, j, j] -= stiffness * touch * steep
+        if tangents:
+            for c in model.columns[j]:
+                by_law = combine(model.d_law[c, j, _LAW], weigh_value(depth / reach))
+                balance.tangent[i, j, c] += (
+                    stiffness * touch * steep * model.d_joint[c, j, _ANGLE]
+                    - depth * harder * model.d_joint[c, j, _STIFFNESS]
+                    - stiffness * depth * by_law
+                )
 
 
 def _build_form(kind: str, setting: Setting) -> Form:
@@ -44,4 +83,10 @@ def _build_forms(setting: Setting) -> list[Form]:
     return [*forms.values(), free_form(law, {"stop_reach": reach}, forms["soft"])]
 
 
-EFFECT = Effect("contact_stop", "the joint meets a stop", "within_trial", _build_forms)
+EFFECT = Effect(
+    "contact_stop",
+    "the joint meets a stop",
+    "within_trial",
+    _build_forms,
+    hooks=(Hook("balance", add_stop, ("stop_stiffness",)),),
+)

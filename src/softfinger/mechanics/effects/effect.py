@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from softfinger.mechanics.forward.hooks import Hook
+
 if TYPE_CHECKING:
     from softfinger.mechanics.effects.law import Law
 
@@ -213,6 +215,8 @@ class Effect:
         all, instead.
     part
         The part of a finger that it needs and a specimen lacks; empty where it needs none.
+    hooks
+        Its physics in the forward model (`forward.hooks`); empty where it moves slots of others.
     """
 
     id: str
@@ -220,6 +224,7 @@ class Effect:
     level: Literal["within_trial", "between_trials", "measurement"]
     build_forms: Callable[[Setting], list[Form] | str]
     part: str = ""
+    hooks: tuple[Hook, ...] = ()
 
     def list_forms(self, setting: Setting) -> list[Form] | str:
         """Forms that a campaign allows, or why it cannot show the effect."""

@@ -3,13 +3,95 @@
 Bagley, Torvik (1983), J. Rheol. 27, 201.
 """
 
-from math import gamma
+import math
 
 import numpy as np
 
+from softfinger.compiled import compiled
 from softfinger.mechanics.effects.effect import Effect, Form, Parameter, Setting, Values, positive
+from softfinger.mechanics.forward.hooks import Hook
+from softfinger.mechanics.forward.modes import FAST, FLOW, LADDER, RATES, SPACING, WITH_LADDER
+from softfinger.mechanics.forward.slot import LOG_C_P, LOG_K_V, Slot, declare
+from softfinger.mechanics.forward.work import Linear, Model
 
 LEAST_LOSS = 1e-4  # an exponent of exactly 1 is the dashpot and no springpot
+
+
+_COMPLIANCE, _ELASTIC, _FLOW, _EXPONENT, _FLOW_SHARE = declare(
+    springpot_compliance=Slot(
+        "joint", "rad/(N m s^a)", 0.0, "springpot in series: creep · t^a / Γ(1 + a)"
+    ),
+    springpot_elastic_share=Slot("joint", "s^-a", 0.0, "the same, as a share of 1/k_v"),
+    springpot_flow_share=Slot("joint", "s^(1-a)", 0.0, "the same, as a share of 1/c_p"),
+    springpot_exponent=Slot(
+        "joint", "1", 0.5, "its exponent a, 0 = spring, 1 = dashpot", "nonnegative", at_most=1.0
+    ),
+    flow_share=Slot("joint", "1", 1.0, "factor on the dashpot's flow; 0 takes it away"),
+)
+
+
+@compiled
+def scale_flow(model: Model, linear: Linear, j: int) -> None:
+    """The dashpot's gain times flow_share."""
+    share, gain = model.joint[j, _FLOW_SHARE], linear.gain[j, FLOW]
+    linear.gain[j, FLOW] = share * gain
+    for c in model.columns[j]:
+        change = share * linear.d_gain[j, FLOW, c] + gain * model.d_joint[c, j, _FLOW_SHARE]
+        linear.d_gain[j, FLOW, c] = change
+
+
+@compiled
+def add_springpot(model: Model, linear: Linear, j: int) -> None:
+    """A springpot as gains of the ladder's modes.
+
+    Its creep rate t^{a−1}/Γ(a) = (sin πa/π) ∫ λ^{−a} e^{−λt} dλ becomes a trapezoidal sum in log λ.
+    The rates below those of the ladder act as a dashpot, those above as a spring, both summed
+    exactly: a → 1 is the dashpot, a → 0 the spring. Its creep compliance is within 6e-5 of
+    t^a/Γ(1 + a), relatively, from 5 ms to 200 s.
+    """
+    value = model.joint[j]
+    soft, thin = math.exp(-value[LOG_K_V]), math.exp(-value[LOG_C_P])
+    compliance = value[_COMPLIANCE] + value[_ELASTIC] * soft + value[_FLOW] * thin
+    for step in range(WITH_LADDER - LADDER):
+        weight, by_exponent = springpot_weight(step, value[_EXPONENT])
+        linear.gain[j, LADDER + step] += compliance * weight
+        for c in model.columns[j]:
+            change = model.d_joint[c, j]
+            d_compliance = (change[_ELASTIC] - value[_ELASTIC] * change[LOG_K_V]) * soft
+            d_compliance += (change[_FLOW] - value[_FLOW] * change[LOG_C_P]) * thin
+            d_gain = (change[_COMPLIANCE] + d_compliance) * weight
+            d_gain += compliance * by_exponent * change[_EXPONENT]
+            linear.d_gain[j, LADDER + step, c] += d_gain
+
+
+@compiled
+def springpot_weight(step: int, exponent: float) -> tuple[float, float]:
+    """Gain of a step of the ladder for a springpot of unit compliance, and its slope by a."""
+    last, missing = RATES.size, 1.0 - exponent
+    if step < last:
+        reach = math.sin(math.pi * missing) / math.pi
+        power = SPACING * RATES[step] ** missing
+        turn = -math.cos(math.pi * missing) - reach * math.log(RATES[step])
+        return reach * power, turn * power
+    if step == last:  # all slower rates: a dashpot
+        share, climb = _sum_tail(missing)
+        weight = share * RATES[0] ** missing
+        return weight, -weight * (climb + math.log(RATES[0]))
+    share, climb = _sum_tail(exponent)  # all faster rates: a spring
+    weight = share * FAST * RATES[-1] ** -exponent
+    return weight, weight * (climb - math.log(RATES[-1]))
+
+
+@compiled
+def _sum_tail(x: float) -> tuple[float, float]:
+    """Σ_{n ≥ 1} (sin πx/π) Δ e^{−n x Δ} = (sin πx/πx) xΔ/(e^{xΔ} − 1), and d log/dx; 1 at x = 0."""
+    if x < 1e-4:  # by series, to rounding
+        slope = SPACING**2 / 12.0 - math.pi**2 / 3.0
+        return 1.0 - SPACING * x / 2.0, -SPACING / 2.0 + slope * x
+    growth = math.expm1(x * SPACING)
+    share = math.sin(math.pi * x) / math.pi * SPACING / growth
+    climb = math.pi / math.tan(math.pi * x) - SPACING * (growth + 1.0) / growth
+    return share, climb
 
 
 def _build_forms(setting: Setting) -> list[Form]:
@@ -23,7 +105,7 @@ def _build_forms(setting: Setting) -> list[Form]:
 
     def scale(values: Values) -> float:
         a = float(values["exponent"])
-        return gamma(1 + a) * middle**-a
+        return math.gamma(1 + a) * middle**-a
 
     def beside(values: Values) -> dict:
         return {
@@ -39,7 +121,7 @@ def _build_forms(setting: Setting) -> list[Form]:
 
     def instead(values: Values) -> dict:
         a = 1.0 - max(float(values["exponent_loss"]), LEAST_LOSS)
-        rate = gamma(1 + a) * (setting.duration / 2) ** (1 - a)
+        rate = math.gamma(1 + a) * (setting.duration / 2) ** (1 - a)
         return {"flow_share": 0.0, "springpot_flow_share": rate, "springpot_exponent": a}
 
     return [
@@ -54,4 +136,13 @@ EFFECT = Effect(
     "creep follows a power of time instead of discrete times",
     "within_trial",
     _build_forms,
+    hooks=(
+        Hook("modes", scale_flow, ("flow_share",)),
+        Hook(
+            "modes",
+            add_springpot,
+            ("springpot_compliance", "springpot_elastic_share", "springpot_flow_share"),
+            modes=WITH_LADDER,
+        ),
+    ),
 )

@@ -3,8 +3,10 @@
 Free: what the links weigh beyond each joint is not what their masses say, as with a payload.
 """
 
+import math
 from dataclasses import replace
 
+from softfinger.compiled import compiled
 from softfinger.mechanics.effects.effect import (
     FREE,
     Effect,
@@ -14,6 +16,48 @@ from softfinger.mechanics.effects.effect import (
     Values,
     signed,
 )
+from softfinger.mechanics.forward.hooks import Hook
+from softfinger.mechanics.forward.slot import Slot, declare
+from softfinger.mechanics.forward.work import Balance, Model, Nodes
+
+GRAVITY = 9.80665  # [m/s²]
+_ALONG, _ACROSS, _MOMENT = declare(
+    tilt_along=Slot(
+        "chain", "rad", 0.0, "tilt of the plane: gravity towards the tip", needs=("moment",)
+    ),
+    tilt_across=Slot(
+        "chain", "rad", 0.0, "tilt of the plane: gravity counter-clockwise", needs=("moment",)
+    ),
+    moment_share=Slot("joint", "1", 0.0, "first moment of a link and what it carries: (1 + b)"),
+)
+
+
+@compiled
+def add_weight(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
+    """Weight of a tilted plane: Σ over links beyond of g μ_k (−sin α sin θ_k + sin β cos θ_k).
+
+    μ_k are the first moments of the declared masses, times 1 + moment_share.
+    """
+    along, across = math.sin(model.chain[_ALONG]), math.sin(model.chain[_ACROSS])
+    turn_along, turn_across = math.cos(model.chain[_ALONG]), math.cos(model.chain[_ACROSS])
+    direction = 0.0
+    for k in range(model.joint.shape[0]):
+        direction += nodes.angle[i, k]
+        unit = GRAVITY * model.moment[k]
+        weight = unit * (1.0 + model.joint[k, _MOMENT])
+        push = unit * (across * math.cos(direction) - along * math.sin(direction))
+        sine, cosine = weight * math.sin(direction), weight * math.cos(direction)
+        for j in range(k + 1):
+            balance.torque[i, j] += across * cosine - along * sine
+            for other in range(k + 1):
+                balance.by_angle[i, j, other] -= across * sine + along * cosine
+            if tangents:
+                for c in model.columns[j]:
+                    balance.tangent[i, j, c] += (
+                        push * model.d_joint[c, k, _MOMENT]
+                        + turn_across * cosine * model.d_chain[c, _ACROSS]
+                        - turn_along * sine * model.d_chain[c, _ALONG]
+                    )
 
 
 def _build_forms(setting: Setting) -> list[Form] | str:
@@ -44,5 +88,10 @@ def _build_forms(setting: Setting) -> list[Form] | str:
 
 
 EFFECT = Effect(
-    "gravity", "gravity pulls: the plane is tilted", "within_trial", _build_forms, "plane"
+    "gravity",
+    "gravity pulls: the plane is tilted",
+    "within_trial",
+    _build_forms,
+    "plane",
+    hooks=(Hook("balance", add_weight, ("tilt_along", "tilt_across"), mixes=True),),
 )

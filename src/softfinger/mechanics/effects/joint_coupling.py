@@ -1,9 +1,99 @@
 """One joint's deflection that feeds its neighbour's: by torque, a membrane or kinematics."""
 
-import numpy as np
+import math
 
+import numpy as np
+from numpy.typing import NDArray
+
+from softfinger.compiled import compiled
 from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, signed
 from softfinger.mechanics.effects.effect import time_constant as between
+from softfinger.mechanics.forward.hooks import Hook
+from softfinger.mechanics.forward.slot import LOG_K_V, Q_INI, Slot, declare
+from softfinger.mechanics.forward.work import Balance, Model, Nodes
+
+_STIFFNESS, _SHARE, _SATURATION, _MEMBRANE, _MEMBRANE_SHARE, _KINEMATIC = declare(
+    coupling_stiffness=Slot("coupling", "N m/rad", 0.0, "torque from the other joint's motion"),
+    coupling_share=Slot("coupling", "1", 0.0, "the same, as a share of the joint's k_v"),
+    coupling_saturation=Slot(
+        "coupling", "1/rad", 0.0, "1 / the motion that halves that torque", "nonnegative"
+    ),
+    membrane_stiffness=Slot(
+        "coupling", "N m/rad", 0.0, "torque K (x_k - x_j), both ways where both are given"
+    ),
+    membrane_share=Slot("coupling", "1", 0.0, "the same, as a share of sqrt(k_v,j k_v,k)"),
+    coupling_kinematic=Slot("coupling", "1", 0.0, "angle from the other joint's motion"),
+)
+
+
+@compiled
+def add_coupling(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
+    """Torque from the other joints' motion x = q − q_ini: Σ (K + c k_v) x / (1 + b |x|).
+
+    A membrane adds Σ (M + m √(k_v k_v,k)) (x_k − x).
+    """
+    joints = model.joint.shape[0]
+    for j in range(joints):
+        own = math.exp(model.joint[j, LOG_K_V])
+        for k in range(joints):
+            share = model.coupling[_SHARE, j, k]
+            stiffness = model.coupling[_STIFFNESS, j, k] + share * own
+            moved = nodes.angle[i, k] - model.joint[k, Q_INI]
+            ease = 1.0 / (1.0 + model.coupling[_SATURATION, j, k] * abs(moved))
+            slope = stiffness * ease**2
+            balance.torque[i, j] += stiffness * moved * ease
+            balance.by_angle[i, j, k] += slope
+            if tangents:
+                for c in model.columns[j]:
+                    change = model.d_coupling[c, _STIFFNESS, j, k]
+                    change += own * model.d_coupling[c, _SHARE, j, k]
+                    change += share * own * model.d_joint[c, j, LOG_K_V]
+                    change *= moved * ease
+                    bent = abs(moved) * moved * model.d_coupling[c, _SATURATION, j, k]
+                    change -= slope * (bent + model.d_joint[c, k, Q_INI])
+                    balance.tangent[i, j, c] += change
+            if k != j:
+                _add_membrane(model, nodes, balance, i, j, k, tangents)
+
+
+@compiled
+def _add_membrane(
+    model: Model, nodes: Nodes, balance: Balance, i: int, j: int, k: int, tangents: bool
+) -> None:
+    """What joint k's motion, less its own, adds to the torque of joint j."""
+    mean = math.exp(0.5 * (model.joint[j, LOG_K_V] + model.joint[k, LOG_K_V]))
+    share = model.coupling[_MEMBRANE_SHARE, j, k]
+    stiffness = model.coupling[_MEMBRANE, j, k] + share * mean
+    apart = nodes.angle[i, k] - model.joint[k, Q_INI] - nodes.angle[i, j] + model.joint[j, Q_INI]
+    balance.torque[i, j] += stiffness * apart
+    balance.by_angle[i, j, k] += stiffness
+    balance.by_angle[i, j, j] -= stiffness
+    if tangents:
+        for c in model.columns[j]:
+            change = model.d_coupling[c, _MEMBRANE, j, k]
+            change += mean * model.d_coupling[c, _MEMBRANE_SHARE, j, k]
+            stiffer = model.d_joint[c, j, LOG_K_V] + model.d_joint[c, k, LOG_K_V]
+            change = (change + 0.5 * share * mean * stiffer) * apart
+            change += stiffness * (model.d_joint[c, j, Q_INI] - model.d_joint[c, k, Q_INI])
+            balance.tangent[i, j, c] += change
+
+
+@compiled
+def turn_neighbours(
+    model: Model, angle: NDArray, by: NDArray, seen: NDArray, gradient: NDArray
+) -> None:
+    """The angle that a joint shows besides its own: Σ_k K_jk (q_k − q_ini,k)."""
+    joints, frames, columns = gradient.shape
+    for j in range(joints):
+        for k in range(joints):
+            share = model.coupling[_KINEMATIC, j, k]
+            for frame in range(frames):
+                moved = angle[k, frame] - model.joint[k, Q_INI]
+                seen[j, frame] += share * moved
+                for c in range(columns):
+                    change = share * (by[k, frame, c] - model.d_joint[c, k, Q_INI])
+                    change += moved * model.d_coupling[c, _KINEMATIC, j, k]
+                    gradient[j, frame, c] += change
 
 
 def _build_forms(setting: Setting) -> list[Form] | str:
@@ -55,4 +145,13 @@ EFFECT = Effect(
     "within_trial",
     _build_forms,
     "second joint",
+    hooks=(
+        Hook(
+            "balance",
+            add_coupling,
+            ("coupling_stiffness", "coupling_share", "membrane_stiffness", "membrane_share"),
+            mixes=True,
+        ),
+        Hook("observe", turn_neighbours, ("coupling_kinematic",)),
+    ),
 )

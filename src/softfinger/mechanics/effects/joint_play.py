@@ -1,8 +1,46 @@
 """Play: a joint whose spring asks for no torque within a gap about its rest."""
 
+import math
+
+from numpy.typing import NDArray
+
+from softfinger.compiled import compiled
 from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, positive
+from softfinger.mechanics.forward.hooks import Hook
+from softfinger.mechanics.forward.ramp import softplus
+from softfinger.mechanics.forward.slot import Slot, declare
+from softfinger.mechanics.forward.spring import D_FREE, FREE, LEAD, STEEP
+from softfinger.mechanics.forward.work import Model
 
 WIDTH_RAD = 0.005  # over which the torque sets in
+
+
+_PLAY, _WIDTH = declare(
+    play=Slot(
+        "joint", "rad", 0.0, "elastic angle, either way, that asks for no torque", "nonnegative"
+    ),
+    play_width=Slot(
+        "joint", "rad", 1e-3, "angle over which the torque sets in", "positive", constant=True
+    ),
+)
+
+
+@compiled
+def leave_play(
+    model: Model, j: int, time: float, elastic: float, angle: float, spring: NDArray,
+    d_spring: NDArray, tangents: bool,
+) -> None:  # fmt: skip
+    """The elastic angle beyond the play p: S(q_v − p) − S(−q_v − p), S a soft ramp."""
+    play, width = model.joint[j, _PLAY], model.joint[j, _WIDTH]
+    by_play = -math.tanh(elastic / (2.0 * width))
+    if play > 0.0:
+        above, rise = softplus(elastic - play, width)
+        below, fall = softplus(-elastic - play, width)
+        spring[FREE], spring[STEEP], by_play = above - below, rise + fall, fall - rise
+    spring[LEAD] = play
+    if tangents:
+        for c in model.columns[j]:
+            d_spring[D_FREE, c] += by_play * model.d_joint[c, j, _PLAY]
 
 
 def _build_forms(setting: Setting) -> list[Form]:
@@ -15,6 +53,9 @@ def _build_forms(setting: Setting) -> list[Form]:
 
 
 EFFECT = Effect(
-    "joint_play", "the joint has play before its spring takes up the torque", "within_trial",
+    "joint_play",
+    "the joint has play before its spring takes up the torque",
+    "within_trial",
     _build_forms,
-)  # fmt: skip
+    hooks=(Hook("spring", leave_play, ("play",)),),
+)

@@ -1,9 +1,104 @@
 """Angles bent by the optics: radial distortion of the picture, or an odd cubic in the angle."""
 
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softfinger.compiled import compiled
 from softfinger.mechanics.effects.effect import Effect, Form, Parameter, Setting, Values, signed
+from softfinger.mechanics.forward.hooks import Hook
+from softfinger.mechanics.forward.slot import Slot, declare
+from softfinger.mechanics.forward.work import Model
 
 AXES = ("along", "across")
 CENTRE_SD_M = 0.015  # how far from the middle of the straight finger a camera may look
+
+
+_CUBIC, _RADIAL, _ALONG, _ACROSS = declare(
+    angle_cubic=Slot("joint", "rad^-2", 0.0, "measured angle q + b q³"),
+    lens_radial=Slot(
+        "chain", "m^-2", 0.0, "first radial distortion about the optical centre",
+        needs=("link_length", "marker_middle"),
+    ),
+    lens_along=Slot(
+        "chain", "m", 0.0, "optical centre beyond where it is thought, along",
+        needs=("link_length", "marker_middle"),
+    ),
+    lens_across=Slot(
+        "chain", "m", 0.0, "optical centre beyond where it is thought, across",
+        needs=("link_length", "marker_middle"),
+    ),
+)  # fmt: skip
+
+
+@compiled
+def bend_angle(model: Model, angle: NDArray, by: NDArray, seen: NDArray, gradient: NDArray) -> None:
+    """An odd cubic: b q³."""
+    joints, frames, columns = gradient.shape
+    for j in range(joints):
+        cubic = model.joint[j, _CUBIC]
+        for frame in range(frames):
+            q = angle[j, frame]
+            seen[j, frame] += cubic * q**3
+            for c in range(columns):
+                change = 3.0 * cubic * q * q * by[j, frame, c]
+                gradient[j, frame, c] += change + q**3 * model.d_joint[c, j, _CUBIC]
+
+
+@compiled
+def bend_picture(
+    model: Model, angle: NDArray, by: NDArray, seen: NDArray, gradient: NDArray
+) -> None:
+    """The turn of each link's line of markers: Δ_j − Δ_{j−1} with Δ_i = 2 κ (p_i·t_i)(p_i·n_i).
+
+    With t_i along and n_i across link i and p_i the middle of its markers from the optical centre:
+    the turn of a short line under the distortion p (1 + κ p²), to first order in κ.
+    """
+    joints, frames, columns = gradient.shape
+    turn, by_turn = np.zeros(joints + 1), np.zeros((joints + 1, joints))
+    unit = np.zeros((joints + 1, 3))  # by radial and the centre, along and across
+    for frame in range(frames):
+        _fill_turns(model, angle[:, frame].copy(), turn, by_turn, unit)
+        for j in range(joints):
+            seen[j, frame] += turn[j + 1] - turn[j]
+            for c in range(columns):
+                change = (unit[j + 1, 0] - unit[j, 0]) * model.d_chain[c, _RADIAL]
+                change += (unit[j + 1, 1] - unit[j, 1]) * model.d_chain[c, _ALONG]
+                change += (unit[j + 1, 2] - unit[j, 2]) * model.d_chain[c, _ACROSS]
+                for k in range(joints):
+                    change += (by_turn[j + 1, k] - by_turn[j, k]) * by[k, frame, c]
+                gradient[j, frame, c] += change
+
+
+@compiled
+def _fill_turns(model: Model, q: NDArray, turn: NDArray, by_turn: NDArray, unit: NDArray) -> None:
+    """Write Δ of base and links, and its derivatives by joint angles and (κ, centre)."""
+    radial = model.chain[_RADIAL]
+    direction, place = np.zeros(q.size + 1), np.zeros((q.size + 1, 2))
+    place[0, 0] = -model.centre[0] - model.chain[_ALONG]
+    place[0, 1] = -model.centre[1] - model.chain[_ACROSS]
+    by_turn[:] = 0.0
+    for i in range(q.size + 1):
+        if i > 0:
+            length = model.link_length[i - 2] if i > 1 else 0.0
+            direction[i] = direction[i - 1] + q[i - 1]
+            place[i, 0] = place[i - 1, 0] + length * math.cos(direction[i - 1])
+            place[i, 1] = place[i - 1, 1] + length * math.sin(direction[i - 1])
+        cosine, sine = math.cos(direction[i]), math.sin(direction[i])
+        along = place[i, 0] * cosine + place[i, 1] * sine + model.middle[i]
+        across = place[i, 1] * cosine - place[i, 0] * sine
+        unit[i, 0] = 2.0 * along * across
+        unit[i, 1] = 2.0 * radial * (sine * along - cosine * across)
+        unit[i, 2] = -2.0 * radial * (cosine * along + sine * across)
+        turn[i] = radial * unit[i, 0]
+        twist = 2.0 * radial * (across * across - along * (along - model.middle[i]))
+        for k in range(i):
+            by_turn[i, k] += twist
+            for m in range(k + 1, i):  # links carry it sideways
+                lean = direction[i] - direction[m]
+                rise = math.cos(lean) * along + math.sin(lean) * across
+                by_turn[i, k] += 2.0 * radial * model.link_length[m - 1] * rise
 
 
 def _build_forms(setting: Setting) -> list[Form] | str:
@@ -31,5 +126,13 @@ def _build_forms(setting: Setting) -> list[Form] | str:
 
 
 EFFECT = Effect(
-    "lens_distortion", "the optics bend the angles", "measurement", _build_forms, "lens"
+    "lens_distortion",
+    "the optics bend the angles",
+    "measurement",
+    _build_forms,
+    "lens",
+    hooks=(
+        Hook("observe", bend_picture, ("lens_radial", "lens_along", "lens_across")),
+        Hook("observe", bend_angle, ("angle_cubic",)),
+    ),
 )

@@ -5,10 +5,12 @@ rest between them: of a usual elastic angle, of that trial's, or of what the tri
 at its own stiffness, which then stands in the angle at the start as well.
 """
 
+import math
 from dataclasses import replace
 
 import numpy as np
 
+from softfinger.compiled import compiled
 from softfinger.mechanics.effects.effect import (
     Effect,
     Form,
@@ -17,8 +19,34 @@ from softfinger.mechanics.effects.effect import (
     signed,
     time_constant,
 )
+from softfinger.mechanics.forward.hooks import Hook
+from softfinger.mechanics.forward.modes import VOIGT
+from softfinger.mechanics.forward.slot import LOG_K_V, Slot, declare
+from softfinger.mechanics.forward.work import Model, Work
 
 REMAINS = 0.01  # of the usual elastic angle: what a trial before must leave to be remembered
+
+
+_ANGLE, _TORQUE = declare(
+    initial_angle=Slot("joint", "rad", 0.0, "elastic angle that has not yet relaxed at the start"),
+    initial_torque=Slot(
+        "joint", "N m", 0.0, "torque whose elastic angle is still there at the start, on q_ini"
+    ),
+)
+
+
+@compiled
+def remember(model: Model, work: Work, j: int) -> None:
+    """What the Voigt element still has of before: beyond q_ini where it comes from a torque."""
+    state, soft = work.state, math.exp(-model.joint[j, LOG_K_V])
+    angle, torque = model.joint[j, _ANGLE], model.joint[j, _TORQUE]
+    state.offset[j] -= angle
+    state.mode[j, VOIGT] += angle + torque * soft
+    for c in model.columns[j]:
+        change = model.d_joint[c, j]
+        d_held = (change[_TORQUE] - torque * change[LOG_K_V]) * soft
+        state.d_offset[j, c] -= change[_ANGLE]
+        state.d_mode[j, VOIGT, c] += change[_ANGLE] + d_held
 
 
 def _build_forms(setting: Setting) -> list[Form]:
@@ -66,4 +94,5 @@ EFFECT = Effect(
     "the joint is not yet at rest when the trial starts",
     "within_trial",
     _build_forms,
+    hooks=(Hook("rest", remember, ("initial_angle", "initial_torque")),),
 )

@@ -1,5 +1,10 @@
 """Stiffness or viscosity that falls while the trial runs, as heat or water comes in."""
 
+import math
+
+from numpy.typing import NDArray
+
+from softfinger.compiled import compiled
 from softfinger.mechanics.effects.effect import (
     Effect,
     Form,
@@ -8,8 +13,69 @@ from softfinger.mechanics.effects.effect import (
     positive,
     time_constant,
 )
+from softfinger.mechanics.forward.hooks import Hook
+from softfinger.mechanics.forward.slot import Slot, declare
+from softfinger.mechanics.forward.spring import (
+    BY_ANGLE,
+    BY_ELASTIC,
+    D_FACTOR,
+    FACTOR,
+    SLOPE,
+    VALUE,
+)
+from softfinger.mechanics.forward.work import Model
 
-SLOTS = {"stiffness": "softening_elastic", "viscosity": "softening_flow"}
+TARGETS = {"stiffness": "softening_elastic", "viscosity": "softening_flow"}
+
+
+_ELASTIC, _FLOW, _TIME = declare(
+    softening_elastic=Slot(
+        "joint", "1", 0.0, "k_v (1 - s (1 - exp(-t/T))), t in the trial", below=1.0
+    ),
+    softening_flow=Slot("joint", "1", 0.0, "c_p (1 - s (1 - exp(-t/T)))", below=1.0),
+    softening_time=Slot("joint", "s", 1.0, "their time T", "positive"),
+)
+
+
+@compiled
+def soften(time: float, constant: float) -> tuple[float, float]:
+    """How far a softening has come, 1 − e^{−t/T}, and its derivative by T; 0 before the start."""
+    ratio = max(time, 0.0) / constant
+    return -math.expm1(-ratio), -ratio * math.exp(-ratio) / constant
+
+
+@compiled
+def soften_spring(
+    model: Model, j: int, time: float, elastic: float, angle: float, spring: NDArray,
+    d_spring: NDArray, tangents: bool,
+) -> None:  # fmt: skip
+    """The stiffness that is left: 1 − s (1 − e^{−t/T})."""
+    share, (eased, by_time) = model.joint[j, _ELASTIC], soften(time, model.joint[j, _TIME])
+    left, before = 1.0 - share * eased, spring[FACTOR]
+    spring[FACTOR] *= left
+    spring[BY_ELASTIC] *= left
+    spring[BY_ANGLE] *= left
+    if tangents:
+        for c in model.columns[j]:
+            change = model.d_joint[c, j]
+            d_left = -change[_ELASTIC] * eased - share * by_time * change[_TIME]
+            d_spring[D_FACTOR, c] = left * d_spring[D_FACTOR, c] + before * d_left
+
+
+@compiled
+def soften_flow(
+    model: Model, j: int, time: float, torque: float, drive: NDArray, row: NDArray
+) -> None:
+    """The flow over what is left of the viscosity: 1 − s (1 − e^{−t/T})."""
+    share, (eased, by_time) = model.joint[j, _FLOW], soften(time, model.joint[j, _TIME])
+    left = 1.0 - share * eased
+    drive[VALUE] /= left
+    drive[SLOPE] /= left
+    if row.size > 0:
+        for c in model.columns[j]:
+            change = model.d_joint[c, j]
+            d_left = -change[_FLOW] * eased - share * by_time * change[_TIME]
+            row[c] = (row[c] - drive[VALUE] * d_left) / left
 
 
 def _build_form(target: str, setting: Setting) -> Form:
@@ -18,7 +84,7 @@ def _build_form(target: str, setting: Setting) -> Form:
 
     def slots(values: Values) -> dict:
         return {
-            SLOTS[target]: values["softening_share"],
+            TARGETS[target]: values["softening_share"],
             "softening_time": values["softening_time_s"],
         }
 
@@ -26,10 +92,16 @@ def _build_form(target: str, setting: Setting) -> Form:
 
 
 def _build_forms(setting: Setting) -> list[Form]:
-    return [_build_form(target, setting) for target in SLOTS]
+    return [_build_form(target, setting) for target in TARGETS]
 
 
 EFFECT = Effect(
-    "softening_within_trial", "the joint softens while the trial runs", "within_trial",
+    "softening_within_trial",
+    "the joint softens while the trial runs",
+    "within_trial",
     _build_forms,
-)  # fmt: skip
+    hooks=(
+        Hook("spring", soften_spring, ("softening_elastic",)),
+        Hook("flow", soften_flow, ("softening_flow",)),
+    ),
+)

@@ -8,8 +8,11 @@ or with the load.
 Dahl (1968), Aerospace Corp. TOR-0158(3107-18)-1.
 """
 
+import math
+
 import numpy as np
 
+from softfinger.compiled import compiled
 from softfinger.mechanics.effects.effect import (
     Effect,
     Form,
@@ -19,6 +22,118 @@ from softfinger.mechanics.effects.effect import (
     positive,
 )
 from softfinger.mechanics.effects.law import Law, free_form
+from softfinger.mechanics.forward.curve import combine, weigh_slope, weigh_value
+from softfinger.mechanics.forward.hooks import Hook
+from softfinger.mechanics.forward.slot import Slot, declare
+from softfinger.mechanics.forward.work import START, Balance, Model, Nodes, Work
+
+_BEND, _CONSTANT, _FORCE, _LAW, _REACH, _WIDTH, _DRIVER, _OWN = declare(
+    friction_bend=Slot("chain", "1/rad", 0.0, "capstan exponent for each radian of bend"),
+    friction_constant=Slot("chain", "1", 0.0, "capstan exponent for each joint passed"),
+    friction_force=Slot("chain", "N m", 0.0, "Coulomb loss for each joint passed"),
+    friction_law=Slot("law", "1", 0.0, "added to the capstan exponent, a law of the bend passed"),
+    friction_reach=Slot(
+        "chain", "rad", 1.0, "bend at which that law ends", "positive", constant=True
+    ),
+    friction_width=Slot(
+        "chain", "rad or N m", 0.05, "motion (driver 1) or load (driver 0) that turns the friction",
+        "positive",
+    ),
+    friction_driver=Slot(
+        "chain", "1", 1.0, "friction turns with the wire's motion (1) or the load (0)",
+        constant=True,
+    ),
+    friction_own=Slot(
+        "chain", "1", 0.5, "share of a joint's own bend that its own torque suffers", constant=True
+    ),
+)  # fmt: skip
+_AMPLITUDES = ("friction_bend", "friction_constant", "friction_force", "friction_law")
+
+
+@compiled
+def lose_pull(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
+    """The pull that is left: u e^{−s B} less the Coulomb loss.
+
+    B depends on the bends that the wire has passed; s is the direction of its motion (1 = pulled).
+    """
+    load, way = nodes.load[i], nodes.direction[i]
+    size, sign = abs(load), math.copysign(1.0, load)
+    passed = 0.0  # Σ |q| of the joints before
+    for j in range(model.joint.shape[0]):
+        angle = nodes.angle[i, j]
+        own = model.chain[_OWN]
+        count, turned = j + own, passed + own * abs(angle)
+        passed += abs(angle)
+        x, law = turned / model.chain[_REACH], model.law[j, _LAW]
+        exponent = model.chain[_BEND] * turned + model.chain[_CONSTANT] * count
+        exponent += combine(law, weigh_value(x))
+        steeper = model.chain[_BEND] + combine(law, weigh_slope(x)) / model.chain[_REACH]
+        kept, drag = math.exp(-way * sign * exponent), model.chain[_FORCE] * count
+        held = size / (size + drag) if drag > 0.0 else 1.0
+        lost = size * kept  # −d(pull)/d(s B)
+        balance.torque[i, j] = load * kept - way * drag * held
+        balance.by_load[i, j] = kept - way * (1.0 - held) ** 2 * sign
+        balance.by_direction[i, j] = -lost * exponent - drag * held
+        for k in range(j + 1):
+            lean = math.copysign(own if k == j else 1.0, nodes.angle[i, k])
+            balance.by_angle[i, j, k] -= lost * way * steeper * lean
+        if tangents:
+            for c in model.columns[j]:
+                change = turned * model.d_chain[c, _BEND] + count * model.d_chain[c, _CONSTANT]
+                change += combine(model.d_law[c, j, _LAW], weigh_value(x))
+                dragged = way * count * held * held * model.d_chain[c, _FORCE]
+                balance.tangent[i, j, c] = -lost * way * change - dragged
+
+
+@compiled
+def turn_direction(way: float, motion: float, width: float) -> tuple[float, float, float, float]:
+    """Dahl's friction state after a motion: it nears the motion's sign as 1 − (1 − s) e^{−|x|/w}.
+
+    Returns the state and its derivatives by the state before, the motion and the width.
+    """
+    sign = math.copysign(1.0, motion)
+    decay = math.exp(-abs(motion) / width)
+    by_motion = (1.0 - sign * way) * decay / width
+    after = sign + (way - sign) * decay
+    return after, decay, by_motion, -by_motion * motion / width
+
+
+@compiled
+def turn_at_nodes(model: Model, nodes: Nodes) -> None:
+    """The direction at the nodes, each from the one before."""
+    width, by_wire = model.chain[_WIDTH], model.chain[_DRIVER] > 0.5
+    nodes.by_motion[:] = 0.0
+    for i in range(3):
+        before = i - 1 if i > 0 else START
+        motion = nodes.load[i] - nodes.load[before]
+        if by_wire:
+            motion = nodes.angle[i].sum() - nodes.angle[before].sum()
+        nodes.direction[i], by_way, by_motion, by_width = turn_direction(
+            nodes.direction[before], motion, width
+        )
+        for c in range(model.d_chain.shape[0]):
+            change = by_way * nodes.d_direction[before, c] + by_width * model.d_chain[c, _WIDTH]
+            if not by_wire:
+                change += by_motion * (nodes.d_load[i, c] - nodes.d_load[before, c])
+            nodes.d_direction[i, c] = change
+        if by_wire:
+            if i > 0:
+                nodes.by_motion[i] = by_way * nodes.by_motion[before]
+            nodes.by_motion[i, i] += by_motion
+            nodes.by_motion[i, before] -= by_motion
+
+
+@compiled
+def turn_in_jump(model: Model, work: Work, jump: float) -> None:
+    """The direction after a jump of the load, where it turns with that."""
+    if not model.chain[_DRIVER] > 0.5:
+        state = work.state
+        state.direction[0], by_way, _, by_width = turn_direction(
+            state.direction[0], jump, model.chain[_WIDTH]
+        )
+        for c in range(model.d_chain.shape[0]):
+            state.d_direction[0, c] *= by_way
+            state.d_direction[0, c] += by_width * model.d_chain[c, _WIDTH]
 
 
 def _build_form(law: str, driver: str, setting: Setting) -> Form:
@@ -65,4 +180,9 @@ EFFECT = Effect(
     "within_trial",
     _build_forms,
     "wire",
+    hooks=(
+        Hook("pull", lose_pull, _AMPLITUDES, mixes=True),
+        Hook("turn", turn_at_nodes, _AMPLITUDES),
+        Hook("jump", turn_in_jump, _AMPLITUDES),
+    ),
 )

@@ -4,7 +4,63 @@ Under one constant load alone a threshold vanishes in c_p. It is tried all the s
 whose moment arm changes, say, the joint's torque does not stay what it is.
 """
 
+import math
+
+from numpy.typing import NDArray
+
+from softfinger.compiled import compiled
 from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, positive
+from softfinger.mechanics.forward.hooks import Hook
+from softfinger.mechanics.forward.ramp import softplus
+from softfinger.mechanics.forward.slot import Slot, declare
+from softfinger.mechanics.forward.spring import SLOPE, VALUE
+from softfinger.mechanics.forward.work import Model
+
+_YIELD, _WIDTH, _JUMP = declare(
+    yield_torque=Slot(
+        "joint", "N m", 0.0, "no flow below this torque, the excess above it", "nonnegative"
+    ),
+    yield_width=Slot("joint", "N m", 1e-3, "torque over which the yield sets in", "positive"),
+    yield_jump=Slot(
+        "joint", "1", 0.0, "1: above the threshold the whole torque flows", constant=True
+    ),
+)
+
+
+@compiled
+def hold_below(
+    model: Model, j: int, time: float, torque: float, drive: NDArray, row: NDArray
+) -> None:
+    """The torque y beyond the threshold: S(y − τ_y) − S(−y − τ_y), S a soft ramp."""
+    threshold, slope, by_limit, by_width = _pass_threshold(
+        drive[VALUE], model.joint[j, _YIELD], model.joint[j, _WIDTH], model.joint[j, _JUMP]
+    )
+    drive[VALUE], drive[SLOPE] = threshold, slope * drive[SLOPE]
+    if row.size > 0:
+        for c in model.columns[j]:
+            change = model.d_joint[c, j]
+            own = by_limit * change[_YIELD] + by_width * change[_WIDTH]
+            row[c] = slope * row[c] + own
+
+
+@compiled
+def _pass_threshold(
+    torque: float, limit: float, width: float, jump: float
+) -> tuple[float, float, float, float]:
+    """What passes, its slope, and its derivatives by the threshold and its width."""
+    if limit == 0.0:
+        return torque, 1.0, -math.tanh(torque / (2.0 * width)) * (1.0 - jump), 0.0
+    above, rise = softplus(torque - limit, width)
+    below, fall = softplus(-torque - limit, width)
+    gate = jump * limit
+    rise_slope, fall_slope = rise * (1.0 - rise) / width, fall * (1.0 - fall) / width
+    drive = above - below + gate * (rise - fall)
+    slope = rise + fall + gate * (rise_slope + fall_slope)
+    by_limit = fall - rise + jump * (rise - fall) - gate * (rise_slope - fall_slope)
+    up, down = (torque - limit) / width, (-torque - limit) / width
+    by_width = (above - up * width * rise - below + down * width * fall) / width
+    by_width -= gate * (up * rise_slope - down * fall_slope)
+    return drive, slope, by_limit, by_width
 
 
 def _build_form(kind: str, setting: Setting) -> Form:
@@ -30,5 +86,9 @@ def _build_forms(setting: Setting) -> list[Form]:
 
 
 EFFECT = Effect(
-    "yield_threshold", "the joint flows only above a torque", "within_trial", _build_forms
+    "yield_threshold",
+    "the joint flows only above a torque",
+    "within_trial",
+    _build_forms,
+    hooks=(Hook("flow", hold_below, ("yield_torque",)),),
 )

@@ -5,23 +5,16 @@ from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
 from softfinger.mechanics.forward.drives import drive_of
+from softfinger.mechanics.forward.hooks import TURN
 from softfinger.mechanics.forward.phi import mode_response
-from softfinger.mechanics.forward.slots import CHAIN_SLOTS
 from softfinger.mechanics.forward.tangents import (
     add_drives,
     add_responses,
     drive_modes,
     move_modes,
 )
-from softfinger.mechanics.forward.work import (
-    HAS_DELAY,
-    HAS_FRICTION,
-    START,
-    Model,
-    Work,
-)
+from softfinger.mechanics.forward.work import START, Model, Work
 
-_DELAY = CHAIN_SLOTS.index("delay")
 _TANGENT_TOLERANCE = 1e-3  # of the largest tangent so far
 _SHORT = 1e-4  # [s] steps that need not be shorter for a tangent's sake: early ones are rounding
 _BEND = 0.1  # how far the worst quadratic inside a step moves a mode, of a constant drive
@@ -42,12 +35,16 @@ def emit_frame(
     span: float,
     share: float,
     frame: int,
+    late: NDArray,
     angle: NDArray,
     gradient: NDArray,
 ) -> None:
-    """Write the joint angles and their tangents `span` seconds into the step."""
+    """Write the joint angles and their tangents `span` seconds into the step.
+
+    `late` (column,) is how the frame's moment changes; empty where it does not.
+    """
     state, linear, weight, response = work.state, work.linear, work.weight, work.response
-    moving = model.groups[HAS_DELAY] and span > 0.0
+    moving = late.size > 0 and span > 0.0
     for j in range(state.offset.size):
         total, velocity = state.offset[j], 0.0
         row = gradient[j, frame]
@@ -72,11 +69,11 @@ def emit_frame(
         if row.size == 0:
             continue
         add_responses(response, state.d_mode[j], linear.d_rate[j], linear.d_gain[j], row)
-        if work.curved[0]:
+        if model.curved:
             add_drives(weight, linear.d_drive[j], row)
         if moving:
             for c in range(row.size):
-                row[c] -= velocity * model.d_chain[c, _DELAY]
+                row[c] += velocity * late[c]
 
 
 @compiled
@@ -100,15 +97,15 @@ def commit_step(model: Model, work: Work, step: float) -> None:
         if state.d_offset.shape[1] == 0:
             continue
         move_modes(response, state.d_mode[j], linear.d_rate[j], linear.d_gain[j])
-        if work.curved[0]:
+        if model.curved:
             drive_modes(response, work.drive, linear.d_drive[j], state.d_mode[j])
-    if work.curved[0]:
+    if model.curved:
         end = nodes.torque.shape[0] - 2
         state.torque[:] = nodes.torque[end]
         state.d_torque[:] = nodes.d_torque[end]
         state.velocity[:] = nodes.velocity[end]
         state.d_velocity[:] = nodes.d_velocity[end]
-        if model.groups[HAS_FRICTION]:
+        if model.count[TURN] > 0:
             state.direction[0] = nodes.direction[end]
             for c in range(model.d_chain.shape[0]):
                 change = nodes.d_direction[end, c]
@@ -152,3 +149,13 @@ def measure_error(model: Model, work: Work, step: float, tolerance: float) -> fl
                 if gap > 0.0:
                     worst = max(worst, reach * gap / (_TANGENT_TOLERANCE * largest[c]))
     return worst
+
+
+@compiled
+def delay_jump(work: Work, jump: float, late: NDArray) -> None:
+    """Let a jump of the load come late by nothing, which moves by `late` (column,) [s]: a kick."""
+    state, gain = work.state, work.linear.gain
+    for j in range(state.offset.size):
+        for mode in range(state.mode.shape[1]):
+            for c in range(late.size):
+                state.d_mode[j, mode, c] -= gain[j, mode] * jump * late[c]

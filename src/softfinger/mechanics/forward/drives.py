@@ -1,11 +1,16 @@
 """From torques at the nodes of a step to angles at the nodes, joint by joint."""
 
 from softfinger.compiled import compiled
-from softfinger.mechanics.forward.laws import flow_drive, flow_tangent
+from softfinger.mechanics.forward.hooks import FLOW as FLOWS
 from softfinger.mechanics.forward.modes import FLOW, VOIGT
 from softfinger.mechanics.forward.phi import NODES as _SHARES
 from softfinger.mechanics.forward.phi import TO_MONOMIAL, mode_response, phi_functions
-from softfinger.mechanics.forward.spring import voigt_tangent, voigt_torque
+from softfinger.mechanics.forward.spring import (
+    fill_voigt_tangents,
+    flow_drive,
+    has_curved_voigt,
+    voigt_torque,
+)
 from softfinger.mechanics.forward.tangents import (
     add_rates,
     add_responses,
@@ -13,14 +18,7 @@ from softfinger.mechanics.forward.tangents import (
     combine_nodes,
     sum_modes,
 )
-from softfinger.mechanics.forward.work import (
-    HAS_FLOW,
-    HAS_INERTIA,
-    HAS_SPRING,
-    START,
-    Model,
-    Work,
-)
+from softfinger.mechanics.forward.work import START, Model, Work
 from softfinger.mechanics.linear import factorise, solve_factorised
 
 _TORQUE = 2  # drives: 0 of the Voigt element, 1 of the dashpot, 2 the torque itself
@@ -35,7 +33,7 @@ def drive_of(mode: int) -> int:
 @compiled
 def fill_weights(model: Model, work: Work, step: float) -> None:
     """Write what the modes do at the nodes by themselves, and what unit drives at nodes add."""
-    linear, inertial = work.linear, model.groups[HAS_INERTIA]
+    linear, inertial = work.linear, model.inertial
     linear.base[:] = 0.0
     linear.weight[:] = 0.0
     if inertial:
@@ -70,16 +68,11 @@ def fill_angles(model: Model, work: Work, j: int) -> None:
     """Write joint j's flow, spring torque, angles and velocity from its torque at the nodes."""
     nodes, linear = work.nodes, work.linear
     for i in range(3):
-        nodes.flow[i, j] = nodes.torque[i, j]
-        if model.groups[HAS_FLOW]:
-            nodes.flow[i, j], nodes.flow_slope[i, j] = flow_drive(
-                model.joint[j],
-                model.law[j],
-                nodes.time[i],
-                nodes.torque[i, j],
-                nodes.flow_partial[i, j],
-            )
-    for _ in range(30 if model.groups[HAS_SPRING] else 1):
+        nodes.flow[i, j], nodes.flow_slope[i, j] = flow_drive(
+            model, work, j, nodes.time[i], nodes.torque[i, j], work.none
+        )
+    bent = has_curved_voigt(model)
+    for _ in range(30 if bent else 1):
         for i in range(3):
             elastic, angle = linear.base[0, j, i], linear.base[1, j, i]
             for m in range(3):
@@ -88,9 +81,9 @@ def fill_angles(model: Model, work: Work, j: int) -> None:
                 angle += own + linear.weight[1, j, i, m] * nodes.flow[m, j]
                 angle += linear.weight[_TORQUE, j, i, m] * nodes.torque[m, j]
             nodes.elastic[i, j], nodes.angle[i, j] = elastic, angle
-        if not model.groups[HAS_SPRING] or _correct_spring(model, work, j):
+        if not bent or _correct_spring(model, work, j):
             break
-    if model.groups[HAS_INERTIA]:
+    if model.inertial:
         for i in range(3):
             velocity = linear.base[2, j, i]
             for m in range(3):
@@ -109,13 +102,9 @@ def _correct_spring(model: Model, work: Work, j: int) -> bool:
     worst, scale = 0.0, 0.0
     for i in range(3):
         torque, slope[2, i, j], slope[0, i, j], slope[1, i, j] = voigt_torque(
-            model.joint[j],
-            model.law[j],
-            nodes.time[i],
-            nodes.torque[i, j],
-            nodes.elastic[i, j],
+            model, work, j, nodes.time[i], nodes.torque[i, j], nodes.elastic[i, j],
             nodes.angle[i, j],
-        )
+        )  # fmt: skip
         missing[i] = torque - nodes.spring[i, j]
         worst, scale = (
             max(worst, abs(missing[i])),
@@ -154,7 +143,7 @@ def fill_slopes_by_torque(model: Model, work: Work, j: int) -> None:
             by_spring[i, m] = nodes.spring_slope[0, i, j] * weight[0, i, m]
             by_spring[i, m] += nodes.spring_slope[1, i, j] * by_angle[i, m]
         by_spring[i, i] += nodes.spring_slope[2, i, j]
-    if model.groups[HAS_SPRING]:
+    if has_curved_voigt(model):
         fill_local(work, j)
         factorise(newton.local)
         for m in range(3):
@@ -166,7 +155,7 @@ def fill_slopes_by_torque(model: Model, work: Work, j: int) -> None:
             for m in range(3):
                 for k in range(3):
                     by_angle[i, m] -= weight[0, i, k] * by_spring[k, m]
-    if model.groups[HAS_INERTIA]:
+    if model.inertial:
         by_velocity = newton.velocity_by_torque[j]
         for i in range(3):
             for m in range(3):
@@ -182,21 +171,14 @@ def fill_tangents_at_fixed_torque(model: Model, work: Work, step: float, j: int)
     nodes, linear, state = work.nodes, work.linear, work.state
     response, motion = work.response, work.motion
     d_mode, d_rate, d_gain = state.d_mode[j], linear.d_rate[j], linear.d_gain[j]
-    inertial = model.groups[HAS_INERTIA]
+    inertial = model.inertial
     for i in range(3):
         nodes.d_angle[i, j] = state.d_offset[j]
         nodes.d_velocity[i, j] = 0.0
         nodes.d_spring[i, j] = 0.0
         nodes.d_flow[i, j] = 0.0
-        if model.groups[HAS_FLOW]:
-            for c in model.columns[j]:
-                nodes.d_flow[i, j, c] = flow_tangent(
-                    model.joint[j],
-                    model.d_joint[c, j],
-                    model.d_law[c, j],
-                    nodes.torque[i, j],
-                    nodes.flow_partial[i, j],
-                )
+        if model.count[FLOWS] > 0:
+            flow_drive(model, work, j, nodes.time[i], nodes.torque[i, j], nodes.d_flow[i, j])
         for mode in range(linear.rate.shape[1]):
             rate, gain, drive = linear.rate[j, mode], linear.gain[j, mode], drive_of(mode)
             d0, d1, d2 = linear.drive[j, drive]
@@ -216,7 +198,7 @@ def fill_tangents_at_fixed_torque(model: Model, work: Work, step: float, j: int)
     combine_nodes(linear.weight[1, j], nodes.d_flow, nodes.d_angle, j)
     if inertial:
         combine_nodes(linear.rate_weight[1, j], nodes.d_flow, nodes.d_velocity, j)
-    if model.groups[HAS_SPRING]:
+    if has_curved_voigt(model):
         _add_spring_tangents(model, work, j)
 
 
@@ -224,30 +206,28 @@ def fill_tangents_at_fixed_torque(model: Model, work: Work, step: float, j: int)
 def _add_spring_tangents(model: Model, work: Work, j: int) -> None:
     nodes, linear, local = work.nodes, work.linear, work.newton.local
     column = work.newton.column
+    for i in range(3):
+        fill_voigt_tangents(
+            model, work, j, nodes.time[i], nodes.torque[i, j], nodes.elastic[i, j],
+            nodes.angle[i, j], nodes.d_spring[i, j],
+        )  # fmt: skip
+        add_scaled(nodes.spring_slope[0, i, j], nodes.d_elastic[i, j], nodes.d_spring[i, j])
+        add_scaled(nodes.spring_slope[1, i, j], nodes.d_angle[i, j], nodes.d_spring[i, j])
     fill_local(work, j)
     factorise(local)
     for c in model.columns[j]:
         for i in range(3):
-            column[i] = nodes.spring_slope[0, i, j] * nodes.d_elastic[i, j, c]
-            column[i] += nodes.spring_slope[1, i, j] * nodes.d_angle[i, j, c]
-            column[i] += voigt_tangent(
-                model.joint[j],
-                model.d_joint[c, j],
-                model.law[j],
-                model.d_law[c, j],
-                nodes.time[i],
-                nodes.torque[i, j],
-                nodes.elastic[i, j],
-                nodes.angle[i, j],
-            )
+            column[i] = nodes.d_spring[i, j, c]
         solve_factorised(local, column)
         for i in range(3):
             nodes.d_spring[i, j, c] = column[i]
-            for m in range(3):
-                own = linear.weight[0, j, i, m] * column[m]
-                nodes.d_elastic[i, j, c] -= own
-                nodes.d_angle[i, j, c] -= own
-                nodes.d_velocity[i, j, c] -= linear.rate_weight[0, j, i, m] * column[m]
+    for i in range(3):
+        for m in range(3):
+            own = linear.weight[0, j, i, m]
+            add_scaled(-own, nodes.d_spring[m, j], nodes.d_elastic[i, j])
+            add_scaled(-own, nodes.d_spring[m, j], nodes.d_angle[i, j])
+            rate = linear.rate_weight[0, j, i, m]
+            add_scaled(-rate, nodes.d_spring[m, j], nodes.d_velocity[i, j])
 
 
 @compiled

@@ -1,25 +1,22 @@
 """The finger before the load comes: at rest, in balance with its own weight."""
 
-import math
+import numpy as np
 
 from softfinger.compiled import compiled
-from softfinger.mechanics.forward.modes import LOG_K_V, Q_INI, VOIGT, fill_mode_tangents, fill_modes
-from softfinger.mechanics.forward.slots import JOINT_SLOTS
-from softfinger.mechanics.forward.spring import solve_rest, spring_tangent
-from softfinger.mechanics.forward.torque import fill_balance
-from softfinger.mechanics.forward.work import START, Model, Work
-
-_INITIAL = JOINT_SLOTS.index("initial_angle")
-_HELD = JOINT_SLOTS.index("initial_torque")
+from softfinger.mechanics.forward.balance import fill_balance
+from softfinger.mechanics.forward.hooks import REST, call_rest
+from softfinger.mechanics.forward.modes import VOIGT, fill_modes
+from softfinger.mechanics.forward.slot import Q_INI
+from softfinger.mechanics.forward.spring import solve_rest, spring_tangent, spring_torque
+from softfinger.mechanics.forward.work import START, YES, Model, Work
 
 
 @compiled
 def fill_rest(model: Model, work: Work, now: float) -> None:
     """Write the modes and their state at the start of a trial.
 
-    q = q_ini there, plus what an `initial_torque` has left. The elastic elements balance what acts
-    without load (weight, stop) at q_ini, plus this and an `initial_angle` that have not relaxed;
-    the dashpot has not flowed.
+    q = q_ini there. The elastic elements balance what acts without load (weight, stop); the dashpot
+    has not flowed. Hooks change what else there was.
     """
     state, linear, nodes = work.state, work.linear, work.nodes
     tangents = model.d_chain.shape[0] > 0
@@ -36,44 +33,39 @@ def fill_rest(model: Model, work: Work, now: float) -> None:
     nodes.acceleration[:] = 0.0
     state.d_mode[:] = 0.0
     work.largest[:] = 0.0
+    work.load.log[:], work.load.d_log[:] = 0.0, 0.0
+    work.load.acting[:], work.load.d_acting[:], work.load.pace[:] = 0.0, 0.0, np.inf
     for j in range(state.offset.size):
         nodes.angle[START, j] = model.joint[j, Q_INI]
-        fill_modes(model.joint[j], model.law[j], linear.rate[j], linear.gain[j])
-        for c in model.columns[j]:
-            fill_mode_tangents(
-                model.joint[j], model.d_joint[c, j], model.law[j], model.d_law[c, j],
-                linear.rate[j], linear.gain[j],
-                linear.d_rate[j, :, c], linear.d_gain[j, :, c],
-            )  # fmt: skip
+        fill_modes(model, linear, j)
     fill_balance(model, nodes, work.balance, START, tangents)
     for j in range(state.offset.size):
         _fill_joint_rest(model, work, j)
+        for k in range(model.count[REST]):
+            call_rest(model.hook[REST, k], model, work, j)
 
 
 @compiled
 def _fill_joint_rest(model: Model, work: Work, j: int) -> None:
     state, linear, balance = work.state, work.linear, work.balance
-    value, torque, angle = model.joint[j], balance.torque[START, j], model.joint[j, Q_INI]
-    law, time = model.law[j], work.nodes.time[START]
-    elastic, by_torque, by_angle = solve_rest(value, law, time, torque, angle)
-    state.offset[j], state.torque[j] = angle - elastic - value[_INITIAL], torque
-    compliance = math.exp(-value[LOG_K_V])
-    state.mode[j, VOIGT] = elastic + value[_INITIAL] + value[_HELD] * compliance
+    torque, angle, time = balance.torque[START, j], model.joint[j, Q_INI], work.nodes.time[START]
+    elastic, by_torque, by_angle = solve_rest(model, work, j, time, torque, angle)
+    state.offset[j], state.torque[j] = angle - elastic, torque
+    state.mode[j, VOIGT] = elastic
     for mode in range(VOIGT + 1, linear.rate.shape[1]):
         if linear.rate[j, mode] > 0.0:
             state.mode[j, mode] = linear.gain[j, mode] / linear.rate[j, mode] * torque
             state.offset[j] -= state.mode[j, mode]
+    spring_torque(model, work, j, time, elastic, angle, YES)
     for c in model.columns[j]:
-        change = model.d_joint[c, j]
         d_torque = balance.tangent[START, j, c]
         for k in range(state.offset.size):
             d_torque += balance.by_angle[START, j, k] * model.d_joint[c, k, Q_INI]
-        softer = spring_tangent(value, change, law, model.d_law[c, j], time, elastic, angle)
-        d_elastic = by_torque * (d_torque - softer) + by_angle * change[Q_INI]
-        d_held = (change[_HELD] - value[_HELD] * change[LOG_K_V]) * compliance
-        state.d_mode[j, VOIGT, c] = d_elastic + change[_INITIAL] + d_held
+        softer, d_angle = spring_tangent(model, work, j, c), model.d_joint[c, j, Q_INI]
+        d_elastic = by_torque * (d_torque - softer) + by_angle * d_angle
+        state.d_mode[j, VOIGT, c] = d_elastic
         state.d_torque[j, c] = d_torque
-        state.d_offset[j, c] = change[Q_INI] - d_elastic - change[_INITIAL]
+        state.d_offset[j, c] = d_angle - d_elastic
         for mode in range(VOIGT + 1, linear.rate.shape[1]):
             rate = linear.rate[j, mode]
             if rate > 0.0:

@@ -15,32 +15,25 @@ from softfinger.faults import Fault
 from softfinger.mechanics import LOG_PARAMETERS, PARAMETERS
 from softfinger.mechanics.chain import compute_inertia_coefficients
 from softfinger.mechanics.checks import require_finite, require_forward_in_time, require_positive
+from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.forward.closed_form import run_closed_form
-from softfinger.mechanics.forward.modes import MODES
-from softfinger.mechanics.forward.observe import observe
+from softfinger.mechanics.forward.hooks import (
+    OBSERVE,
+    call_observe,
+    compile_hooks,
+    find_hooks,
+)
 from softfinger.mechanics.forward.side_by_side import run_side_by_side
+from softfinger.mechanics.forward.slot import SLOTS, list_slots
 from softfinger.mechanics.forward.slots import (
     SlotArrays,
     build_slots,
     build_tangent,
     check_slots,
-    find_groups,
     find_moved_slots,
 )
 from softfinger.mechanics.forward.trial import run_trial
-from softfinger.mechanics.forward.work import (
-    GROUPS,
-    HAS_ARM,
-    HAS_GRAVITY,
-    HAS_INERTIA,
-    HAS_LAW,
-    HAS_LENS,
-    HAS_OBSERVATION,
-    HAS_SECOND,
-    HAS_SPRINGPOT,
-    allocate_model,
-    allocate_work,
-)
+from softfinger.mechanics.forward.work import allocate_model, allocate_work
 from softfinger.mechanics.geometry import FingerGeometry
 from softfinger.mechanics.load import check_load
 
@@ -225,8 +218,9 @@ def simulate_joint_angle_array(
             "they must have the same number"
         )
     check_slots(slots)
-    groups = find_groups(GROUPS, slots, tangents)
-    _check_finger(finger, groups)
+    moved = find_moved_slots(slots, tangents)
+    on = find_hooks((hook for effect in list_effects().values() for hook in effect.hooks), moved)
+    _check_finger(finger, moved)
     rows = [np.asarray(a, float) for a in (time, load_time, load_torque)]
     rows = [np.array(np.broadcast_to(a, (trials, a.shape[-1])), order="C") for a in rows]
     joint = slots.joint.copy()
@@ -234,7 +228,11 @@ def simulate_joint_angle_array(
     values, none = (joint, *slots[1:]), [np.zeros((0, *s.shape)) for s in slots]
     changes = [np.stack(parts) for parts in zip(*tangents, strict=True)] or none
 
-    closed = _choose_closed_form(route, slots, tangents)
+    closed = _choose_closed_form(route, moved)
+    sizes = [np.array(field, float, order="C") for field in finger[1:]]
+    rest = () if closed else (*compile_hooks(on), float(finger.arm_ratio), *sizes)
+    mixed, has_law = any(hook.mixes for hook in on), bool(moved & {*list_slots("law")})
+    modes = max((hook.modes for hook in on), default=2)
 
     def run(some: slice) -> tuple[NDArray, NDArray]:
         if closed:
@@ -243,16 +241,16 @@ def simulate_joint_angle_array(
         return _run_trials(
             *(value[some] for value in values),
             *(np.ascontiguousarray(change[:, some]) for change in changes),
-            groups, *finger, *(row[some] for row in rows),
+            rest, modes, mixed, has_law, *(row[some] for row in rows),
             by_own, float(tolerance), float(longest_step),
         )  # fmt: skip
 
     return run_side_by_side(run, trials)
 
 
-def _choose_closed_form(route: Route, slots: SlotArrays, tangents: Sequence[SlotArrays]) -> bool:
+def _choose_closed_form(route: Route, moved: set[str]) -> bool:
     """Whether the closed form is to be taken; a `Fault` where it is asked for and cannot be."""
-    on = sorted(find_moved_slots(slots, tangents) - {*LOG_PARAMETERS})
+    on = sorted(moved - {*LOG_PARAMETERS})
     if route == "closed_form" and on:
         raise Fault(
             f"the closed form has no {', '.join(on)}: ask for the general route, or leave these "
@@ -261,18 +259,12 @@ def _choose_closed_form(route: Route, slots: SlotArrays, tangents: Sequence[Slot
     return route != "general" and not on
 
 
-def _check_finger(finger: Finger, groups: NDArray[np.bool_]) -> None:
-    needs = {
-        HAS_ARM: ("the moment arm", finger.arm_ratio),
-        HAS_GRAVITY: ("gravity", finger.moment),
-        HAS_INERTIA: ("inertia", finger.inertia),
-        HAS_LENS: ("the lens", (*finger.link_length, *finger.marker_middle)),
-    }
-    for group, (physics, values) in needs.items():
-        if groups[group] and np.isnan(values).any():
+def _check_finger(finger: Finger, moved: set[str]) -> None:
+    for name in sorted(moved):
+        if any(np.isnan(getattr(finger, field)).any() for field in SLOTS[name].needs):
             raise Fault(
-                f"{physics} needs the finger's lengths and masses, which are not declared: "
-                "give them, or leave its slots at their null values"
+                f"slot {name!r} needs the finger's lengths and masses, which are not declared: "
+                "give them, or leave it at its null value"
             )
 
 
@@ -286,13 +278,10 @@ def _run_trials(
     d_chain: NDArray,
     d_coupling: NDArray,
     d_law: NDArray,
-    groups: NDArray,
-    arm_ratio: float,
-    moment: NDArray,
-    inertia: NDArray,
-    link_length: NDArray,
-    marker_middle: NDArray,
-    optical_centre: NDArray,
+    rest: tuple,
+    modes: int,
+    mixed: bool,
+    has_law: bool,
     time: NDArray,
     load_time: NDArray,
     load_torque: NDArray,
@@ -304,15 +293,14 @@ def _run_trials(
     trials, joints, _ = joint.shape
     own = 4 * joints * by_own
     columns = own + len(d_joint)
-    modes = MODES if groups[HAS_SPRINGPOT] else (3 if groups[HAS_SECOND] else 2)
-    model = allocate_model(joints, by_own, columns, groups, arm_ratio, moment, inertia)
+    model = allocate_model(joint, chain, coupling, law, by_own, columns, mixed, rest)
     work = allocate_work(joints, modes, columns)
     angle = np.full((trials, joints, time.shape[1]), np.nan)
     gradient = np.zeros((*angle.shape, columns))
     for trial in range(trials):
         model.joint[:], model.chain[:] = joint[trial], chain[trial]
         model.coupling[:] = coupling[trial]
-        if groups[HAS_LAW]:
+        if has_law:
             model.law[:] = law[trial]
             model.d_law[own:] = d_law[:, trial]
         model.d_joint[own:] = d_joint[:, trial]
@@ -324,8 +312,8 @@ def _run_trials(
         )  # fmt: skip
         if not done:
             angle[trial], gradient[trial] = np.nan, np.nan
-        elif groups[HAS_OBSERVATION]:
-            observe(
-                model, link_length, marker_middle, optical_centre, angle[trial], gradient[trial]
-            )
+        elif model.count[OBSERVE] > 0:
+            true, by = angle[trial].copy(), gradient[trial].copy()
+            for k in range(model.count[OBSERVE]):
+                call_observe(model.hook[OBSERVE, k], model, true, by, angle[trial], gradient[trial])
     return angle, gradient

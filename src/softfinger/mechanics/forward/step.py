@@ -10,6 +10,7 @@ the discrete solution, by the same factors.
 import numpy as np
 
 from softfinger.compiled import compiled
+from softfinger.mechanics.forward.balance import fill_balance
 from softfinger.mechanics.forward.drives import (
     fill_angles,
     fill_drives,
@@ -18,47 +19,19 @@ from softfinger.mechanics.forward.drives import (
     fill_tangents_at_fixed_torque,
     fill_weights,
 )
-from softfinger.mechanics.forward.laws import flow_drive, flow_tangent
+from softfinger.mechanics.forward.hooks import FLOW, TURN, call_turn
 from softfinger.mechanics.forward.phi import DIFFERENTIATE
-from softfinger.mechanics.forward.slots import CHAIN_SLOTS
-from softfinger.mechanics.forward.spring import voigt_tangent, voigt_torque
-from softfinger.mechanics.forward.tangents import add_scaled, follow_torque
-from softfinger.mechanics.forward.torque import fill_balance, turn_direction
-from softfinger.mechanics.forward.work import (
-    HAS_ARM,
-    HAS_ARM_LAW,
-    HAS_COUPLING,
-    HAS_FLOW,
-    HAS_FRICTION,
-    HAS_GRAVITY,
-    HAS_INERTIA,
-    HAS_SPRING,
-    HAS_STOP,
-    START,
-    Model,
-    Work,
+from softfinger.mechanics.forward.spring import (
+    fill_voigt_tangents,
+    flow_drive,
+    has_curved_voigt,
+    voigt_torque,
 )
+from softfinger.mechanics.forward.tangents import add_scaled, follow_torque
+from softfinger.mechanics.forward.work import NO, START, YES, Model, Work
 from softfinger.mechanics.linear import factorise_pivoted, solve_columns, solve_pivoted
 
-_WIDTH = CHAIN_SLOTS.index("friction_width")
-_DRIVER = CHAIN_SLOTS.index("friction_driver")
 _ITERATIONS = 12
-_NO, _YES = np.bool_(False), np.bool_(True)  # Python's own would make numba compile twice
-
-
-@compiled
-def has_feedback(model: Model) -> bool:
-    """Whether the joints' torques depend on their angles."""
-    groups = model.groups
-    return (
-        groups[HAS_STOP]
-        or groups[HAS_FRICTION]
-        or groups[HAS_ARM]
-        or groups[HAS_ARM_LAW]
-        or groups[HAS_GRAVITY]
-        or groups[HAS_COUPLING]
-        or groups[HAS_INERTIA]
-    )
 
 
 @compiled
@@ -70,27 +43,18 @@ def open_step(model: Model, work: Work, tangents: bool) -> None:
     fill_balance(model, nodes, balance, START, tangents)
     for j in range(state.offset.size):
         nodes.torque[START, j] = balance.torque[START, j]
-        if model.groups[HAS_INERTIA]:
+        if model.inertial:
             nodes.torque[START, j] = state.torque[j]
-        nodes.flow[START, j], nodes.spring[START, j] = nodes.torque[START, j], 0.0
-        if model.groups[HAS_FLOW]:
-            nodes.flow[START, j], nodes.flow_slope[START, j] = flow_drive(
-                model.joint[j],
-                model.law[j],
-                nodes.time[START],
-                nodes.torque[START, j],
-                nodes.flow_partial[START, j],
-            )
-        if model.groups[HAS_SPRING]:
+        nodes.flow[START, j], nodes.flow_slope[START, j] = flow_drive(
+            model, work, j, nodes.time[START], nodes.torque[START, j], work.none
+        )
+        nodes.spring[START, j] = 0.0
+        if has_curved_voigt(model):
             slope = nodes.spring_slope[:, START, j]
             nodes.spring[START, j], slope[2], slope[0], slope[1] = voigt_torque(
-                model.joint[j],
-                model.law[j],
-                nodes.time[START],
-                nodes.torque[START, j],
-                nodes.elastic[START, j],
-                nodes.angle[START, j],
-            )
+                model, work, j, nodes.time[START], nodes.torque[START, j],
+                nodes.elastic[START, j], nodes.angle[START, j],
+            )  # fmt: skip
     if tangents:
         nodes.d_direction[START] = state.d_direction[0]
         _open_tangents(model, work)
@@ -106,33 +70,23 @@ def _open_tangents(model: Model, work: Work) -> None:
             change += balance.by_direction[START, j] * state.d_direction[0, c]
             for k in range(state.offset.size):
                 change += balance.by_angle[START, j, k] * nodes.d_angle[START, k, c]
-            if model.groups[HAS_INERTIA]:
+            if model.inertial:
                 change = state.d_torque[j, c]
             nodes.d_torque[START, j, c] = change
-            nodes.d_flow[START, j, c] = change
-            if model.groups[HAS_FLOW]:
-                nodes.d_flow[START, j, c] = change * nodes.flow_slope[START, j] + flow_tangent(
-                    model.joint[j],
-                    model.d_joint[c, j],
-                    model.d_law[c, j],
-                    nodes.torque[START, j],
-                    nodes.flow_partial[START, j],
-                )
-            if model.groups[HAS_SPRING]:
-                change *= nodes.spring_slope[2, START, j]
-                change += voigt_tangent(
-                    model.joint[j],
-                    model.d_joint[c, j],
-                    model.law[j],
-                    model.d_law[c, j],
-                    nodes.time[START],
-                    nodes.torque[START, j],
-                    nodes.elastic[START, j],
-                    nodes.angle[START, j],
-                )
-                change += nodes.spring_slope[0, START, j] * nodes.d_elastic[START, j, c]
-                change += nodes.spring_slope[1, START, j] * nodes.d_angle[START, j, c]
-                nodes.d_spring[START, j, c] = change
+        flow, spring, d_torque = nodes.d_flow[START, j], nodes.d_spring[START, j], nodes.d_torque
+        flow[:] = 0.0
+        if model.count[FLOW] > 0:
+            flow_drive(model, work, j, nodes.time[START], nodes.torque[START, j], flow)
+        add_scaled(nodes.flow_slope[START, j], d_torque[START, j], flow)
+        if has_curved_voigt(model):
+            fill_voigt_tangents(
+                model, work, j, nodes.time[START], nodes.torque[START, j],
+                nodes.elastic[START, j], nodes.angle[START, j], spring,
+            )  # fmt: skip
+            slope = nodes.spring_slope[:, START, j]
+            add_scaled(slope[0], nodes.d_elastic[START, j], spring)
+            add_scaled(slope[1], nodes.d_angle[START, j], spring)
+            add_scaled(slope[2], d_torque[START, j], spring)
 
 
 @compiled
@@ -140,18 +94,17 @@ def solve_step(model: Model, work: Work, step: float, tangents: bool) -> bool:
     """Find the torques at the nodes of a step; False where Newton does not converge."""
     nodes, balance, newton = work.nodes, work.balance, work.newton
     joints = work.state.offset.size
-    feedback = has_feedback(model)
     fill_weights(model, work, step)
     for i in range(3):
         for j in range(joints):
             nodes.torque[i, j] = nodes.torque[START, j]
             nodes.spring[i, j] = nodes.spring[START, j]
-            if not model.groups[HAS_INERTIA]:
+            if not model.inertial:
                 rise = nodes.load[i] - nodes.load[START]
                 nodes.torque[i, j] += balance.by_load[START, j] * rise
     for j in range(joints):
         fill_angles(model, work, j)
-    change, scale = np.inf, 1.0 if feedback else np.inf
+    change, scale = np.inf, 1.0 if model.feedback else np.inf
     for _ in range(_ITERATIONS):
         if change <= 1e-10 * scale:
             break
@@ -169,10 +122,10 @@ def solve_step(model: Model, work: Work, step: float, tangents: bool) -> bool:
             fill_angles(model, work, j)
     if not change <= 1e-10 * scale:
         return False
-    fill_drives(model, work, _NO)
+    fill_drives(model, work, NO)
     if tangents:
-        _fill_tangents(model, work, step, feedback)
-        fill_drives(model, work, _YES)
+        _fill_tangents(model, work, step)
+        fill_drives(model, work, YES)
     return True
 
 
@@ -181,9 +134,9 @@ def _fill_residual(model: Model, work: Work, step: float) -> float:
     """Write what is missing from the torques; the size of the torques."""
     nodes, balance, newton = work.nodes, work.balance, work.newton
     joints = work.state.offset.size
-    if model.groups[HAS_FRICTION]:
-        _fill_directions(model, work)
-    if model.groups[HAS_INERTIA]:
+    for k in range(model.count[TURN]):
+        call_turn(model.hook[TURN, k], model, nodes)
+    if model.inertial:
         for i in range(3):
             for j in range(joints):
                 total = 0.0
@@ -193,37 +146,11 @@ def _fill_residual(model: Model, work: Work, step: float) -> float:
                 nodes.acceleration[i, j] = total / step
     scale = 1e-300
     for i in range(3):
-        fill_balance(model, nodes, balance, i, _NO)
+        fill_balance(model, nodes, balance, i, NO)
         for j in range(joints):
             newton.right[i * joints + j] = balance.torque[i, j] - nodes.torque[i, j]
             scale = max(scale, abs(nodes.torque[i, j]), abs(nodes.load[i]))
     return scale
-
-
-@compiled
-def _fill_directions(model: Model, work: Work) -> None:
-    """Write the wire's friction state at the nodes, each from the one before."""
-    nodes, width = work.nodes, model.chain[_WIDTH]
-    by_wire = model.chain[_DRIVER] > 0.5
-    nodes.by_motion[:] = 0.0
-    for i in range(3):
-        before = i - 1 if i > 0 else START
-        motion = nodes.load[i] - nodes.load[before]
-        if by_wire:
-            motion = nodes.angle[i].sum() - nodes.angle[before].sum()
-        nodes.direction[i], by_way, by_motion, by_width = turn_direction(
-            nodes.direction[before], motion, width
-        )
-        for c in range(model.d_chain.shape[0]):
-            change = by_way * nodes.d_direction[before, c] + by_width * model.d_chain[c, _WIDTH]
-            if not by_wire:
-                change += by_motion * (nodes.d_load[i, c] - nodes.d_load[before, c])
-            nodes.d_direction[i, c] = change
-        if by_wire:
-            if i > 0:
-                nodes.by_motion[i] = by_way * nodes.by_motion[before]
-            nodes.by_motion[i, i] += by_motion
-            nodes.by_motion[i, before] -= by_motion
 
 
 @compiled
@@ -238,11 +165,11 @@ def _fill_matrix(model: Model, work: Work, step: float) -> None:
             for m in range(3):
                 for k in range(joints):
                     value = balance.by_angle[i, j, k] * by_angle[k, i, m]
-                    if model.groups[HAS_FRICTION]:
+                    if model.count[TURN] > 0:
                         for n in range(i + 1):
                             turn = balance.by_direction[i, j] * nodes.by_motion[i, n]
                             value += turn * by_angle[k, n, m]
-                    if model.groups[HAS_INERTIA]:
+                    if model.inertial:
                         by_velocity = newton.velocity_by_torque[k]
                         value += balance.by_velocity[i, j, k] * by_velocity[i, m]
                         for n in range(3):
@@ -253,19 +180,19 @@ def _fill_matrix(model: Model, work: Work, step: float) -> None:
 
 
 @compiled
-def _fill_tangents(model: Model, work: Work, step: float, feedback: bool) -> None:
+def _fill_tangents(model: Model, work: Work, step: float) -> None:
     """Write how everything at the nodes moves along each column."""
     nodes, newton = work.nodes, work.newton
     joints = work.state.offset.size
     for j in range(joints):
         fill_tangents_at_fixed_torque(model, work, step, j)
-        if not feedback:
+        if not model.feedback:
             fill_slopes_by_torque(model, work, j)
-    if feedback:
+    if model.feedback:
         for i in range(3):
-            fill_balance(model, nodes, work.balance, i, _YES)
+            fill_balance(model, nodes, work.balance, i, YES)
     rights = newton.rights
-    if feedback:
+    if model.feedback:
         _fill_right_sides(model, work, step)
         solve_columns(newton.matrix, newton.pivot, rights)
     else:  # the torque is the load
@@ -288,7 +215,7 @@ def _fill_right_sides(model: Model, work: Work, step: float) -> None:
     for i in range(3):
         way = newton.way
         way[:] = nodes.d_direction[i]
-        if model.groups[HAS_FRICTION]:
+        if model.count[TURN] > 0:
             for n in range(4):
                 for k in range(joints):
                     add_scaled(nodes.by_motion[i, n], nodes.d_angle[n, k], way)
@@ -299,7 +226,7 @@ def _fill_right_sides(model: Model, work: Work, step: float) -> None:
             add_scaled(balance.by_direction[i, j], way, change)
             for k in range(joints):
                 add_scaled(balance.by_angle[i, j, k], nodes.d_angle[i, k], change)
-                if model.groups[HAS_INERTIA]:
+                if model.inertial:
                     add_scaled(balance.by_velocity[i, j, k], nodes.d_velocity[i, k], change)
                     for n in range(3):
                         faster = balance.by_acceleration[i, j, k] * DIFFERENTIATE[i, n] / step

@@ -4,46 +4,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
-from softfinger.mechanics.forward.acting import (
-    ACTING,
-    D_SLOPE,
-    D_VALUE,
-    SLOPE,
-    VALUE,
-    advance_acting,
-    fill_load,
-    limit_load,
-    limit_node,
-)
 from softfinger.mechanics.forward.advance import (
     commit_step,
     emit_frame,
     measure_error,
     set_straight_drives,
 )
+from softfinger.mechanics.forward.hooks import (
+    CLOCK,
+    FOLLOW,
+    JUMP,
+    LIMIT,
+    LOG,
+    call_clock,
+    call_follow,
+    call_jump,
+    call_limit,
+    call_log,
+)
 from softfinger.mechanics.forward.phi import NODES as _SHARES
 from softfinger.mechanics.forward.rest import fill_rest
-from softfinger.mechanics.forward.slots import CHAIN_SLOTS
-from softfinger.mechanics.forward.slow import slow_log
-from softfinger.mechanics.forward.step import has_feedback, open_step, solve_step
-from softfinger.mechanics.forward.torque import turn_direction
-from softfinger.mechanics.forward.work import (
-    HAS_FLOW,
-    HAS_FRICTION,
-    HAS_INERTIA,
-    HAS_LAG,
-    HAS_LIMIT,
-    HAS_SLOWNESS,
-    HAS_SPRING,
-    START,
-    Model,
-    Work,
-)
+from softfinger.mechanics.forward.step import open_step, solve_step
+from softfinger.mechanics.forward.tangents import add_scaled
+from softfinger.mechanics.forward.work import NO, START, YES, Model, Work
 
-_DELAY, _LAG = CHAIN_SLOTS.index("delay"), CHAIN_SLOTS.index("lag")
-_WIDTH, _DRIVER = CHAIN_SLOTS.index("friction_width"), CHAIN_SLOTS.index("friction_driver")
-_SLOWNESS = CHAIN_SLOTS.index("load_slowness")
-_INERTIA = CHAIN_SLOTS.index("inertia_scale")
+VALUE, SLOPE = range(2)
+"""Of the log on a segment: its value at the start, and its slope."""
 _MAX_STEPS = 20_000
 _INSTANT = 1e-12  # [s] knots that rounding alone keeps apart are a jump
 
@@ -64,37 +50,88 @@ def run_trial(
 
     False where the model could not be integrated.
     """
-    delay, frames, frame = model.chain[_DELAY], _count_frames(time), np.int64(0)
-    load, d_acting = np.zeros(6), np.zeros((2, model.d_chain.shape[0]))
-    load_time, load_torque, d_load = slow_log(load_time, load_torque, model.chain[_SLOWNESS])
+    time, late = _shift_frames(model, work, time)
+    frames, frame, log = time.size, np.int64(0), work.load.log
+    load_time, load_torque, d_load = _read_log(model, load_time, load_torque)
     now, last = load_time[0], load_time.size - 1
     if frames > 0:
-        now = min(now, time[0] - delay)
+        now = min(now, time[0])
     fill_rest(model, work, now)
     for knot in range(-1, last + 1):
-        end = load_time[knot + 1] if knot < last else time[max(frames - 1, 0)] - delay
+        end = load_time[knot + 1] if knot < last else time[max(frames - 1, 0)]
         if knot >= 0:
-            before, after = limit_load(model, load[VALUE]), limit_load(model, load_torque[knot])
-            jump = after[0] - before[0]
-            load[VALUE], load[SLOPE] = load_torque[knot], 0.0
-            load[D_VALUE], load[D_SLOPE] = d_load[knot], 0.0
-            if knot < last and end - now > _INSTANT:
-                load[SLOPE] = (load_torque[knot + 1] - load_torque[knot]) / (end - now)
-                load[D_SLOPE] = (d_load[knot + 1] - d_load[knot]) / (end - now)
-            _jump(model, work, load, jump)
+            jump = _limit(model, work, load_torque[knot]) - _limit(model, work, log[VALUE])
+            _set_segment(work, load_time, load_torque, d_load, knot, end - now)
+            for k in range(model.count[JUMP] if work.load.pace[0] == np.inf else 0):
+                call_jump(model.hook[JUMP, k], model, work, jump)
         if frame >= frames:
             break
         if end - now > _INSTANT:
             frame = _run_segment(
-                model, work, time[:frames], frame, now, end, load, d_acting,
-                tolerance, longest, angle, gradient,
-            )  # fmt: skip
+                model, work, time, late, frame, now, end, tolerance, longest, angle, gradient
+            )
             if frame < 0:
                 return False
             now = end
     for left in range(frame, frames):
-        emit_frame(model, work, 0.0, 0.0, left, angle, gradient)
+        emit_frame(model, work, 0.0, 0.0, left, late, angle, gradient)
     return True
+
+
+@compiled
+def _shift_frames(model: Model, work: Work, time: NDArray) -> tuple[NDArray, NDArray]:
+    """Moments of the frames before the padding, and their change (column,); empty: none."""
+    moment = time[: _count_frames(time)].copy()
+    if model.count[CLOCK] == 0:
+        return moment, work.none
+    late = np.zeros(model.d_chain.shape[0])
+    for k in range(model.count[CLOCK]):
+        call_clock(model.hook[CLOCK, k], model, moment, late)
+    return moment, late
+
+
+@compiled
+def _read_log(model: Model, time: NDArray, load: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    """The load log as hooks leave it: knots (knot,) and changes (knot, column)."""
+    if model.count[LOG] > 0:
+        return call_log(model.hook[LOG, 0], model, time, load)
+    return time, load, np.zeros((time.size, model.d_chain.shape[0]))
+
+
+@compiled
+def _set_segment(
+    work: Work, time: NDArray, load: NDArray, d_load: NDArray, knot: int, span: float
+) -> None:
+    """Write the log's straight line from a knot on, constant after the last."""
+    log, d_log = work.load.log, work.load.d_log
+    log[VALUE], log[SLOPE] = load[knot], 0.0
+    d_log[VALUE], d_log[SLOPE] = d_load[knot], 0.0
+    if knot < time.size - 1 and span > _INSTANT:
+        log[SLOPE] = (load[knot + 1] - load[knot]) / span
+        d_log[SLOPE] = (d_load[knot + 1] - d_load[knot]) / span
+
+
+@compiled
+def _limit(model: Model, work: Work, load: float) -> float:
+    """What acts under a load, without memory."""
+    pair = work.pair
+    pair[VALUE] = load
+    for k in range(model.count[LIMIT]):
+        call_limit(model.hook[LIMIT, k], model, pair, work.none)
+    return pair[VALUE]
+
+
+@compiled
+def _fill_load(model: Model, work: Work, i: int, since: float) -> None:
+    """Write the load that acts at row i, `since` seconds into a segment, and its changes."""
+    nodes, load = work.nodes, work.load
+    nodes.load[i] = load.log[VALUE] + load.log[SLOPE] * since
+    nodes.d_load[i] = load.d_log[VALUE]
+    add_scaled(since, load.d_log[SLOPE], nodes.d_load[i])
+    for k in range(model.count[FOLLOW]):
+        call_follow(model.hook[FOLLOW, k], model, load, nodes, i, since, NO)
+    for k in range(model.count[LIMIT]):
+        call_limit(model.hook[LIMIT, k], model, nodes.load[i : i + 1], nodes.d_load[i])
 
 
 @compiled
@@ -107,49 +144,22 @@ def _count_frames(time: NDArray) -> int:
 
 
 @compiled
-def _jump(model: Model, work: Work, load: NDArray, jump: float) -> None:
-    """Take the wire's friction, or the first effect of a lag, across a jump of the log."""
-    state = work.state
-    if model.chain[_LAG] > 0.0:
-        return  # the load that acts does not jump
-    load[ACTING] = load[VALUE]
-    slowed = model.groups[HAS_SLOWNESS] and model.chain[_SLOWNESS] == 0.0
-    if model.groups[HAS_LAG] or slowed:  # a lag of nothing delays the jump by d(lag): a kick
-        for j in range(state.offset.size):
-            for mode in range(state.mode.shape[1]):
-                for c in model.columns[j]:
-                    late = model.d_chain[c, _LAG]
-                    if slowed:
-                        late += 0.5 * abs(jump) * model.d_chain[c, _SLOWNESS]
-                    state.d_mode[j, mode, c] -= work.linear.gain[j, mode] * jump * late
-    if model.groups[HAS_FRICTION] and not model.chain[_DRIVER] > 0.5:
-        state.direction[0], by_way, _, by_width = turn_direction(
-            state.direction[0], jump, model.chain[_WIDTH]
-        )
-        for c in range(model.d_chain.shape[0]):
-            state.d_direction[0, c] *= by_way
-            state.d_direction[0, c] += by_width * model.d_chain[c, _WIDTH]
-
-
-@compiled
 def _run_segment(
     model: Model,
     work: Work,
     time: NDArray,
+    late: NDArray,
     frame: int,
     now: float,
     end: float,
-    load: NDArray,
-    d_acting: NDArray,
     tolerance: float,
     longest: float,
     angle: NDArray,
     gradient: NDArray,
 ) -> int:
     """Go from one knot to the next; the next frame, or −1 where that failed."""
-    delay, tangents = model.chain[_DELAY], model.d_chain.shape[0] > 0
-    straight, start, steps, opened = not _is_curved(model), now, 0, False
-    work.curved[0] = not straight
+    tangents, log = model.d_chain.shape[0] > 0, work.load.log
+    straight, start, steps, opened = not model.curved, now, 0, False
     step = end - now if straight else min(longest, _first_step(model, work, tolerance))
     while now < end:
         steps += 1
@@ -158,16 +168,14 @@ def _run_segment(
         final = now + step * 1.001 >= end
         length = end - now if final else step
         if straight:
-            set_straight_drives(work, load[VALUE], load[SLOPE] * length)
+            set_straight_drives(work, log[VALUE], log[SLOPE] * length)
         else:
             for i in range(4):
                 if i != START or not opened:
                     share = _SHARES[i] if i != START else 0.0
                     since = now - start + share * length
                     work.nodes.time[i] = start + since
-                    fill_load(model, work, i, load, d_acting, since)
-                    if model.groups[HAS_LIMIT]:
-                        limit_node(model, work, i)
+                    _fill_load(model, work, i, since)
             if not opened:
                 open_step(model, work, tangents)
                 opened = True
@@ -178,30 +186,16 @@ def _run_segment(
                 continue
             step = min(longest, length * min(5.0, 0.8 * max(error, 1e-10) ** -0.25))
         ahead = end if final else now + length
-        while frame < time.size and time[frame] - delay <= ahead:
-            span = max(time[frame] - delay - now, 0.0)
-            emit_frame(model, work, span, span / length, frame, angle, gradient)
+        while frame < time.size and time[frame] <= ahead:
+            span = max(time[frame] - now, 0.0)
+            emit_frame(model, work, span, span / length, frame, late, angle, gradient)
             frame += 1
         commit_step(model, work, length)
         now, opened = ahead, False
-    if model.chain[_LAG] > 0.0:
-        advance_acting(model, work, load, d_acting, end - start)
-    load[VALUE] += load[SLOPE] * (end - start)
+    for k in range(model.count[FOLLOW]):
+        call_follow(model.hook[FOLLOW, k], model, work.load, work.nodes, START, end - start, YES)
+    log[VALUE] += log[SLOPE] * (end - start)
     return frame
-
-
-@compiled
-def _is_curved(model: Model) -> bool:
-    """Whether any drive may bend between the knots of the load."""
-    groups = model.groups
-    return (
-        has_feedback(model)
-        or groups[HAS_SPRING]
-        or groups[HAS_FLOW]
-        or groups[HAS_LAG]
-        or groups[HAS_LIMIT]
-        or groups[HAS_SLOWNESS]
-    )
 
 
 @compiled
@@ -209,9 +203,6 @@ def _first_step(model: Model, work: Work, tolerance: float) -> float:
     """A step to begin a segment with: short beside what is fastest."""
     if tolerance == np.inf:
         return np.inf
-    if model.groups[HAS_INERTIA] and model.chain[_INERTIA] != 0.0:
+    if model.inertial and work.balance.by_acceleration[START].any():
         return 1e-6
-    step = 0.05 / work.linear.rate[:, 0].max()
-    if model.chain[_LAG] > 0.0:
-        step = min(step, 0.2 * model.chain[_LAG])
-    return step
+    return min(0.05 / work.linear.rate[:, 0].max(), 0.2 * work.load.pace[0])

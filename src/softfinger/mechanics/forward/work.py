@@ -1,7 +1,7 @@
 """The arrays that the kernel works in: allocated once, filled anew for each trial and step.
 
 They are numba's `structref`s, passed by reference: as tuples of arrays they took three times as
-long to compile.
+long to compile. Their types are written out, so that a hook can be compiled before the kernel.
 """
 
 import numpy as np
@@ -10,155 +10,131 @@ from numba.experimental import structref
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
-from softfinger.mechanics.forward.curve import KNOTS
-from softfinger.mechanics.forward.slots import CHAIN_SLOTS, COUPLING_SLOTS, JOINT_SLOTS, LAWS
 
-GROUPS = (
-    "second",
-    "springpot",
-    "spring",
-    "stop",
-    "flow",
-    "friction",
-    "arm",
-    "arm_law",
-    "gravity",
-    "coupling",
-    "inertia",
-    "lag",
-    "delay",
-    "limit",
-    "slowness",
-    "observation",
-    "lens",
-    "law",
-)
-"""The physics that a run needs to look at; the others cost nothing."""
-(
-    HAS_SECOND,
-    HAS_SPRINGPOT,
-    HAS_SPRING,
-    HAS_STOP,
-    HAS_FLOW,
-    HAS_FRICTION,
-    HAS_ARM,
-    HAS_ARM_LAW,
-    HAS_GRAVITY,
-    HAS_COUPLING,
-    HAS_INERTIA,
-    HAS_LAG,
-    HAS_DELAY,
-    HAS_LIMIT,
-    HAS_SLOWNESS,
-    HAS_OBSERVATION,
-    HAS_LENS,
-    HAS_LAW,
-) = range(len(GROUPS))
-
-_JOINT, _CHAIN, _COUPLING = len(JOINT_SLOTS), len(CHAIN_SLOTS), len(COUPLING_SLOTS)
-_LAW = len(LAWS)
-START = np.int64(3)  # row of the start of a step (a plain int would make numba compile twice)
+Row, Table, Block, Stack = (types.Array(types.float64, n, "C") for n in range(1, 5))
+Count = types.Array(types.int64, 1, "C")
+Codes = types.Array(types.int64, 2, "C")
+# Python's own int and bool would make numba compile twice
+START = np.int64(3)
+"""Row of the start of a step."""
+NO, YES = np.bool_(False), np.bool_(True)
 
 
 class Model(structref.StructRefProxy):
     """One trial's slots and their tangents (column first), and what is fixed for the finger."""
 
-    joint: NDArray  # (joint, slot)
-    chain: NDArray  # (slot,)
-    coupling: NDArray  # (slot, joint, other)
-    law: NDArray  # (joint, law, knot)
-    d_joint: NDArray  # (column, joint, slot)
-    d_chain: NDArray  # (column, slot)
-    d_coupling: NDArray  # (column, slot, joint, other)
-    d_law: NDArray  # (column, joint, law, knot)
-    columns: NDArray  # (joint, …): the columns that can move this joint
-    groups: NDArray  # (group,) bool
-    arm_ratio: float  # l_joint / (2 d)
-    moment: NDArray  # (joint,) [kg m]
-    inertia: NDArray  # (joint, joint) [kg m²]
+    joint: Table  # (joint, slot)
+    chain: Row  # (slot,)
+    coupling: Block  # (slot, joint, other)
+    law: Block  # (joint, law, knot)
+    d_joint: Block  # (column, joint, slot)
+    d_chain: Table  # (column, slot)
+    d_coupling: Stack  # (column, slot, joint, other)
+    d_law: Stack  # (column, joint, law, knot)
+    columns: Codes  # (joint, …): the columns that can move this joint
+    hook: Codes  # (kind, …) addresses of what effects add, by kind
+    count: Count  # (kind,) how many
+    feedback: types.boolean  # whether the joints' torques depend on their angles,
+    curved: types.boolean  # whether drives may bend between the knots of the load,
+    inertial: types.boolean  # whether torques depend on velocities and accelerations
+    arm_ratio: types.float64  # l_joint / (2 d)
+    moment: Row  # (joint,) [kg m]
+    inertia: Table  # (joint, joint) [kg m²]
+    link_length: Row  # (joint,) [m]
+    middle: Row  # (1 + joint,) [m] of the markers along base and links
+    centre: Row  # (2,) [m] optical centre from the first joint, along and across the base
 
 
 class State(structref.StructRefProxy):
     """What the start of a step remembers, and its tangents (column last)."""
 
-    mode: NDArray  # (joint, mode) [rad]
-    d_mode: NDArray
-    offset: NDArray  # (joint,) [rad]: q − Σ modes
-    d_offset: NDArray
-    direction: NDArray  # (1,) state of the wire friction, −1 … 1
-    d_direction: NDArray
-    velocity: NDArray  # (joint,) [rad/s]
-    d_velocity: NDArray
-    torque: NDArray  # (joint,) [N m] at the end of the step before
-    d_torque: NDArray
+    mode: Table  # (joint, mode) [rad]
+    d_mode: Block
+    offset: Row  # (joint,) [rad]: q − Σ modes
+    d_offset: Table
+    direction: Row  # (1,) state of the wire friction, −1 … 1
+    d_direction: Table
+    velocity: Row  # (joint,) [rad/s]
+    d_velocity: Table
+    torque: Row  # (joint,) [N m] at the end of the step before
+    d_torque: Table
+
+
+class Load(structref.StructRefProxy):
+    """The log on the present segment, a straight line, and what acts."""
+
+    log: Row  # (2,) its value at the start and its slope
+    d_log: Table  # (2, column)
+    acting: Row  # (2,) what acts at the start; the second for what a hook must remember besides
+    d_acting: Table  # (2, column)
+    pace: Row  # (1,) [s] in which what acts follows: it does not jump, and a first step is short
 
 
 class Linear(structref.StructRefProxy):
     """The modes, and what they make of drives during the present step."""
 
-    rate: NDArray  # (joint, mode) [1/s]
-    gain: NDArray
-    d_rate: NDArray  # (joint, mode, column)
-    d_gain: NDArray
-    base: NDArray  # (3, joint, node): q_v, q and q̇ without any drive
-    weight: NDArray  # (3 drives, joint, node, node): what drives at nodes add to q
-    rate_weight: NDArray  # the same for q̇
-    drive: NDArray  # (joint, 3 drives, power)
-    d_drive: NDArray  # (joint, 3 drives, power, column)
+    rate: Table  # (joint, mode) [1/s]
+    gain: Table
+    d_rate: Block  # (joint, mode, column)
+    d_gain: Block
+    base: Block  # (3, joint, node): q_v, q and q̇ without any drive
+    weight: Stack  # (3 drives, joint, node, node): what drives at nodes add to q
+    rate_weight: Stack  # the same for q̇
+    drive: Block  # (joint, 3 drives, power)
+    d_drive: Stack  # (joint, 3 drives, power, column)
 
 
 class Nodes(structref.StructRefProxy):
     """Everything at the three nodes of a step, and at its start."""
 
-    time: NDArray  # (4,) [s]
-    load: NDArray  # [N m]
-    d_load: NDArray  # (4, column)
-    torque: NDArray  # (4, joint): the unknown
-    spring: NDArray  # what the Voigt element takes from a linear one's drive
-    spring_slope: NDArray  # (3, 4, joint) by q_v, q and torque
-    flow: NDArray  # the dashpot's drive
-    flow_slope: NDArray
-    flow_partial: NDArray  # (4, joint, 7)
-    elastic: NDArray  # q_v
-    angle: NDArray  # q
-    velocity: NDArray
-    acceleration: NDArray
-    direction: NDArray  # (4,)
-    by_motion: NDArray  # (3, 4): of the direction, by x at nodes and start
-    d_direction: NDArray  # (4, column), at fixed angles
-    d_torque: NDArray  # (4, joint, column)
-    d_spring: NDArray
-    d_flow: NDArray
-    d_elastic: NDArray
-    d_angle: NDArray
-    d_velocity: NDArray
+    time: Row  # (4,) [s]
+    load: Row  # [N m]
+    d_load: Table  # (4, column)
+    torque: Table  # (4, joint): the unknown
+    spring: Table  # what the Voigt element takes from a linear one's drive
+    spring_slope: Block  # (3, 4, joint) by q_v, q and torque
+    flow: Table  # the dashpot's drive
+    flow_slope: Table
+    elastic: Table  # q_v
+    angle: Table  # q
+    velocity: Table
+    acceleration: Table
+    direction: Row  # (4,)
+    by_motion: Table  # (3, 4): of the direction, by x at nodes and start
+    d_direction: Table  # (4, column), at fixed angles
+    d_torque: Block  # (4, joint, column)
+    d_spring: Block
+    d_flow: Block
+    d_elastic: Block
+    d_angle: Block
+    d_velocity: Block
 
 
 class Balance(structref.StructRefProxy):
     """The torque that the finger's statics ask of each joint, and its derivatives."""
 
-    torque: NDArray  # (4, joint)
-    by_angle: NDArray  # (4, joint, other)
-    by_velocity: NDArray
-    by_acceleration: NDArray
-    by_direction: NDArray  # (4, joint)
-    by_load: NDArray
-    tangent: NDArray  # (4, joint, column), at fixed angles, load and direction
+    torque: Table  # (4, joint)
+    by_angle: Block  # (4, joint, other)
+    by_velocity: Block
+    by_acceleration: Block
+    by_direction: Table  # (4, joint)
+    by_load: Table
+    tangent: Block  # (4, joint, column), at fixed angles, load and direction
 
 
 class Newton(structref.StructRefProxy):
     """The linear systems of a step."""
 
-    spring_by_torque: NDArray  # (joint, node, node)
-    angle_by_torque: NDArray
-    velocity_by_torque: NDArray
-    local: NDArray  # (3, 3), a joint's own system, and
-    column: NDArray  # (3,) its right side
-    matrix: NDArray  # (3 joint, 3 joint)
-    pivot: NDArray
-    right: NDArray
-    rights: NDArray  # (3 joint, column): a right side for each column
-    way: NDArray  # (column,): scratch of these
+    spring_by_torque: Block  # (joint, node, node)
+    angle_by_torque: Block
+    velocity_by_torque: Block
+    local: Table  # (3, 3), a joint's own system, and
+    column: Row  # (3,) its right side
+    matrix: Table  # (3 joint, 3 joint)
+    pivot: Count
+    right: Row
+    rights: Table  # (3 joint, column): a right side for each column
+    way: Row  # (column,): scratch of these
 
 
 class Work(structref.StructRefProxy):
@@ -169,75 +145,66 @@ class Work(structref.StructRefProxy):
     nodes: Nodes
     balance: Balance
     newton: Newton
-    weight: NDArray  # (drive, power): scratch of an evaluation inside the step, as are
-    response: NDArray  # (mode, 6): decay, slower, unit of `mode_response`; weights of its drive
-    motion: NDArray  # (mode, 3): rate, drive, place
-    drive: NDArray  # (mode,) which drive it follows
-    largest: NDArray  # (column,): the largest tangent so far
-    curved: NDArray  # (1,) bool: whether drives bend between the knots of the load
+    load: Load
+    weight: Table  # (drive, power): scratch of an evaluation inside the step, as are
+    response: Table  # (mode, 6): decay, slower, unit of `mode_response`; weights of its drive
+    motion: Table  # (mode, 3): rate, drive, place
+    drive: Count  # (mode,) which drive it follows
+    pair: Row  # (2,): a value that hooks change in turn, and its slope
+    none: Row  # (0,): in place of a row of changes where none are wanted
+    spring: Row  # (6,): the spring as hooks change it (`spring.py`)
+    d_spring: Table  # (2, column)
+    largest: Row  # (column,): the largest tangent so far
 
 
-@structref.register
-class ModelType(types.StructRef):
-    """Numba's type of `Model`."""
+_FACES = (Model, State, Load, Linear, Nodes, Balance, Newton, Work)
+_KNOWN: dict[type, types.StructRef] = {}
 
 
-@structref.register
-class StateType(types.StructRef):
-    """Numba's type of `State`."""
+def _build_type(face: type) -> types.StructRef:
+    """Numba's type of a face, with the types of its fields."""
+    kind = globals()[f"{face.__name__}Type"]
+    fields = face.__annotations__
+    structref.define_proxy(face, kind, list(fields))
+    _KNOWN[face] = kind([(name, _KNOWN.get(known, known)) for name, known in fields.items()])
+    return _KNOWN[face]
 
 
-@structref.register
-class LinearType(types.StructRef):
-    """Numba's type of `Linear`."""
-
-
-@structref.register
-class NodesType(types.StructRef):
-    """Numba's type of `Nodes`."""
-
-
-@structref.register
-class BalanceType(types.StructRef):
-    """Numba's type of `Balance`."""
-
-
-@structref.register
-class NewtonType(types.StructRef):
-    """Numba's type of `Newton`."""
-
-
-@structref.register
-class WorkType(types.StructRef):
-    """Numba's type of `Work`."""
-
-
-for _face, _type in (
-    (Model, ModelType),
-    (State, StateType),
-    (Linear, LinearType),
-    (Nodes, NodesType),
-    (Balance, BalanceType),
-    (Newton, NewtonType),
-    (Work, WorkType),
-):
-    structref.define_proxy(_face, _type, list(_face.__annotations__))
+(
+    ModelType, StateType, LoadType, LinearType, NodesType, BalanceType, NewtonType, WorkType
+) = (
+    structref.register(type(f"{face.__name__}Type", (types.StructRef,), {"__module__": __name__}))
+    for face in _FACES
+)  # fmt: skip
+(
+    MODEL_TYPE, STATE_TYPE, LOAD_TYPE, LINEAR_TYPE, NODES_TYPE, BALANCE_TYPE, NEWTON_TYPE, WORK_TYPE
+) = map(_build_type, _FACES)  # fmt: skip
 
 
 @compiled
 def allocate_model(
-    joints: int,
+    joint: NDArray,
+    chain: NDArray,
+    coupling: NDArray,
+    law: NDArray,
     by_own: bool,
     columns: int,
-    groups: NDArray,
-    arm_ratio: float,
-    moment: NDArray,
-    inertia: NDArray,
+    mixed: bool,
+    rest: tuple,
 ) -> Model:
-    """Make room for a trial's slots; `by_own`: with unit tangents for each joint's own four."""
-    d_joint = np.zeros((columns, joints, _JOINT))
-    mixed = groups[HAS_FRICTION] or groups[HAS_GRAVITY] or groups[HAS_COUPLING]
-    mixed = mixed or groups[HAS_INERTIA]
+    """Make room for a trial's slots, of the shapes of all trials'.
+
+    Parameters
+    ----------
+    by_own
+        With unit tangents for each joint's own four.
+    mixed
+        Whether a column may move other joints than its own.
+    rest
+        The fields of the model from `hook` on.
+    """
+    _, joints, slots = joint.shape
+    d_joint = np.zeros((columns, joints, slots))
     own = 4 if by_own else 0
     extra = columns - own * joints
     count = columns if mixed else own + extra
@@ -249,19 +216,16 @@ def allocate_model(
             first = k if mixed or k >= own else own * j + k
             reach[j, k] = first if mixed or k < own else own * joints + k - own
     return Model(
-        np.zeros((joints, _JOINT)),
-        np.zeros(_CHAIN),
-        np.zeros((_COUPLING, joints, joints)),
-        np.zeros((joints, _LAW, KNOTS)),
+        np.zeros(joint.shape[1:]),
+        np.zeros(chain.shape[1:]),
+        np.zeros(coupling.shape[1:]),
+        np.zeros(law.shape[1:]),
         d_joint,
-        np.zeros((columns, _CHAIN)),
-        np.zeros((columns, _COUPLING, joints, joints)),
-        np.zeros((columns, joints, _LAW, KNOTS)),
+        np.zeros((columns, *chain.shape[1:])),
+        np.zeros((columns, *coupling.shape[1:])),
+        np.zeros((columns, *law.shape[1:])),
         reach,
-        groups,
-        arm_ratio,
-        moment,
-        inertia,
+        *rest,
     )
 
 
@@ -273,6 +237,9 @@ def allocate_work(n: int, modes: int, columns: int) -> Work:
         np.zeros(1), np.zeros((1, columns)), np.zeros(n), np.zeros((n, columns)),
         np.zeros(n), np.zeros((n, columns)),
     )  # fmt: skip
+    load = Load(
+        np.zeros(2), np.zeros((2, columns)), np.zeros(2), np.zeros((2, columns)), np.zeros(1)
+    )
     linear = Linear(
         np.zeros((n, modes)), np.zeros((n, modes)),
         np.zeros((n, modes, columns)), np.zeros((n, modes, columns)),
@@ -281,7 +248,7 @@ def allocate_work(n: int, modes: int, columns: int) -> Work:
     )  # fmt: skip
     nodes = Nodes(
         np.zeros(4), np.zeros(4), np.zeros((4, columns)), np.zeros((4, n)), np.zeros((4, n)),
-        np.zeros((3, 4, n)), np.zeros((4, n)), np.ones((4, n)), np.zeros((4, n, 7)),
+        np.zeros((3, 4, n)), np.zeros((4, n)), np.ones((4, n)),
         np.zeros((4, n)), np.zeros((4, n)), np.zeros((4, n)), np.zeros((4, n)),
         np.zeros(4), np.zeros((3, 4)), np.zeros((4, columns)), np.zeros((4, n, columns)),
         np.zeros((4, n, columns)), np.zeros((4, n, columns)), np.zeros((4, n, columns)),
@@ -298,6 +265,7 @@ def allocate_work(n: int, modes: int, columns: int) -> Work:
         np.zeros((3 * n, columns)), np.zeros(columns),
     )  # fmt: skip
     return Work(
-        state, linear, nodes, balance, newton, np.zeros((3, 3)), np.zeros((modes, 6)),
-        np.zeros((modes, 3)), np.zeros(modes, np.int64), np.zeros(columns), np.zeros(1, np.bool_),
+        state, linear, nodes, balance, newton, load, np.zeros((3, 3)), np.zeros((modes, 6)),
+        np.zeros((modes, 3)), np.zeros(modes, np.int64), np.zeros(2), np.zeros(0),
+        np.zeros(6), np.zeros((2, columns)), np.zeros(columns),
     )  # fmt: skip

@@ -1,0 +1,51 @@
+"""An effect's physics is its file's alone: machine code of no other file depends on it."""
+
+import pytest
+
+from softfinger.compiled.digest import _Reader
+from softfinger.mechanics.effects import MODULES, list_effects
+from softfinger.mechanics.forward import hooks, simulate
+from softfinger.mechanics.forward.slot import SLOTS
+
+EFFECTS = "softfinger.mechanics.effects."
+
+
+def list_effect_files(function):
+    """The files of effects that a function's machine code is made from."""
+    reader = _Reader()
+    reader.describe(function)
+    places = [part for part in reader.read() if part.startswith(EFFECTS)]
+    return {place.split(".")[3] for place in places}
+
+
+def test_the_kernel_is_made_from_no_effect():
+    assert list_effect_files(simulate._run_trials) == set()
+
+
+@pytest.mark.parametrize("module", MODULES, ids=lambda module: module.EFFECT.id)
+def test_an_effect_is_made_from_no_other(module):
+    for hook in module.EFFECT.hooks:
+        assert list_effect_files(hook.function) == {module.EFFECT.id}
+
+
+def test_hooks_are_switched_by_slots():
+    switching = {slot for e in list_effects().values() for h in e.hooks for slot in h.slots}
+    assert switching <= set(SLOTS)
+    assert "stop_stiffness" in switching
+
+
+def test_hooks_that_are_not_on_are_not_compiled():
+    friction = list_effects()["wire_friction"].hooks
+    found = hooks.compile_hooks(friction)
+    assert found.count.tolist() == [kind in ("pull", "turn", "jump") for kind in hooks.KINDS]
+    assert (found.address != 0).sum() == 3
+    assert found.feedback
+    assert found.curved
+    assert not found.inertial
+    assert hooks.compile_hooks(()).count.sum() == 0
+
+
+def test_two_effects_that_change_the_log_are_refused():
+    log = next(h for h in list_effects()["load_limit"].hooks if h.kind == "log")
+    with pytest.raises(hooks.Fault, match="two effects change the load log"):
+        hooks.compile_hooks((log, log))
