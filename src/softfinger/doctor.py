@@ -60,21 +60,21 @@ def check_packages() -> Finding:
     lock = PROJECT / "environment.lock"
     if not lock.is_file():
         return Finding("packages", False, f"{lock} is missing", "clone the project whole")
-    wrong = list_deviations(lock.read_text(encoding="utf-8"))
+    wrong = list_other_versions(lock.read_text(encoding="utf-8"))
     said = "; ".join(wrong) if wrong else "all as in environment.lock"
     return Finding("packages", not wrong, said, "install what the lock names: make setup")
 
 
-def list_deviations(lock: str) -> list[str]:
+def list_other_versions(lock: str) -> list[str]:
     """List packages that are not at the version of a lock file.
 
     A package that the lock names under a condition (``; sys_platform == …``) may be missing.
 
     Examples
     --------
-    >>> list_deviations("numpy==0.1 --hash=sha256:00")  # doctest: +ELLIPSIS
+    >>> list_other_versions("numpy==0.1 --hash=sha256:00")  # doctest: +ELLIPSIS
     ['numpy ... instead of 0.1']
-    >>> list_deviations("no-such-package==1 ; python_version < '3'")
+    >>> list_other_versions("no-such-package==1 ; python_version < '3'")
     []
     """
     pins: dict[str, dict[str, str]] = {}  # a lock for several Pythons may pin a package twice

@@ -100,7 +100,9 @@ def describe_file(path: Path) -> dict[str, Any]:
     elif path.suffix == ".nc":
         described |= describe_artifact(path)
     elif path.suffix == ".avi":
-        described["summary"] = {"grey level": summarise(read_first_frame(path).astype(float))}
+        described["summary"] = {
+            "grey level": summarise_values(read_first_frame(path).astype(float))
+        }
     else:
         described |= describe_text(path.read_text(encoding="utf-8"))
     return described
@@ -114,7 +116,7 @@ def describe_text(text: str) -> dict[str, Any]:
     """
     plain = HASH.sub("", text)
     numbers = np.array([float(number) for number in NUMBER.findall(plain)])
-    summary = {"numbers": summarise(numbers)} if numbers.size else {}
+    summary = {"numbers": summarise_values(numbers)} if numbers.size else {}
     return {"values_sha256": hashlib.sha256(plain.encode()).hexdigest(), "summary": summary}
 
 
@@ -148,14 +150,14 @@ def describe_artifact(path: Path) -> dict[str, Any]:
                 plain = values if kind != "text" else np.array("\n".join(values.astype(str).flat))
                 digest.update(plain.tobytes() if kind != "text" else str(plain).encode())
                 if values.dtype.kind == "f" and values.size:
-                    summary[key] = summarise(values)
+                    summary[key] = summarise_values(values)
     return {"values_sha256": digest.hexdigest(), "made_by": attrs, "summary": summary}
 
 
-def summarise(values: np.ndarray) -> dict[str, float]:
+def summarise_values(values: np.ndarray) -> dict[str, float]:
     """Quantiles of the finite values, and the share of the others.
 
-    >>> summarise(np.array([0.0, 1.0, 2.0, np.nan]))["median"]
+    >>> summarise_values(np.array([0.0, 1.0, 2.0, np.nan]))["median"]
     1.0
     """
     finite = values[np.isfinite(values)]

@@ -229,3 +229,31 @@ def test_numbers_that_decide_are_gathered(part):
         if file.name not in gathered or file.parent.name != part:
             loose = set(list_numbers(ast.parse(file.read_text())))
             assert loose <= ROUNDING | DIFFERENCES | LAYOUT, f"{file}: {loose}"
+
+
+def list_definitions(kind: type) -> dict[str, list[Path]]:
+    """Public names that modules define, but for `concealed`, which shares no word on purpose."""
+    found: dict[str, list[Path]] = {}
+    for file in sorted(PACKAGE.rglob("*.py")):
+        place = file.relative_to(PACKAGE)
+        if place.parts[0] != "concealed":
+            for node in ast.parse(file.read_text()).body:
+                if isinstance(node, kind):
+                    found.setdefault(node.name, []).append(place)
+    return found
+
+
+def test_no_two_classes_have_one_name():
+    twins = {name: places for name, places in list_definitions(ast.ClassDef).items()
+             if len(places) > 1}  # fmt: skip
+    assert twins == {}
+
+
+def test_functions_of_one_name_in_different_parts_mean_one_thing():
+    """A verb has one name as command, stage and library call; a block of settings is read alike."""
+    alike = {"read_config", "main"}
+    for name, places in list_definitions(ast.FunctionDef).items():
+        parts = {place.parts[0] for place in places}
+        verb = parts & {"cli", "stages"}
+        if not name.startswith("_") and name not in alike and not verb:
+            assert len(parts) == 1, f"{name}: {places}"

@@ -1,6 +1,6 @@
 from importlib.metadata import version
 
-from softfinger.doctor import check_folder, check_setup, list_deviations
+from softfinger.doctor import check_folder, check_setup, list_other_versions
 
 
 def test_a_sound_installation_has_no_complaint(tmp_path):
@@ -12,7 +12,7 @@ def test_a_sound_installation_has_no_complaint(tmp_path):
 def test_packages_that_deviate_from_the_lock_are_named():
     here = version("numpy")
     lock = f"numpy=={here} \\\n    --hash=sha256:00\nscipy==0.1 \\\nnot-there==1.0 \\\n"
-    assert list_deviations(lock) == [
+    assert list_other_versions(lock) == [
         f"scipy {version('scipy')} instead of 0.1",
         "not-there is missing",
     ]
@@ -24,8 +24,8 @@ def test_a_package_pinned_twice_is_well_at_either_version():
         f"numpy==0.1 ; python_full_version < '3' \\\n"
         f"numpy=={here} ; python_full_version >= '3' \\\n"
     )
-    assert list_deviations(lock) == []
-    assert list_deviations(lock.replace(here, "0.2")) == [f"numpy {here} instead of 0.1 or 0.2"]
+    assert list_other_versions(lock) == []
+    assert list_other_versions(lock.replace(here, "0.2")) == [f"numpy {here} instead of 0.1 or 0.2"]
 
 
 def test_the_disk_is_judged_where_the_results_are_to_come(tmp_path):

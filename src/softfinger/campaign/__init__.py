@@ -1,6 +1,6 @@
 """The campaign folder: one finger or specimen, many trials. Read, validate, list every fault."""
 
-from softfinger.campaign.description import Camera, Finger, Intrinsics
+from softfinger.campaign.description import Camera, DeclaredFinger, Intrinsics
 from softfinger.campaign.folder import Campaign, Trial, check_campaign, list_tables, read_campaign
 from softfinger.campaign.load_log import read_load
 from softfinger.campaign.recordings import marker_names, read_angle_table, read_marker_table
@@ -9,7 +9,7 @@ from softfinger.campaign.specimen import Specimen
 __all__ = [
     "Camera",
     "Campaign",
-    "Finger",
+    "DeclaredFinger",
     "Intrinsics",
     "Specimen",
     "Trial",

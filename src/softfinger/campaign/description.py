@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import BaseModel, Field, ValidationError, model_validator
 
-from softfinger.campaign.section import Section
+from softfinger.campaign.section import DeclaredSection
 from softfinger.campaign.specimen import Motion, Quantity, Specimen
 from softfinger.faults import CampaignFault, Fault, show
 from softfinger.gate import Document, read_document
@@ -25,7 +25,7 @@ Inertia = Annotated[float, Field(gt=1e-14, lt=10.0)]
 Place = Annotated[float, Field(gt=-2.0, lt=2.0)]
 
 
-class Finger(Section):
+class DeclaredFinger(DeclaredSection):
     """The finger: number of joints, and the geometry that dynamics and tracking need."""
 
     joints: int = Field(ge=1, le=32)
@@ -54,7 +54,7 @@ class Finger(Section):
         return self
 
 
-class Intrinsics(Section):
+class Intrinsics(DeclaredSection):
     """Pinhole matrix [px] and OpenCV distortion coefficients."""
 
     matrix: tuple[
@@ -83,7 +83,7 @@ Colour = Annotated[str, Field(pattern=r"^(dark|light|#[0-9a-fA-F]{6})$")]
 HexColour = Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
 
 
-class Dot(Section):
+class Dot(DeclaredSection):
     """A dot that no rigid link binds: by its place in the first picture, or by its own colour."""
 
     diameter_px: float = Field(gt=1.0, lt=1e4)
@@ -97,7 +97,7 @@ class Dot(Section):
         return self
 
 
-class Camera(Section):
+class Camera(DeclaredSection):
     """The camera, and the markers on links or the free dots that it sees."""
 
     fps: float = Field(gt=0.01, lt=1e5)
@@ -135,13 +135,13 @@ class Camera(Section):
         return self
 
 
-class Description(Section):
+class Description(DeclaredSection):
     """The whole of ``campaign.yaml``."""
 
     version: Literal[1]
     name: str = Field(min_length=1, max_length=200)
     source: Literal["measured", "synthetic"]
-    finger: Finger | None = None
+    finger: DeclaredFinger | None = None
     specimen: Specimen | None = None
     camera: Camera | None = None
     noise_sd_rad: float | None = Field(default=None, gt=1e-7, lt=1.0)
@@ -179,7 +179,7 @@ class Description(Section):
 
 
 SECTIONS: dict[str, type[BaseModel]] = {
-    "finger": Finger,
+    "finger": DeclaredFinger,
     "specimen": Specimen,
     "motion": Motion,
     "load": Quantity,

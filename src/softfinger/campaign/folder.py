@@ -11,7 +11,7 @@ from typing import Literal, cast
 import numpy as np
 import pandas as pd
 
-from softfinger.campaign.description import FILE_NAME, Camera, Finger, read_description
+from softfinger.campaign.description import FILE_NAME, Camera, DeclaredFinger, read_description
 from softfinger.campaign.load_log import read_load, refuse_mixed_loads
 from softfinger.campaign.recordings import read_angle_table, read_marker_table
 from softfinger.campaign.specimen import Specimen
@@ -49,7 +49,7 @@ class Campaign:
     folder: Path
     name: str
     source: Literal["measured", "synthetic"]
-    finger: Finger
+    finger: DeclaredFinger
     camera: Camera | None
     noise_sd_rad: float | None
     trials: tuple[Trial, ...]
@@ -99,7 +99,7 @@ def read_campaign(folder: Path | str) -> Campaign:
         folder=folder,
         name=description.name,
         source=description.source,
-        finger=description.finger or Finger(joints=1),
+        finger=description.finger or DeclaredFinger(joints=1),
         specimen=description.specimen,
         camera=description.camera,
         noise_sd_rad=description.noise_sd_rad,

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import AfterValidator, Field
 
-from softfinger.campaign.section import Section
+from softfinger.campaign.section import DeclaredSection
 from softfinger.campaign.units import parse_unit
 from softfinger.faults import Fault
 
@@ -21,7 +21,7 @@ Unit = Annotated[str, AfterValidator(_check_unit)]
 Words = Annotated[str, Field(min_length=1, max_length=60)]
 
 
-class Quantity(Section):
+class Quantity(DeclaredSection):
     """What is measured, and its unit; "1" where it has none."""
 
     quantity: Words
@@ -34,7 +34,7 @@ class Motion(Quantity):
     noise_sd: float | None = Field(default=None, gt=0.0)
 
 
-class Specimen(Section):
+class Specimen(DeclaredSection):
     """One degree of freedom: a motion that follows a load."""
 
     motion: Motion

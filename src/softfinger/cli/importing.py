@@ -42,7 +42,7 @@ def import_recordings(
     from softfinger.importing import (
         FILE_NAME,
         format_preview,
-        read_description,
+        read_import_description,
         read_recordings,
         refuse_existing,
         write_campaign,
@@ -53,9 +53,9 @@ def import_recordings(
     if spec is None and (out / FILE_NAME).is_file():
         spec = out / FILE_NAME
     keys = [*(settings or ()), *([f"clock.frames_per_second={fps}"] if fps else [])]
-    found = read_recordings(source, read_description(spec, keys))
+    found = read_recordings(source, read_import_description(spec, keys))
     if guide:
-        found = read_recordings(source, read_description(spec, [*keys, *_ask(found)]))
+        found = read_recordings(source, read_import_description(spec, [*keys, *_ask(found)]))
     typer.echo(format_preview(found.description, found.trials))
     _list("guessed (change it in import.yaml, or with --set KEY=VALUE)", found.guessed)
     _list("dropped", found.dropped)

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from softfinger.doubts.doubt import Doubt, list_briefly, name_trials
-from softfinger.doubts.features import Trial
+from softfinger.doubts.features import TrialFeatures
 
 WINDOW = 8  # frames in a row whose changes no two recordings share by chance
 LEAST_VALUES = 6  # different changes in a window: a joint at rest on a coarse sensor has fewer
@@ -15,7 +15,7 @@ SHARED = 0.3  # of a recording's windows
 DIGITS = 7
 
 
-def doubt_copies(trials: Sequence[Trial]) -> Iterator[Doubt]:
+def doubt_copies(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
     """Doubt trials whose changes from frame to frame are also those of another trial."""
     windows = [_list_windows(trial) for trial in trials]
     owners: dict[bytes, int] = {}
@@ -38,7 +38,7 @@ def doubt_copies(trials: Sequence[Trial]) -> Iterator[Doubt]:
         )
 
 
-def _list_windows(trial: Trial) -> set[bytes]:
+def _list_windows(trial: TrialFeatures) -> set[bytes]:
     change = np.round(np.diff(trial.angle, axis=1), DIGITS) + 0.0
     found = set()
     for start in range(0, change.shape[1] - WINDOW + 1):

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from softfinger.doubts.doubt import Doubt, name_factor
-from softfinger.doubts.features import Trial
+from softfinger.doubts.features import TrialFeatures
 
 GRAVITY = 9.81
 # (low, high): far outside of what soft fingers are.
@@ -23,7 +23,7 @@ UNEQUAL = 30.0  # ratio of two links
 DECLARED_NOISE = (0.2, 30.0)
 
 
-def doubt_dimension(trials: Sequence[Trial], angles: xr.Dataset) -> Iterator[Doubt]:
+def doubt_dimension(trials: Sequence[TrialFeatures], angles: xr.Dataset) -> Iterator[Doubt]:
     """Doubt what is out of range in all trials at once."""
     kind = str(angles["load_kind"].values[0])
     length, mass = (angles[name].to_numpy() for name in ("link_length", "link_mass"))
@@ -93,7 +93,7 @@ def doubt_range(
     )
 
 
-def _doubt_noise(trials: Sequence[Trial], declared: float) -> Iterator[Doubt]:
+def _doubt_noise(trials: Sequence[TrialFeatures], declared: float) -> Iterator[Doubt]:
     seen = float(np.nanmedian([trial.noise for trial in trials]))
     if not np.isfinite(declared) or not seen > 0:
         return

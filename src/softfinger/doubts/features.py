@@ -25,7 +25,7 @@ SHIFTS = (0.3, 0.6, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0)
 
 
 @dataclass(frozen=True)
-class Trial:
+class TrialFeatures:
     """One trial's arrays without padding, thinned ones beside, and its fitted response."""
 
     name: str
@@ -68,7 +68,7 @@ class Trial:
         return float(max(np.abs(at).max(), np.abs(self.load[inside]).max(initial=0.0)))
 
 
-def describe_trials(angles: xr.Dataset) -> list[Trial]:
+def describe_trials(angles: xr.Dataset) -> list[TrialFeatures]:
     """Describe every trial of the `angles` artifact by its features."""
     arrays = [_cut(angles.isel(trial=k)) for k in range(angles.sizes["trial"])]
     spans = [time[-1] - time[0] for time, *_ in arrays]
@@ -96,7 +96,7 @@ def _describe(
     load: Array,
     stale: float,
     horizon: float,
-) -> Trial:
+) -> TrialFeatures:
     chosen = thin(time, load_time)
     few, seen = time[chosen], angle[:, chosen]
     knots = np.unique(np.linspace(0, load_time.size - 1, MOST_KNOTS).astype(int))
@@ -114,7 +114,7 @@ def _describe(
     fitted = seen - response.residual
     reached = _reach(response, horizon)
     noise, correlation = measure_noise(angle)
-    return Trial(
+    return TrialFeatures(
         name=name,
         time=time,
         angle=angle,

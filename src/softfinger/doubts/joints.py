@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.doubts.doubt import Doubt, name_trials
-from softfinger.doubts.features import Trial
+from softfinger.doubts.features import TrialFeatures
 
 Array = NDArray[np.float64]
 AGAINST = 0.2  # of the chain's largest motion
@@ -22,7 +22,7 @@ TOGETHER = 0.2
 CLOSER = 0.35  # by which another order's noise must fit better, rms of the correlations
 
 
-def doubt_joints(trials: Sequence[Trial]) -> Iterator[Doubt]:
+def doubt_joints(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
     """Doubt what the joints of a chain show beside each other."""
     yield from _doubt_sign(trials)
     if trials[0].angle.shape[0] > 1:
@@ -32,7 +32,7 @@ def doubt_joints(trials: Sequence[Trial]) -> Iterator[Doubt]:
         yield from _doubt_order(trials)
 
 
-def _doubt_sign(trials: Sequence[Trial]) -> Iterator[Doubt]:
+def _doubt_sign(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
     against: dict[tuple[int, ...], list[str]] = {}
     for trial in trials:
         clear = np.abs(trial.moved) > ABOVE_NOISE * np.nan_to_num(trial.noise)
@@ -53,7 +53,7 @@ def _doubt_sign(trials: Sequence[Trial]) -> Iterator[Doubt]:
         )
 
 
-def _doubt_dead(trials: Sequence[Trial]) -> Iterator[Doubt]:
+def _doubt_dead(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
     moved = np.abs([trial.moved for trial in trials])
     share = np.median(moved / np.maximum(moved.max(axis=1, keepdims=True), 1e-300), axis=0)
     noise = np.nan_to_num(np.median([trial.noise for trial in trials], axis=0))
@@ -68,7 +68,7 @@ def _doubt_dead(trials: Sequence[Trial]) -> Iterator[Doubt]:
         )
 
 
-def _doubt_absolute(trials: Sequence[Trial]) -> Iterator[Doubt]:
+def _doubt_absolute(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
     """Angles against the base add the base's error to every joint: noise goes together."""
     together = np.array([_goes_together(trial) for trial in trials])
     others = [_pairs(t.correlation).mean() for t, a in zip(trials, together, strict=True) if not a]
@@ -88,7 +88,7 @@ def _doubt_absolute(trials: Sequence[Trial]) -> Iterator[Doubt]:
     )
 
 
-def _goes_together(trial: Trial) -> bool:
+def _goes_together(trial: TrialFeatures) -> bool:
     pairs = _pairs(trial.correlation)
     return bool(np.isfinite(pairs).all() and (pairs > TOGETHER).all())
 
@@ -97,7 +97,7 @@ def _pairs(correlation: Array) -> Array:
     return correlation[np.triu_indices(len(correlation), 1)]
 
 
-def _doubt_order(trials: Sequence[Trial]) -> Iterator[Doubt]:
+def _doubt_order(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
     """The noise of neighbours goes against each other, and so tells who is beside whom."""
     count = trials[0].angle.shape[0]
     found: dict[tuple[int, ...], list[str]] = {}

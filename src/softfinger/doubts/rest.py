@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from softfinger.doubts.doubt import Doubt, name_trials
-from softfinger.doubts.features import Trial
+from softfinger.doubts.features import TrialFeatures
 from softfinger.doubts.groups import find_apart
 
 LEAST_OFFSET_RAD, OF_MOTION = 0.25, 0.4
@@ -15,7 +15,7 @@ MOST_TRIALS = 0.25  # more of them are a session of their own
 FAR_FROM_STRAIGHT_RAD = 1.0
 
 
-def doubt_rest(trials: Sequence[Trial]) -> Iterator[Doubt]:
+def doubt_rest(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
     """Doubt a joint's angle before any load."""
     if not np.isfinite([trial.rest for trial in trials]).any(axis=0).all():
         return

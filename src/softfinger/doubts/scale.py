@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.doubts.doubt import Doubt, name_factor, name_trials
-from softfinger.doubts.features import Trial
+from softfinger.doubts.features import TrialFeatures
 from softfinger.doubts.groups import find_apart
 from softfinger.doubts.together import begins_late
 
@@ -18,7 +18,7 @@ LIKE_LOADS = 1.5  # loads of a ratio up to it are alike
 NOISE_RATIO = 8.0
 
 
-def doubt_scale(trials: Sequence[Trial]) -> Iterator[Doubt]:
+def doubt_scale(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
     """Doubt gains, joint by joint and all joints together, and noise."""
     yield from _doubt_noise(trials)
     trials = [trial for trial in trials if not begins_late(trial)]  # their gain is unknown
@@ -40,7 +40,11 @@ def doubt_scale(trials: Sequence[Trial]) -> Iterator[Doubt]:
 
 
 def _describe(
-    trials: Sequence[Trial], apart: NDArray[np.bool_], gain: Array, load: Array, moved: Array
+    trials: Sequence[TrialFeatures],
+    apart: NDArray[np.bool_],
+    gain: Array,
+    load: Array,
+    moved: Array,
 ) -> Iterator[Doubt]:
     ratio, loads, motions = (_compare(values, apart) for values in (gain, load, moved))
     wrong_load = abs(loads) > np.log(LIKE_LOADS)
@@ -59,7 +63,7 @@ def _describe(
 
 
 def _describe_joint(
-    trials: Sequence[Trial], apart: NDArray[np.bool_], gain: Array, joint: int
+    trials: Sequence[TrialFeatures], apart: NDArray[np.bool_], gain: Array, joint: int
 ) -> Doubt:
     ratio = np.exp(_compare(gain, apart))
     names = [t.name for t, a in zip(trials, apart, strict=True) if a]
@@ -73,7 +77,7 @@ def _describe_joint(
     )
 
 
-def _doubt_noise(trials: Sequence[Trial]) -> Iterator[Doubt]:
+def _doubt_noise(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
     noise = np.array([trial.noise for trial in trials])
     apart = find_apart(_log(noise.mean(axis=1)), np.log(NOISE_RATIO))
     if apart.any():

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.doubts.doubt import Doubt, name_trials
-from softfinger.doubts.features import Trial
+from softfinger.doubts.features import TrialFeatures
 
 Array = NDArray[np.float64]
 LEAST_FRAMES = 20
@@ -52,14 +52,14 @@ SAID = {
 }
 
 
-def doubt_sensors(trials: Sequence[Trial], *, rotates: bool = True) -> Iterator[Doubt]:
+def doubt_sensors(trials: Sequence[TrialFeatures], *, rotates: bool = True) -> Iterator[Doubt]:
     """Doubt every trial's numbers by themselves; equal doubts become one.
 
     Only angles wrap around: `rotates` is false of a specimen.
     """
     found: dict[str, list[tuple[str, float]]] = {}
     for trial in trials:
-        for what, size in examine(trial).items():
+        for what, size in examine_sensors(trial).items():
             if what == "wrapped" and not rotates:
                 continue
             found.setdefault(what, []).append((trial.name, size))
@@ -70,7 +70,7 @@ def doubt_sensors(trials: Sequence[Trial], *, rotates: bool = True) -> Iterator[
         yield Doubt(what, f"{name_trials(names, len(trials))} {said}", tuple(names))
 
 
-def examine(trial: Trial) -> dict[str, float]:
+def examine_sensors(trial: TrialFeatures) -> dict[str, float]:
     """What is odd in the numbers of one trial: doubt → its size."""
     angle = trial.angle
     if angle.shape[1] < LEAST_FRAMES:
@@ -124,7 +124,7 @@ def _find_longest_run(same: NDArray[np.bool_]) -> int:
     return int(np.max(edges[1::2] - edges[::2], initial=0))
 
 
-def _find_odd_noise(trial: Trial, steps: float | None) -> dict[str, float]:
+def _find_odd_noise(trial: TrialFeatures, steps: float | None) -> dict[str, float]:
     noise = np.nan_to_num(trial.noise)
     reach = np.nanmax(trial.angle, axis=1) - np.nanmin(trial.angle, axis=1)
     found: dict[str, float] = {}

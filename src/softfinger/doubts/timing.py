@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.doubts.doubt import Doubt, name_factor, name_trials
-from softfinger.doubts.features import Trial
+from softfinger.doubts.features import TrialFeatures
 from softfinger.doubts.groups import find_apart
 
 Array = NDArray[np.float64]
@@ -20,14 +20,14 @@ UNITS_OF_TIME = (60.0, 1e3, 3600.0, 1e6)
 OVERLAP = 0.1
 
 
-def doubt_timing(trials: Sequence[Trial], started_at: Array) -> Iterator[Doubt]:
+def doubt_timing(trials: Sequence[TrialFeatures], started_at: Array) -> Iterator[Doubt]:
     """Doubt the time stamps of recordings, load logs and starts."""
     yield from _doubt_intervals(trials)
     yield from _doubt_spans(trials)
     yield from _doubt_starts(trials, started_at)
 
 
-def _doubt_intervals(trials: Sequence[Trial]) -> Iterator[Doubt]:
+def _doubt_intervals(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
     interval = np.array([trial.interval for trial in trials])
     usual = float(np.median(interval))
     if trials[0].angle.shape[0] > 1 and not INTERVALS[0] <= usual <= INTERVALS[1]:
@@ -52,7 +52,7 @@ def _doubt_intervals(trials: Sequence[Trial]) -> Iterator[Doubt]:
         )
 
 
-def _doubt_spans(trials: Sequence[Trial]) -> Iterator[Doubt]:
+def _doubt_spans(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
     wrong = []
     for trial in trials:
         ratio = float(np.ptp(trial.load_time)) / max(trial.span, 1e-12)
@@ -70,7 +70,7 @@ def _doubt_spans(trials: Sequence[Trial]) -> Iterator[Doubt]:
         )
 
 
-def _doubt_starts(trials: Sequence[Trial], started_at: Array) -> Iterator[Doubt]:
+def _doubt_starts(trials: Sequence[TrialFeatures], started_at: Array) -> Iterator[Doubt]:
     known = np.flatnonzero(np.isfinite(started_at))
     order = known[np.argsort(started_at[known], kind="stable")]
     gap = np.diff(started_at[order])

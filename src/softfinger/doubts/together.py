@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from softfinger.doubts.doubt import Doubt, name_trials
-from softfinger.doubts.features import Trial
+from softfinger.doubts.features import TrialFeatures
 from softfinger.doubts.groups import find_apart
 
 # A shift is doubted where it explains so many times more, and then leaves little.
@@ -20,7 +20,7 @@ LATE_FRAMES, LATE_SHARE = 5.0, 0.01
 CLEAR, FAINT = 20.0, 5.0  # motion in sd of the noise
 
 
-def doubt_together(trials: Sequence[Trial]) -> Iterator[Doubt]:
+def doubt_together(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
     """Doubt shifts, and motions that their load does not explain."""
     late = [trial for trial in trials if begins_late(trial)]
     if late:
@@ -43,13 +43,13 @@ def doubt_together(trials: Sequence[Trial]) -> Iterator[Doubt]:
     yield from _doubt_unexplained(rest, len(trials))
 
 
-def begins_late(trial: Trial) -> bool:
+def begins_late(trial: TrialFeatures) -> bool:
     """Whether the recording begins well after its load: the rest was not seen."""
     after = trial.time[0] - trial.loaded_at
     return bool(after > max(LATE_FRAMES * trial.interval, LATE_SHARE * trial.span))
 
 
-def _describe_late(late: list[Trial], of: int) -> Doubt:
+def _describe_late(late: list[TrialFeatures], of: int) -> Doubt:
     first = late[0]
     return Doubt(
         "begins_late",
@@ -61,14 +61,14 @@ def _describe_late(late: list[Trial], of: int) -> Doubt:
     )
 
 
-def _is_shifted(trial: Trial) -> bool:
+def _is_shifted(trial: TrialFeatures) -> bool:
     if trial.shift == 0.0 or trial.shifted > LEFT or not _moves(trial, CLEAR):
         return False
     quick = trial.shift < 0 or trial.shift > PACES * trial.pace
     return quick and trial.unexplained > EXPLAINS * trial.shifted
 
 
-def _describe_shift(shifted: list[Trial], of: int) -> Doubt:
+def _describe_shift(shifted: list[TrialFeatures], of: int) -> Doubt:
     names = [trial.name for trial in shifted]
     shift = float(np.median([trial.shift for trial in shifted]))
     word = "after" if shift > 0 else "before"
@@ -81,7 +81,7 @@ def _describe_shift(shifted: list[Trial], of: int) -> Doubt:
     )
 
 
-def _doubt_stillness(trials: Sequence[Trial]) -> Iterator[Doubt]:
+def _doubt_stillness(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
     moving = [trial for trial in trials if _moves(trial, CLEAR)]
     if len(moving) < 2:
         return
@@ -97,7 +97,7 @@ def _doubt_stillness(trials: Sequence[Trial]) -> Iterator[Doubt]:
         )
 
 
-def _doubt_unexplained(trials: Sequence[Trial], of: int) -> Iterator[Doubt]:
+def _doubt_unexplained(trials: Sequence[TrialFeatures], of: int) -> Iterator[Doubt]:
     clear = [trial for trial in trials if _moves(trial, CLEAR)]
     if not clear:
         return
@@ -119,7 +119,7 @@ def _doubt_unexplained(trials: Sequence[Trial], of: int) -> Iterator[Doubt]:
     )
 
 
-def _moves(trial: Trial, times: float) -> bool:
+def _moves(trial: TrialFeatures, times: float) -> bool:
     """Whether some joint's recorded range is so many times its noise."""
     reach = np.nanpercentile(trial.angle, 98, axis=1) - np.nanpercentile(trial.angle, 2, axis=1)
     return bool((reach > times * np.nan_to_num(trial.noise)).any())

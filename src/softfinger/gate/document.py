@@ -69,7 +69,7 @@ def read_document(path: Path) -> Document:
     """
     text = read_text(path, LARGEST_BYTES)
     try:
-        reader = _Reader(YAML(typ="safe", pure=True).parse(text))
+        reader = _EventReader(YAML(typ="safe", pure=True).parse(text))
         content = reader.read_document()
     except _Refusal as refusal:
         raise Fault(f"{path}, line {refusal.line}: {refusal}") from None
@@ -90,7 +90,7 @@ class _Refusal(Exception):
         self.line = event.start_mark.line + 1
 
 
-class _Reader:
+class _EventReader:
     """Builds plain values from the events of a parser."""
 
     def __init__(self, events: Iterator[Event]) -> None:

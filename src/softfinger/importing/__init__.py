@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from softfinger.importing.build import ImportedTrial, build_trial
-from softfinger.importing.description import FILE_NAME, Description, read_description
+from softfinger.importing.description import FILE_NAME, ImportDescription, read_import_description
 from softfinger.importing.faults import ImportFault, ImportFaults
 from softfinger.importing.guess import complete
 from softfinger.importing.preview import format_preview
@@ -22,7 +22,7 @@ __all__ = [
     "ImportFaults",
     "ImportedTrial",
     "format_preview",
-    "read_description",
+    "read_import_description",
     "read_recordings",
     "refuse_existing",
     "write_campaign",
@@ -32,13 +32,13 @@ __all__ = [
 class Found(NamedTuple):
     """What an import found: how all was read, the trials, and what was guessed and dropped."""
 
-    description: Description
+    description: ImportDescription
     trials: list[ImportedTrial]
     guessed: list[str]
     dropped: list[str]
 
 
-def read_recordings(source: Path, declared: Description) -> Found:
+def read_recordings(source: Path, declared: ImportDescription) -> Found:
     """Read the recordings of a source as trials.
 
     Parameters

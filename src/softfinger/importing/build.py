@@ -12,7 +12,7 @@ import pandas as pd
 from softfinger.campaign.units import find_factor
 from softfinger.importing.cells import read_numbers
 from softfinger.importing.clock import list_clocks, read_times
-from softfinger.importing.description import Description, Points
+from softfinger.importing.description import ImportDescription, Points
 from softfinger.importing.faults import ImportFault
 from softfinger.importing.points import Point, find_points
 from softfinger.importing.table import RawTable
@@ -53,7 +53,7 @@ class ImportedTrial:
     notes: tuple[str, ...] = ()
 
 
-def build_trial(run: Run, description: Description) -> ImportedTrial:
+def build_trial(run: Run, description: ImportDescription) -> ImportedTrial:
     """Read one trial's motion and load.
 
     Raises
@@ -90,7 +90,9 @@ def _find_last(motion: np.ndarray) -> int:
     return int(moved[-1]) if moved.size else -1
 
 
-def read_motion(run: Run, description: Description) -> tuple[RawTable, np.ndarray, tuple[str, ...]]:
+def read_motion(
+    run: Run, description: ImportDescription
+) -> tuple[RawTable, np.ndarray, tuple[str, ...]]:
     """Table, values (row, column) and names of points of the motion, with its sign and start."""
     asked = description.motion
     if asked.points is not None:
@@ -179,7 +181,7 @@ def _unwrap(angle: np.ndarray) -> np.ndarray:
 
 
 def _read_clock(
-    run: Run, table: RawTable, description: Description
+    run: Run, table: RawTable, description: ImportDescription
 ) -> tuple[np.ndarray, dt.datetime | None, int]:
     """Times (row,) [s] of a table, the moment of time 0, and rows without a time."""
     asked = description.clock
@@ -218,7 +220,7 @@ def _check_times(run: Run, table: RawTable, time: np.ndarray) -> None:
 
 
 def _read_load(
-    run: Run, description: Description, origin: float, first: float
+    run: Run, description: ImportDescription, origin: float, first: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Rows of the load log: times [s] and values; none where no load is known."""
     asked, sign = description.load, description.load.sign or 1
@@ -262,7 +264,7 @@ def read_stated(run: Run, key: str, unit: str = "") -> float:
     return float(numbers[0] * (find_factor(own, unit) if own and unit and own != unit else 1.0))
 
 
-def _read_covariates(run: Run, description: Description) -> dict[str, float]:
+def _read_covariates(run: Run, description: ImportDescription) -> dict[str, float]:
     values = {}
     for covariate in description.covariates or ():
         if covariate.stated is not None:

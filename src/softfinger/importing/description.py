@@ -13,8 +13,8 @@ from typing import Any, Literal
 from pydantic import Field, ValidationError, model_validator
 from ruamel.yaml import YAML, YAMLError
 
-from softfinger.campaign import Finger
-from softfinger.campaign.section import Section
+from softfinger.campaign import DeclaredFinger
+from softfinger.campaign.section import DeclaredSection
 from softfinger.campaign.specimen import Unit, Words
 from softfinger.importing.faults import ImportFault, ImportFaults
 
@@ -23,7 +23,7 @@ By = Literal["file", "folder", "sheet", "block", "column", "columns", "group", "
 PointsAs = Literal["markers", "bending", "direction", "displacement"]
 
 
-class Tables(Section):
+class Tables(DeclaredSection):
     """Which files are read, and how.
 
     Attributes
@@ -48,7 +48,7 @@ class Tables(Section):
     missing: tuple[str, ...] = ()
 
 
-class Trials(Section):
+class TrialRows(DeclaredSection):
     """Which rows are one trial; `column` where a column names it.
 
     Attributes
@@ -67,7 +67,7 @@ class Trials(Section):
     leave_out: tuple[str, ...] = ()
 
 
-class Clock(Section):
+class Clock(DeclaredSection):
     """The time of each row: a column with its unit, or a rate.
 
     `start`: times as recorded, or counted from the first row of each trial.
@@ -86,7 +86,7 @@ class Clock(Section):
         return self
 
 
-class Points(Section):
+class Points(DeclaredSection):
     """Points whose coordinates are logged, base to tip.
 
     `lost`: what a point that was not found looks like; `zero` = both coordinates are 0.
@@ -99,7 +99,7 @@ class Points(Section):
     up: Literal["y", "-y"] | None = None
 
 
-class Motion(Section):
+class MotionColumns(DeclaredSection):
     """The motion: one column (one per joint, if it is an angle), or points."""
 
     columns: tuple[str, ...] | None = None
@@ -110,7 +110,7 @@ class Motion(Section):
     start: Literal["as recorded", "first row"] | None = None
 
 
-class Load(Section):
+class Load(DeclaredSection):
     """The load: a column, a key stated above the table, a number, or none that is known.
 
     A load that is stated or a number acts from `from_s` on.
@@ -133,7 +133,7 @@ class Load(Section):
         return self
 
 
-class Covariate(Section):
+class Covariate(DeclaredSection):
     """A number that is noted of each trial: a key stated above the table, or a column's mean."""
 
     name: str = Field(pattern=r"^\w+$")
@@ -141,22 +141,22 @@ class Covariate(Section):
     column: str | None = None
 
 
-class Description(Section):
+class ImportDescription(DeclaredSection):
     """The whole of ``import.yaml``."""
 
     version: Literal[1] = 1
     name: str | None = Field(default=None, min_length=1, max_length=200)
     source: Literal["measured", "synthetic"] = "measured"
     tables: Tables = Tables()
-    trials: Trials = Trials()
+    trials: TrialRows = TrialRows()
     clock: Clock = Clock()
-    motion: Motion = Motion()
+    motion: MotionColumns = MotionColumns()
     load: Load = Load()
     covariates: tuple[Covariate, ...] | None = None
-    finger: Finger | None = None
+    finger: DeclaredFinger | None = None
 
 
-def read_description(path: Path | None, settings: Sequence[str] = ()) -> Description:
+def read_import_description(path: Path | None, settings: Sequence[str] = ()) -> ImportDescription:
     """Read an import description, with single keys put over it.
 
     Parameters
@@ -184,7 +184,7 @@ def read_description(path: Path | None, settings: Sequence[str] = ()) -> Descrip
             raise ImportFault(f"--set {setting}: expected key=value, as in clock.unit=ms")
         _put(content, key.strip().split("."), _load(value, f"--set {setting}"))
     try:
-        return Description.model_validate(content)
+        return ImportDescription.model_validate(content)
     except ValidationError as error:
         faults = [_describe(fault) for fault in error.errors()]
         raise ImportFaults(str(path or "--set"), faults) from None
@@ -214,7 +214,7 @@ def _describe(fault: Mapping[str, Any]) -> str:
     return f"{key}: is {fault['input']!r}; {message[:1].lower()}{message[1:]}"
 
 
-def format_description(description: Description, guessed: Sequence[str] = ()) -> str:
+def format_description(description: ImportDescription, guessed: Sequence[str] = ()) -> str:
     """Write a description as YAML, what was guessed as comments above it."""
     content = description.model_dump(mode="json", exclude_none=True, exclude_defaults=False)
     stream = io.StringIO()

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from softfinger.importing.clock import list_clocks, read_times
-from softfinger.importing.description import Description
+from softfinger.importing.description import ImportDescription
 from softfinger.importing.faults import ImportFault
 from softfinger.importing.guess_load import guess_covariates, guess_load
 from softfinger.importing.guess_motion import guess_motion
@@ -54,8 +54,8 @@ def _spell(value: object) -> str:
 
 
 def complete(
-    tables: Sequence[RawTable], description: Description, name: str
-) -> tuple[Description, list[Run], list[str], list[str]]:
+    tables: Sequence[RawTable], description: ImportDescription, name: str
+) -> tuple[ImportDescription, list[Run], list[str], list[str]]:
     """Fill what a description leaves open.
 
     Parameters
@@ -84,7 +84,7 @@ def complete(
     guesses = Guesses(description.model_dump(exclude_none=True, exclude_unset=True))
     guesses.put("name", name, "the name of the source")
     tables, dropped = guess_trials(tables, guesses)
-    described = Description.model_validate(guesses.content)
+    described = ImportDescription.model_validate(guesses.content)
     runs = split_trials(tables, described, str(guesses.get("name")))
     first = runs[0]
     _guess_clock(first, guesses)
@@ -93,7 +93,7 @@ def complete(
     guess_covariates(runs, guesses)
     _guess_start(runs, guesses)
     dropped += _list_unused(first, guesses)
-    return Description.model_validate(guesses.content), runs, guesses.said, dropped
+    return ImportDescription.model_validate(guesses.content), runs, guesses.said, dropped
 
 
 def _guess_clock(run: Run, guesses: Guesses) -> None:

@@ -30,7 +30,7 @@ UNITS = {
 }  # fmt: skip
 
 
-class Candidate(NamedTuple):
+class SignalColumn(NamedTuple):
     """A column that may be a signal: its name, quantity, how well it fits, and its unit."""
 
     column: str
@@ -39,7 +39,9 @@ class Candidate(NamedTuple):
     unit: str
 
 
-def list_candidates(run: Run, role: dict[str, str], taken: Sequence[str] = ()) -> list[Candidate]:
+def list_candidates(
+    run: Run, role: dict[str, str], taken: Sequence[str] = ()
+) -> list[SignalColumn]:
     """Columns of numbers that may play a role, the best first."""
     found = []
     for topic, table in run.tables.items():
@@ -65,7 +67,7 @@ def list_candidates(run: Run, role: dict[str, str], taken: Sequence[str] = ()) -
                 moving += 0.3  # it begins at rest
             if moving < 0 and role is MOTION:
                 continue
-            found.append(Candidate(whole, quantity, score + moving, unit))
+            found.append(SignalColumn(whole, quantity, score + moving, unit))
     return sorted(found, key=lambda candidate: -candidate.score)
 
 
@@ -174,7 +176,7 @@ def _is_zero_at_times(x: np.ndarray, y: np.ndarray) -> bool:
     return bool(zero.any() and others.size and others.min() > 0.02 * others.max())
 
 
-def _choose_columns(candidates: Sequence[Candidate], guesses: Guesses) -> None:
+def _choose_columns(candidates: Sequence[SignalColumn], guesses: Guesses) -> None:
     """Take the best column; of numbered angles all of them, one per joint."""
     best = candidates[0]
     rivals = [c.column for c in candidates[1:] if c.score >= best.score - 0.6]

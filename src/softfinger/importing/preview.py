@@ -8,13 +8,13 @@ import numpy as np
 import xarray as xr
 
 from softfinger.importing.build import ImportedTrial
-from softfinger.importing.description import Description
+from softfinger.importing.description import ImportDescription
 
 ROWS, WIDTH, HEIGHT, SHOWN = 5, 72, 8, 3
 LEVELS = " ▁▂▃▄▅▆▇█"
 
 
-def format_preview(description: Description, trials: Sequence[ImportedTrial]) -> str:
+def format_preview(description: ImportDescription, trials: Sequence[ImportedTrial]) -> str:
     """First rows and curves of the first three trials."""
     parts = [f"{len(trials)} trials"]
     for trial in trials[:SHOWN]:
@@ -33,7 +33,7 @@ def _summarise(trial: ImportedTrial) -> str:
     return ", ".join([said, *started, *noted, *trial.notes])
 
 
-def name_motion(description: Description, trial: ImportedTrial) -> list[str]:
+def name_motion(description: ImportDescription, trial: ImportedTrial) -> list[str]:
     """Name of each column of a trial's motion, with its unit."""
     if trial.points:
         return [f"{point} {axis} [px]" for point in trial.points for axis in "xy"]
@@ -43,7 +43,7 @@ def name_motion(description: Description, trial: ImportedTrial) -> list[str]:
     return [f"{description.motion.quantity} [{description.motion.unit}]"]
 
 
-def _list_rows(description: Description, trial: ImportedTrial) -> list[str]:
+def _list_rows(description: ImportDescription, trial: ImportedTrial) -> list[str]:
     names = name_motion(description, trial)[:6]
     load = name_load(description) if trial.load.size else "load (none)"
     head = ["row", "time [s]", *names, load]
@@ -62,7 +62,7 @@ def _list_rows(description: Description, trial: ImportedTrial) -> list[str]:
     ]
 
 
-def name_load(description: Description) -> str:
+def name_load(description: ImportDescription) -> str:
     """Name of the load, with its unit."""
     return f"{description.load.quantity} [{description.load.unit}]"
 
@@ -72,11 +72,11 @@ def sum_motion(trial: ImportedTrial) -> np.ndarray:
     return -trial.motion[:, -1] if trial.points else trial.motion.sum(axis=1)
 
 
-def _draw(description: Description, trial: ImportedTrial) -> list[str]:
-    lines = [f"  {'motion':<8}{draw_curve(trial.time, sum_motion(trial))}"]
+def _draw(description: ImportDescription, trial: ImportedTrial) -> list[str]:
+    lines = [f"  {'motion':<8}{sketch_curve(trial.time, sum_motion(trial))}"]
     if trial.load.size:
         load = sample_load(trial)
-        lines.append(f"  {'load':<8}{draw_curve(trial.time, load)}")
+        lines.append(f"  {'load':<8}{sketch_curve(trial.time, load)}")
     return lines
 
 
@@ -85,10 +85,10 @@ def sample_load(trial: ImportedTrial) -> np.ndarray:
     return np.interp(trial.time, trial.load_time, trial.load, left=0.0)
 
 
-def draw_curve(time: np.ndarray, value: np.ndarray) -> str:
+def sketch_curve(time: np.ndarray, value: np.ndarray) -> str:
     """Curve as a line of blocks, with its smallest and largest value.
 
-    >>> draw_curve(np.arange(72.0), np.arange(72.0))[-12:]
+    >>> sketch_curve(np.arange(72.0), np.arange(72.0))[-12:]
     '████ 0 to 71'
     """
     edges = np.linspace(time[0], time[-1], WIDTH + 1)
@@ -106,7 +106,7 @@ def draw_curve(time: np.ndarray, value: np.ndarray) -> str:
     return f"{blocks} {low:.4g} to {high:.4g}"
 
 
-def gather_curves(description: Description, trials: Sequence[ImportedTrial]) -> xr.Dataset:
+def gather_curves(description: ImportDescription, trials: Sequence[ImportedTrial]) -> xr.Dataset:
     """Motion and load of the first three trials, for a figure.
 
     Returns

@@ -36,7 +36,7 @@ class Sheet:
     notes: tuple[str, ...] = field(default=())
 
 
-def list_tables(
+def split_tables(
     sheet: Sheet, headings: Collection[int] = (), missing: Collection[str] = ()
 ) -> list[RawTable]:
     """Tables of a sheet: one, or more where its headings are repeated further down.

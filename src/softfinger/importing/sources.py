@@ -10,7 +10,7 @@ from pathlib import Path
 from softfinger.importing.description import Tables
 from softfinger.importing.faults import ImportFault, ImportFaults
 from softfinger.importing.reshape import widen
-from softfinger.importing.sheet import list_tables
+from softfinger.importing.sheet import split_tables
 from softfinger.importing.table import RawTable
 from softfinger.importing.text import read_sheet
 from softfinger.importing.tracking_files import read_hdf5, read_netcdf
@@ -112,7 +112,7 @@ def _read_file(path: Path, name: Path, asked: Tables) -> tuple[list[RawTable], l
         sheets, dropped = [read_sheet(path, name, asked.delimiter, asked.encoding)], []
     tables = []
     for sheet in sheets:
-        found = list_tables(sheet, asked.headings, asked.missing)
+        found = split_tables(sheet, asked.headings, asked.missing)
         tables += found
         if not found:
             place = f"{name}, sheet '{sheet.name}'" if sheet.name else str(name)

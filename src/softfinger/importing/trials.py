@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from softfinger.importing.clock import list_clocks, read_times
-from softfinger.importing.description import Description
+from softfinger.importing.description import ImportDescription
 from softfinger.importing.faults import ImportFault
 from softfinger.importing.side_by_side import split_columns, split_groups
 from softfinger.importing.table import RawTable
@@ -59,7 +59,9 @@ class Run:
         return {k: v for table in self.tables.values() for k, v in table.stated.items()}
 
 
-def split_trials(tables: Sequence[RawTable], description: Description, name: str) -> list[Run]:
+def split_trials(
+    tables: Sequence[RawTable], description: ImportDescription, name: str
+) -> list[Run]:
     """Cut tables into trials as described.
 
     Raises
@@ -151,7 +153,7 @@ def find_restarts(seconds: np.ndarray) -> np.ndarray:
     return np.array(restarts, dtype=int)
 
 
-def _split_by_clock(table: RawTable, description: Description) -> list[Run]:
+def _split_by_clock(table: RawTable, description: ImportDescription) -> list[Run]:
     column = description.clock.column or list_clocks(table)[0][0]
     seconds = read_times(table, column, description.clock.unit).seconds
     edges = [0, *find_restarts(seconds), len(seconds)]

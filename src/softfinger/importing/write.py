@@ -12,11 +12,11 @@ import numpy as np
 import pandas as pd
 from ruamel.yaml import YAML
 
-from softfinger.campaign import Finger
+from softfinger.campaign import DeclaredFinger
 from softfinger.campaign.units import find_factor
 from softfinger.faults import Fault
 from softfinger.importing.build import ImportedTrial
-from softfinger.importing.description import FILE_NAME, Description, format_description
+from softfinger.importing.description import FILE_NAME, ImportDescription, format_description
 from softfinger.importing.faults import ImportFault
 
 DIGITS = "%.10g"
@@ -40,7 +40,10 @@ def refuse_existing(out: Path) -> None:
 
 
 def write_campaign(
-    out: Path, description: Description, trials: Sequence[ImportedTrial], guessed: Sequence[str]
+    out: Path,
+    description: ImportDescription,
+    trials: Sequence[ImportedTrial],
+    guessed: Sequence[str],
 ) -> None:
     """Write a campaign folder, and beside its files the description of how it was read.
 
@@ -78,7 +81,9 @@ def name_files(names: Sequence[str]) -> list[str]:
     return given
 
 
-def describe_campaign(description: Description, trials: Sequence[ImportedTrial]) -> dict[str, Any]:
+def describe_campaign(
+    description: ImportDescription, trials: Sequence[ImportedTrial]
+) -> dict[str, Any]:
     """Content of ``campaign.yaml``: a finger where the motion is of joints, else a specimen."""
     head: dict[str, Any] = {
         "version": 1, "name": description.name, "source": description.source,
@@ -89,7 +94,7 @@ def describe_campaign(description: Description, trials: Sequence[ImportedTrial])
         finger = {**declared, "joints": joints}
         if trials[0].points and description.motion.sign == -1:
             finger["bends"] = "clockwise"
-        return {**head, "finger": Finger.model_validate(finger).model_dump(
+        return {**head, "finger": DeclaredFinger.model_validate(finger).model_dump(
             mode="json", exclude_defaults=True)}  # fmt: skip
     motion, load = description.motion, description.load
     known = {"quantity": load.quantity or "load", "unit": load.unit or "1"}
@@ -104,7 +109,7 @@ def describe_campaign(description: Description, trials: Sequence[ImportedTrial])
     }
 
 
-def count_joints(description: Description, trials: Sequence[ImportedTrial]) -> int:
+def count_joints(description: ImportDescription, trials: Sequence[ImportedTrial]) -> int:
     """Number of joints of a finger; 0 for a specimen."""
     if trials[0].points:
         return len(trials[0].points) - 2
@@ -118,7 +123,7 @@ def _format(content: dict[str, Any]) -> str:
 
 
 def _write_trial(
-    out: Path, description: Description, trial: ImportedTrial, stem: str
+    out: Path, description: ImportDescription, trial: ImportedTrial, stem: str
 ) -> dict[str, Any]:
     level = "markers" if trial.points else "angles"
     path = f"{level}/{stem}.csv"
@@ -136,7 +141,7 @@ def _write_trial(
     return row | dict(trial.covariates)
 
 
-def find_load_column(description: Description) -> tuple[str, float]:
+def find_load_column(description: ImportDescription) -> tuple[str, float]:
     """Column of a finger's load log, and the factor into its unit.
 
     A tension needs the wire's offset; without it, and for any other quantity, the load is a
@@ -155,7 +160,7 @@ def find_load_column(description: Description) -> tuple[str, float]:
     return "command", 1.0
 
 
-def _lay_out_motion(description: Description, trial: ImportedTrial) -> pd.DataFrame:
+def _lay_out_motion(description: ImportDescription, trial: ImportedTrial) -> pd.DataFrame:
     angles = description.motion.quantity == "angle"
     names = [f"q{k + 1}_rad" for k in range(trial.motion.shape[1])] if angles else ["motion"]
     return pd.DataFrame({"time_s": trial.time, **dict(zip(names, trial.motion.T, strict=True))})

@@ -62,7 +62,7 @@ class Given(NamedTuple):
     variance: NDArray[np.float64]
 
 
-class Whitening(Transform):
+class WhitenedSpace(Transform):
     """The trials' parameters seen as standard normals, given the population (`whitening`).
 
     The inputs of the distribution end in mean (p,), root (p, p) of the precision, curvature
@@ -195,7 +195,9 @@ def _draw_population(
     return mean[:, None] + np.linalg.solve(root, rng.standard_normal(np.shape(pull)))
 
 
-def build_model(given: Given, coords: dict, covariance: Covariance = "independent") -> pm.Model:
+def build_pymc_model(
+    given: Given, coords: dict, covariance: Covariance = "independent"
+) -> pm.Model:
     """Build the hierarchical model.
 
     Parameters
@@ -230,7 +232,7 @@ def build_model(given: Given, coords: dict, covariance: Covariance = "independen
             ShiftPull()(data["pull"], data["cross"], change),
             logp=_population_logp, random=_draw_population,
             signature="(p),(p,p),(p,p,n),(p,n)->(p,n)",
-            transform=Whitening(), dims=("own", "trial"),
+            transform=WhitenedSpace(), dims=("own", "trial"),
         )  # fmt: skip
         log_scale = pm.Normal("log_noise_scale", 0.0, data["noise_log_sd"])
         likelihood = ExpandedLikelihood()(

@@ -122,7 +122,9 @@ def soften_gram_array(
     return gram, float(np.linalg.slogdet(inner)[1].sum())
 
 
-def soften(problem: Problem, size: Mapping[str, float], directions: Mapping[str, Array]) -> Problem:
+def admit_disturbances(
+    problem: Problem, size: Mapping[str, float], directions: Mapping[str, Array]
+) -> Problem:
     """Let the noise be larger along some directions, by their sizes."""
     trials = problem.trials
     scaled = np.concatenate([size[name] * directions[name] for name in size], axis=3)

@@ -33,13 +33,13 @@ from numpy.typing import NDArray
 from softfinger.inference.budget import BUDGET
 from softfinger.inference.density import Given
 from softfinger.inference.expansion import fill_squares
-from softfinger.inference.gibbs_moves import draw_populations, move_trials
+from softfinger.inference.gibbs_moves import draw_populations, step_trials
 from softfinger.inference.whitening import colour_about, colour_trials, shift_pull, whiten_about
 from softfinger.progress import follow_progress
 
 
 @dataclass
-class State:
+class ChainState:
     """Where a chain is: η (d, trial), χ² (trial,), μ and σ (d,), φ unbounded (p,), log s."""
 
     eta: NDArray[np.float64]
@@ -107,7 +107,7 @@ def sample_gibbs(
     return kept, xr.Dataset({"diverging": diverging, "acceptance_rate": rate})
 
 
-def _read_state(state: State, given: Given) -> dict[str, NDArray[np.float64]]:
+def _read_state(state: ChainState, given: Given) -> dict[str, NDArray[np.float64]]:
     bounded = given.effects.bounded
     return {
         "mu": state.mu,
@@ -130,7 +130,7 @@ def _follow_chains(running: list[Future], done: NDArray, sweeps: int, stop: Even
         stop.set()
 
 
-def start_chain(given: Given, sigma: NDArray[np.float64], rng: np.random.Generator) -> State:
+def start_chain(given: Given, sigma: NDArray[np.float64], rng: np.random.Generator) -> ChainState:
     """Start dispersed; each trial where its population and the fit put it, about."""
     expansion, bounded = given.expansion, given.effects.bounded
     trials, size = expansion.own.shape
@@ -139,7 +139,7 @@ def start_chain(given: Given, sigma: NDArray[np.float64], rng: np.random.Generat
     mu = expansion.own.mean(axis=0) + few * sigma * rng.standard_normal(size)
     wide = BUDGET.dispersion * bounded.root
     number = bounded.centre + wide @ rng.standard_normal(len(bounded.low))
-    state = State(np.empty((size, trials)), np.empty(trials), mu, sigma, number, 0.0)
+    state = ChainState(np.empty((size, trials)), np.empty(trials), mu, sigma, number, 0.0)
     normal = rng.standard_normal(state.eta.shape)
     state.eta[:] = colour_about(normal, *_place_trials(state, given, number))
     _measure(given, state.eta, number, state.square)
@@ -147,7 +147,7 @@ def start_chain(given: Given, sigma: NDArray[np.float64], rng: np.random.Generat
 
 
 def _place_trials(
-    state: State, given: Given, number: NDArray[np.float64]
+    state: ChainState, given: Given, number: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Centre (d, trial) and factor (d, d, trial) of the trials' whitening."""
     expansion, bounded = given.expansion, given.effects.bounded
@@ -168,13 +168,13 @@ def _measure(
     return square
 
 
-def sweep_once(state: State, given: Given, rng: np.random.Generator) -> float:
+def sweep_once(state: ChainState, given: Given, rng: np.random.Generator) -> float:
     """Draw everything once, in place: the share of the trials' moves that were accepted."""
     expansion, prior = given.expansion, given.prior
     bounded = given.effects.bounded
     accepted = 0
     for kept in BUDGET.gibbs_moves:
-        accepted += move_trials(
+        accepted += step_trials(
             rng, kept, state.eta, state.square, (state.mu, state.sigma),
             _place_trials(state, given, state.number),
             bounded.bind(state.number), np.exp(state.log_scale),
@@ -190,7 +190,7 @@ def sweep_once(state: State, given: Given, rng: np.random.Generator) -> float:
     return accepted / (len(BUDGET.gibbs_moves) * state.eta.shape[1])
 
 
-def _move_effects(state: State, given: Given, rng: np.random.Generator) -> None:
+def _move_effects(state: ChainState, given: Given, rng: np.random.Generator) -> None:
     """Walk φ, the trials' standard normals held."""
     effects, bounded = given.effects, given.effects.bounded
     step = BUDGET.walk / np.sqrt(len(state.number)) * bounded.root
@@ -211,7 +211,7 @@ def _move_effects(state: State, given: Given, rng: np.random.Generator) -> None:
         state.eta[:], state.square[:], state.number = eta, square, number
 
 
-def _move_scale(state: State, given: Given, rng: np.random.Generator) -> None:
+def _move_scale(state: ChainState, given: Given, rng: np.random.Generator) -> None:
     """Walk log s: its density is that of the trials' χ² and the prior."""
     rows, total = given.expansion.rows.sum(), state.square.sum()
     spread = given.prior.noise_log_sd

@@ -9,7 +9,7 @@ from softfinger.inference.whitening import colour_about, whiten_about
 
 
 @compiled(error_model="numpy")
-def move_trials(
+def step_trials(
     rng: np.random.Generator,
     kept: float,
     eta: NDArray,

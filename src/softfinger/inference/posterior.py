@@ -12,7 +12,7 @@ from softfinger.inference.bounded import place_effects
 from softfinger.inference.budget import BUDGET
 from softfinger.inference.correction import Correction, correct_draws
 from softfinger.inference.correlation import Covariance
-from softfinger.inference.density import Effects, Given, build_model
+from softfinger.inference.density import Effects, Given, build_pymc_model
 from softfinger.inference.expansion import Expansion, expand_fit, forget_trial, keep_trial
 from softfinger.inference.gibbs import sample_gibbs
 from softfinger.inference.integrate import compute_integrated_log_likelihood
@@ -144,7 +144,7 @@ def compile_fit(prepared: Preparation, config: Mapping[str, Any]) -> Density | N
     """Compile the density of a model and a campaign, where the sampler needs it."""
     if config["sampler"] == "gibbs":
         return None
-    return compile_density(build_model(prepared.given, prepared.coords, config["covariance"]))
+    return compile_density(build_pymc_model(prepared.given, prepared.coords, config["covariance"]))
 
 
 def draw_points(

@@ -18,7 +18,7 @@ from softfinger.propagation.left_out import (
 from softfinger.propagation.new_trials import (
     NewTrials,
     Source,
-    predict_new_trials,
+    move_new_trials,
     take_quantiles_array,
 )
 from softfinger.propagation.populations import ESTIMATES
@@ -29,10 +29,10 @@ from softfinger.propagation.protocols import (
     name_protocols,
 )
 from softfinger.propagation.recordings import (
+    average_recordings,
     build_time_grid,
     extract_recordings,
     find_frame_interval,
-    summarise_recordings,
 )
 from softfinger.propagation.routes import choose_route
 from softfinger.propagation.scores import PROBABILITIES, score_recordings
@@ -97,12 +97,12 @@ def compute_bands(
         time, angle = (array[protocol.trials] for array in recordings)
         models = []
         for source, weigh in zip(sources, weights, strict=True):
-            quantiles, samples = predict_new_trials(source, protocol, reached, interval)
+            quantiles, samples = move_new_trials(source, protocol, reached, interval)
             left_out = (_predict_left_out(p, samples, weigh, reached) for p in protocol.trials)
             scores = score_recordings(time, angle, reached, left_out, rng)
             model = xr.merge([_compute_moments(source, protocol, reached), quantiles])
             models.append(xr.merge([model.reindex(time=grid), scores]))
-        parts.append(xr.merge([_join_estimates(models), summarise_recordings(time, angle, grid)]))
+        parts.append(xr.merge([_join_estimates(models), average_recordings(time, angle, grid)]))
     names = xr.IndexVariable("protocol", [protocol.name for protocol in protocols])
     dataset = xr.concat(parts, names).transpose(*ORDER, ..., missing_dims="ignore")
     dataset = dataset.assign_coords(joint=angles["joint"].to_numpy(), time=grid)

@@ -11,7 +11,7 @@ from softfinger.propagation.density import compute_density_array
 from softfinger.propagation.independent import share_variance_array
 from softfinger.propagation.moments import compute_moments_array
 from softfinger.propagation.new_trials import Source
-from softfinger.propagation.populations import build_covariance_array
+from softfinger.propagation.populations import relate_own_array
 from softfinger.propagation.protocols import Protocol
 from softfinger.propagation.quantiles import compute_quantiles_array
 from softfinger.propagation.subsets import EVERY, SUBSETS, Shares, Subset
@@ -118,7 +118,7 @@ def _compute_values(
     source: Source, protocol: Protocol, time: NDArray, left: NDArray, subsets: list[Subset]
 ) -> Iterator[tuple[NDArray, dict[Subset, NDArray]]]:
     mu, sigma = _read_populations(source, left)
-    covariance = build_covariance_array(source.population["correlation"].to_numpy(), sigma)
+    covariance = relate_own_array(source.population["correlation"].to_numpy(), sigma)
     load = (protocol.load_time, protocol.load_torque)
     # a lattice of its own for each draw: one for all is as fine as the narrowest and as long as
     # the widest, which costs a hundredfold where a single trial leaves the spread open

@@ -22,9 +22,9 @@ from softfinger.propagation.moments import Q_INI
 from softfinger.propagation.new_trials import NewTrials
 from softfinger.propagation.populations import (
     NAMES,
-    build_covariance_array,
+    relate_own_array,
     select_own_blocks_array,
-    take_draws,
+    take_population_draws,
 )
 
 Weigh = Callable[[int, int, NewTrials], NDArray[np.float64]]
@@ -79,12 +79,14 @@ def build_posterior_weights(
         Names of the trials in the order in which they are asked for; one that the posterior does
         not know took no part in it.
     """
-    own = take_draws(posterior, NAMES, population.sizes["draw"]).to_dataarray("parameter")
+    own = take_population_draws(posterior, NAMES, population.sizes["draw"]).to_dataarray(
+        "parameter"
+    )
     own = own.reindex(trial=trial).transpose("draw", "trial", "joint", "parameter")
     mu, sigma, correlation = (
         population[name].to_numpy() for name in ("mu", "sigma", "correlation")
     )
-    covariance = build_covariance_array(select_own_blocks_array(correlation), sigma[..., None, :])
+    covariance = relate_own_array(select_own_blocks_array(correlation), sigma[..., None, :])
     draws = zip(own.to_numpy(), mu, covariance, strict=True)
     log_density = np.stack([_compute_log_normal(x - centre, omega) for x, centre, omega in draws])
 

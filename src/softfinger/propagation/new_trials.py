@@ -108,7 +108,7 @@ def move_fingers(
     return source.move(own, draw, like, time, protocol.load_time, protocol.load_torque)
 
 
-def predict_new_trials(
+def move_new_trials(
     source: Source, protocol: Protocol, time: NDArray[np.float64], interval: float
 ) -> tuple[xr.Dataset, list[NewTrials | None]]:
     """Predict angles and recordings of new trials.

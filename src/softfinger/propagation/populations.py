@@ -73,7 +73,7 @@ def select_posterior(posterior: xr.DataTree, draws: int) -> xr.Dataset:
         for name in ("parameter_correlation", "noise_correlation")
         if name in posterior["posterior"]
     ]
-    stacked = take_draws(posterior, [*wanted, *fitted], draws)
+    stacked = take_population_draws(posterior, [*wanted, *fitted], draws)
     parameter = xr.IndexVariable("parameter", list(PARAMETERS))
     population = xr.Dataset(
         {
@@ -100,7 +100,7 @@ def are_independent(population: xr.Dataset) -> bool:
     return bool((correlation == np.eye(correlation.shape[-1])).all())
 
 
-def build_covariance_array(
+def relate_own_array(
     correlation: NDArray[np.float64], sigma: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Build the covariance (…, 4 · joint, 4 · joint) of fingers."""
@@ -114,7 +114,7 @@ def select_own_blocks_array(correlation: NDArray[np.float64]) -> NDArray[np.floa
     return np.stack([correlation[:, at : at + OWN, at : at + OWN] for at in starts], axis=1)
 
 
-def take_draws(posterior: xr.DataTree, names: Sequence[str], draws: int) -> xr.Dataset:
+def take_population_draws(posterior: xr.DataTree, names: Sequence[str], draws: int) -> xr.Dataset:
     """Take at most so many draws of some variables, evenly.
 
     Raises

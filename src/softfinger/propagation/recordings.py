@@ -77,7 +77,7 @@ def resample_recordings_array(
     return out
 
 
-def summarise_recordings(
+def average_recordings(
     time: NDArray[np.float64],
     angle: NDArray[np.float64],
     grid: NDArray[np.float64],

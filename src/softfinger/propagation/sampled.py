@@ -26,7 +26,7 @@ from softfinger.propagation.subsets import EVERY, SUBSETS, Shares, Subset
 WHOLE = np.ones(OWN)
 
 
-class Block(NamedTuple):
+class DrawnFingers(NamedTuple):
     """A draw of the posterior and standard normal numbers for its fingers.
 
     place of the draw; correlation (4 · joint, 4 · joint); normal (n, copy · 4 · joint).
@@ -104,14 +104,14 @@ def _count_draws(source: Source) -> int:
     return min(source.population.sizes["draw"], source.knobs.sampled_draws)
 
 
-def _draw_blocks(source: Source, copies: int) -> Iterator[Block]:
+def _draw_blocks(source: Source, copies: int) -> Iterator[DrawnFingers]:
     """Yield the draws to sample, with numbers for `copies` of each finger."""
     places = choose_evenly(source.population.sizes["draw"], source.knobs.sampled_draws)
     dims = copies * source.joints * OWN
     rng = np.random.default_rng(source.seed)
     normal = draw_standard_array(source.knobs.draw_samples, dims, rng, len(places))
     correlation = source.population["correlation"].to_numpy()[places]
-    return (Block(*block) for block in zip(places, correlation, normal, strict=True))
+    return (DrawnFingers(*block) for block in zip(places, correlation, normal, strict=True))
 
 
 def _move_draws(
@@ -138,7 +138,7 @@ def _move_scores(
 
 
 def _share_block(
-    source: Source, block: Block, protocol: Protocol, time: NDArray
+    source: Source, block: DrawnFingers, protocol: Protocol, time: NDArray
 ) -> dict[Subset, NDArray[np.float64]]:
     """Shares (joint, time) of one draw."""
     one, two = np.split(block.normal, 2, axis=1)

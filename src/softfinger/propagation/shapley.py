@@ -23,7 +23,7 @@ from softfinger.propagation.populations import (
     are_independent,
     select_own_blocks_array,
     select_posterior,
-    take_draws,
+    take_population_draws,
 )
 from softfinger.propagation.protocols import (
     describe_truncation,
@@ -117,7 +117,9 @@ def _correlate_afterwards(
     posterior: xr.DataTree, population: xr.Dataset, rng: np.random.Generator
 ) -> xr.Dataset:
     """Give populations the correlations that the draws' trials show within each joint."""
-    trials = take_draws(posterior, NAMES, population.sizes["draw"]).to_dataarray("parameter")
+    trials = take_population_draws(posterior, NAMES, population.sizes["draw"]).to_dataarray(
+        "parameter"
+    )
     own = trials.transpose("draw", "trial", "joint", "parameter").to_numpy()
     mu, sigma = (population[name].to_numpy()[:, None] for name in ("mu", "sigma"))
     whole = np.zeros(population["correlation"].shape)

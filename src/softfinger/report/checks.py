@@ -117,10 +117,10 @@ FOUND: dict[str, Callable[[Material, xr.Dataset], str]] = {
 """Check → what was found, in words."""
 
 
-def combine(checks: tuple[Check, ...]) -> bool | None:
+def combine_checks(checks: tuple[Check, ...]) -> bool | None:
     """Combine checks: False if any failed, True if the rest has at least one pass, else None.
 
-    >>> combine(())
+    >>> combine_checks(())
     """
     results = {check.passed for check in checks}
     return False if False in results else True if True in results else None

@@ -18,7 +18,7 @@ from softfinger.report.sections import overview
 from softfinger.report.sections.data import build_data
 from softfinger.report.sections.measured import build_measured
 from softfinger.report.sections.mismatch import build_mismatch
-from softfinger.report.sections.model import build_model
+from softfinger.report.sections.model import build_model_section
 from softfinger.report.sections.origin import build_origin
 from softfinger.report.sections.outlook import build_outlook
 from softfinger.report.sections.parameters import build_parameters
@@ -28,7 +28,7 @@ from softfinger.report.sections.quality import (
     build_predictive,
 )
 from softfinger.report.sections.sensitivity import build_sensitivity
-from softfinger.report.sections.tiles import judge
+from softfinger.report.sections.tiles import judge_tiles
 
 HERE = Path(__file__).parent
 OVERVIEW = (
@@ -43,7 +43,7 @@ OVERVIEW = (
 REFEREE = (
     build_data,
     build_measured,
-    build_model,
+    build_model_section,
     build_computation,
     build_calibration,
     build_predictive,
@@ -99,7 +99,7 @@ def render_report(material: Material) -> str:
         ask="How do the joints of this finger move, how much do they vary from trial to trial, "
         "which parameter causes it, and what physics is missing?",
         source=material.source,
-        tiles=judge(material),
+        tiles=judge_tiles(material),
         sections=[build(material) for build in OVERVIEW],
         folded=[build(material) for build in REFEREE],
         load_unit=material.load_unit,

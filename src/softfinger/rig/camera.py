@@ -17,7 +17,7 @@ from softfinger.rig.plan import Plan
 from softfinger.rig.virtual_camera import VirtualCamera
 
 
-class Camera(Protocol):
+class PictureSource(Protocol):
     """What takes pictures."""
 
     def read(self) -> tuple[float, NDArray[np.uint8]]:
@@ -27,7 +27,7 @@ class Camera(Protocol):
         """End it."""
 
 
-class Frame(NamedTuple):
+class StampedPicture(NamedTuple):
     """A frame: stamp [s], mean grey of the sync light's place, picture as JPEG."""
 
     stamp: float
@@ -76,7 +76,7 @@ class OpenCvCamera:
         self._capture.release()
 
 
-def open_camera(name: str, plan: Plan) -> Camera:
+def open_camera(name: str, plan: Plan) -> PictureSource:
     """Open a camera: a number or path for OpenCV, or ``virtual:PORT`` of a simulator.
 
     Raises
@@ -93,13 +93,13 @@ def open_camera(name: str, plan: Plan) -> Camera:
 class FrameGrabber:
     """Takes every frame of a camera from the moment it is entered until it is left."""
 
-    def __init__(self, camera: Camera, plan: Plan) -> None:
+    def __init__(self, camera: PictureSource, plan: Plan) -> None:
         self._camera = camera
         self._size = plan.recording.picture_px
         self._light = plan.recording.sync_light_px
         self._quality = plan.recording.video_quality
         self._timeout = plan.safety.camera_timeout_s
-        self._frames: deque[Frame] = deque()
+        self._frames: deque[StampedPicture] = deque()
         self._failure: Exception | None = None
         self._ended = threading.Event()
         self._last_arrival = time.monotonic()
@@ -117,7 +117,7 @@ class FrameGrabber:
         self._thread.join(self._timeout)
         self._camera.close()
 
-    def take(self) -> list[Frame]:
+    def take(self) -> list[StampedPicture]:
         """Return the frames since the last time.
 
         Raises
@@ -148,7 +148,7 @@ class FrameGrabber:
         except Exception as failure:  # handed over to the thread that asks
             self._failure = failure
 
-    def _describe(self, stamp: float, picture: NDArray[np.uint8]) -> Frame:
+    def _describe(self, stamp: float, picture: NDArray[np.uint8]) -> StampedPicture:
         if picture.shape[1::-1] != self._size:
             raise Fault(
                 f"the camera takes pictures of {picture.shape[1]} × {picture.shape[0]} px, but "
@@ -157,4 +157,4 @@ class FrameGrabber:
         x, y, width, height = self._light
         place = picture[y : y + height, x : x + width]
         jpeg = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, self._quality])[1]
-        return Frame(stamp, float(place.mean()), jpeg.tobytes())
+        return StampedPicture(stamp, float(place.mean()), jpeg.tobytes())

@@ -10,7 +10,7 @@ from typing import Self
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
-from softfinger.rig.camera import Frame
+from softfinger.rig.camera import StampedPicture
 
 PREVIEW_EVERY_S = 1.0
 _RATE_OVER_FRAMES = 30
@@ -69,7 +69,7 @@ class Display:
         """Show the wire's tension [N]."""
         self._bar.update(self._task, tension=tension)
 
-    def show_frames(self, frames: Iterable[Frame]) -> None:
+    def show_frames(self, frames: Iterable[StampedPicture]) -> None:
         """Show the frame rate and the lost frames; now and then write the preview."""
         frame = None
         for frame in frames:

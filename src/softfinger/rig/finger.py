@@ -7,7 +7,7 @@ from softfinger.mechanics.dynamics import simulate_full_dynamics
 from softfinger.mechanics.geometry import FingerGeometry
 from softfinger.virtual_rig.config import VirtualRigConfig, read_config
 from softfinger.virtual_rig.example import EXAMPLE_CONFIG
-from softfinger.virtual_rig.population import draw_parameters
+from softfinger.virtual_rig.population import draw_finger_parameters
 
 _GRID_HZ = 240.0
 _HORIZON_S = 10.0  # beyond the last change of the load; afterwards the finger is taken to rest
@@ -51,7 +51,7 @@ class VirtualFinger:
         return np.array([np.interp(time, self._time, joint) for joint in self._angle])
 
     def _move(self, trial: int, load_time: NDArray, load_tension: NDArray) -> None:
-        drawn = draw_parameters(trial + 1, self._seed).isel(trial=[trial])
+        drawn = draw_finger_parameters(trial + 1, self._seed).isel(trial=[trial])
         begin, end = load_time[0], load_time[-1] + _HORIZON_S
         self._time = np.arange(begin, end, 1 / _GRID_HZ)
         motion = simulate_full_dynamics(

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.faults import Fault
-from softfinger.rig.camera import Frame, FrameGrabber
+from softfinger.rig.camera import FrameGrabber, StampedPicture
 from softfinger.rig.clocks import (
     FLASHES,
     ClockOffset,
@@ -74,7 +74,7 @@ class Pull:
     started: float
     ended: float
     samples: list[Sample]
-    frames: list[Frame]
+    frames: list[StampedPicture]
 
 
 class Rig:
@@ -88,7 +88,7 @@ class Rig:
         self._grabber = grabber
         self._display = display
 
-    def serve(self) -> list[Frame]:
+    def serve(self) -> list[StampedPicture]:
         """Serve everything once; return the frames since the last time."""
         self.controller.watch()
         frames = self._grabber.take()
@@ -119,7 +119,7 @@ class Rig:
         self.serve()
         self.controller.flash(compute_flash_duration(self.plan.fps))
         edges: list[float] = []
-        frames: list[Frame] = []
+        frames: list[StampedPicture] = []
         last_edge = time.monotonic()
         brightness = np.zeros(0)
         while len(edges) < 2 * FLASHES or find_light_changes(brightness).size < 2 * FLASHES:
@@ -212,7 +212,7 @@ def _check_samples(pull: Pull, rate_hz: float) -> None:
 
 
 def _fill_gaps(
-    clock: FrameClock, frames: Sequence[Frame]
+    clock: FrameClock, frames: Sequence[StampedPicture]
 ) -> tuple[NDArray[np.int_], NDArray[np.float64]]:
     """Which frame to show at each beat, and its stamp, NaN where it stands in for a lost one."""
     beat = np.arange(clock.slot[-1] + 1)

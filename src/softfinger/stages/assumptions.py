@@ -11,7 +11,7 @@ from softfinger.artifacts.specs.assumptions import SPEC
 from softfinger.mechanics.assumptions import check_assumptions
 from softfinger.mechanics.geometry import FingerGeometry
 from softfinger.provenance import derive_seed, describe_run
-from softfinger.virtual_rig.population import draw_parameters
+from softfinger.virtual_rig.population import draw_finger_parameters
 
 FINGERS = 100
 """As many as the paper has trials."""
@@ -32,7 +32,7 @@ def assumptions(*, assumptions: Path, config: Mapping[str, Any], seed: int) -> N
         config["wire_offset_m"],
     )
     tension = max(config["load_tension_n"])
-    fingers = draw_parameters(FINGERS, derive_seed(seed, "assumptions"))
+    fingers = draw_finger_parameters(FINGERS, derive_seed(seed, "assumptions"))
     result = check_assumptions(fingers, geometry, tension, config["fps"]).assign_attrs(
         tension_n=tension,
         wire_offset_m=geometry.wire_offset,

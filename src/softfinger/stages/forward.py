@@ -11,7 +11,7 @@ import xarray as xr
 from softfinger.faults import Fault
 from softfinger.inference.motion import Move, build_mover, move_paper_joint
 from softfinger.mechanics.effects.model_file import read_model_file
-from softfinger.propagation.populations import take_draws
+from softfinger.propagation.populations import take_population_draws
 
 
 def open_mover(
@@ -41,6 +41,6 @@ def open_mover(
         return move_paper_joint
     if not fitted:
         raise Fault(f"{model}: the posterior was fitted without it; fit again with this model file")
-    effect = take_draws(posterior, ["effect"], config["draws"])["effect"]
+    effect = take_population_draws(posterior, ["effect"], config["draws"])["effect"]
     constant = posterior.get("constant_data", xr.DataTree()).to_dataset()
     return build_mover(constant, read_model_file(model), effect, angles["trial"])

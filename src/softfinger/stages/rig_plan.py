@@ -18,7 +18,7 @@ from softfinger.faults import Fault
 from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.experiment.plan import (
-    Protocol,
+    PlannedProtocol,
     choose_protocol,
     measure_separation,
     plan_experiment,
@@ -89,7 +89,7 @@ def rig_plan(
     protocols = {}
     for name, listed in profiles.items():
         time, tension = stack_knots(listed)
-        protocols[name] = Protocol(time, arm * tension)
+        protocols[name] = PlannedProtocol(time, arm * tension)
     base = Candidate(problem.base, fit, fit.log_evidence)
     tables = plan_experiment(problem, base, protocols)
     known = sorted({str(effect) for table in tables.values() for effect in table["effect"].values})

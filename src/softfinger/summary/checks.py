@@ -47,7 +47,7 @@ def gather_checks(results: list[Result]) -> xr.Dataset:
     return xr.Dataset(data, {"check": list(names)})
 
 
-def judge(*, passed: bool) -> int:
+def write_judgement(*, passed: bool) -> int:
     """Write a judgement as a number."""
     return PASSED if passed else FAILED
 
@@ -60,12 +60,12 @@ def check_computation(sampling: xr.Dataset | None) -> Iterator[Result]:
         return
     limits, worst = sampling.attrs, float(sampling["r_hat"].max())
     top = float(limits["r_hat_max"])
-    yield Result("r_hat", worst, upper=top, passed=judge(passed=worst < top))
+    yield Result("r_hat", worst, upper=top, passed=write_judgement(passed=worst < top))
     for name in ("ess_bulk", "ess_tail"):
         least, low = float(sampling[name].min()), float(limits["ess_min"])
-        yield Result(name, least, lower=low, passed=judge(passed=least > low))
+        yield Result(name, least, lower=low, passed=write_judgement(passed=least > low))
     count, most = int(sampling["divergences"]), float(limits["divergences_max"])
-    yield Result("divergences", count, upper=most, passed=judge(passed=count <= most))
+    yield Result("divergences", count, upper=most, passed=write_judgement(passed=count <= most))
 
 
 def check_pareto(posterior: xr.DataTree | None, limit: float) -> Result:
@@ -83,7 +83,7 @@ def check_pareto(posterior: xr.DataTree | None, limit: float) -> Result:
     if k.size < 2:
         return Result("pareto_k", upper=limit, remark=FEW)
     beyond = int((k >= limit).sum())
-    passed = judge(passed=k.max() < limit)
+    passed = write_judgement(passed=k.max() < limit)
     remark = f"{int(left.sum())} sampled anew" if left.any() else ""
     return Result("pareto_k", k.max(), upper=limit, passed=passed, trials=beyond, remark=remark)
 
@@ -98,14 +98,14 @@ def check_fit(residuals: xr.Dataset | None, shared_max: float) -> Iterator[Resul
     for name, end in zip(names, (None, EARLY), strict=False):
         excess = measure_shared_residual(residuals.sel(since_change=slice(None, end)))
         if np.isfinite(excess):
-            yield Result(name, excess, upper=limit, passed=judge(passed=excess < limit))
+            yield Result(name, excess, upper=limit, passed=write_judgement(passed=excess < limit))
         else:
             yield Result(name, upper=limit, remark=FEW)
     if int(residuals["n_segments"].max()) < 2:
         yield Result("ring", upper=0, remark=FEW)
         return
     rings = residuals["rings"].size
-    yield Result("ring", rings, upper=0, passed=judge(passed=rings == 0))
+    yield Result("ring", rings, upper=0, passed=write_judgement(passed=rings == 0))
 
 
 def find_chance_limit(residuals: xr.Dataset) -> float:
@@ -163,6 +163,6 @@ def check_calibration(
         if trials < 2:
             yield Result(name, **span, remark=FEW)
         else:
-            passed = judge(passed=abs(found - claimed) <= reach)
+            passed = write_judgement(passed=abs(found - claimed) <= reach)
             powered = claimed + reach < 1
             yield Result(name, found, **span, passed=passed, joint=joint, powered=powered)

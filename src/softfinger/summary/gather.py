@@ -81,7 +81,7 @@ def judge_run(
 
 
 JUDGED: dict[str, Callable[[xr.Dataset], xr.Dataset]] = {
-    "independence": granted.judge_independence,
+    "independence": granted.list_doubtful_pairs,
     "loo_pit": granted.judge_loo_pit,
 }
 """What only several trials can tell."""

@@ -14,7 +14,7 @@ LITTLE = "the recordings determine little"
 FINE = "–"
 
 
-def judge_independence(found: xr.Dataset) -> xr.Dataset:
+def list_doubtful_pairs(found: xr.Dataset) -> xr.Dataset:
     """List the pairs of a trial's parameters, the most doubtful first.
 
     Parameters

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from softfinger.summary.residuals import find_jumps, select_good
+from softfinger.summary.residuals import list_load_jumps, select_good
 
 FLAGS = {"missing": 1, "stale": 2, "jump": 4}
 """Bits of `angle_flag`."""
@@ -63,7 +63,8 @@ def has_one_load(angles: xr.Dataset) -> bool:
     """Whether every trial is one step to a load that then stays."""
     knots = zip(angles["load_time"].values, angles["load_torque"].values, strict=True)
     return all(
-        len(find_jumps(time, load)) == 1 and np.ptp(load[load != 0]) <= 1e-6 * np.abs(load).max()
+        len(list_load_jumps(time, load)) == 1
+        and np.ptp(load[load != 0]) <= 1e-6 * np.abs(load).max()
         for time, load in knots
     )
 

@@ -97,7 +97,7 @@ def compute_residuals(angles: xr.Dataset, residual: xr.DataArray) -> xr.Dataset:
 
 def find_segments(angles: xr.Dataset) -> list[tuple[str, int, float, float]]:
     """Find the stretches between changes of load: (change, trial index, start, end [s])."""
-    jumps = [find_jumps(*knots) for knots in _each_load(angles)]
+    jumps = [list_load_jumps(*knots) for knots in _each_load(angles)]
     if not any(jumps):
         jumps = [[(float(time[0]), 1.0)] for time, _ in _each_load(angles)]
     segments = []
@@ -112,10 +112,10 @@ def _each_load(angles: xr.Dataset) -> zip[tuple[NDArray, NDArray]]:
     return zip(angles["load_time"].values, angles["load_torque"].values, strict=True)
 
 
-def find_jumps(load_time: NDArray, load_torque: NDArray) -> list[tuple[float, float]]:
+def list_load_jumps(load_time: NDArray, load_torque: NDArray) -> list[tuple[float, float]]:
     """Find the jumps (time, size) of a load (knot,), the one from rest at the first knot too.
 
-    >>> find_jumps(np.array([1.0, 3.0, 3.0, 4.0]), np.array([0.2, 0.2, 0.0, 0.0]))
+    >>> list_load_jumps(np.array([1.0, 3.0, 3.0, 4.0]), np.array([0.2, 0.2, 0.0, 0.0]))
     [(1.0, 0.2), (3.0, -0.2)]
     """
     time = np.concatenate([load_time[:1], load_time])

@@ -192,7 +192,7 @@ def _gather(
                 ),
             ),
             set_aside_reason=("set_aside_trial", np.array(list(reasons.values()), dtype=object)),
-            **describe_finger(campaign),
+            **describe_geometry(campaign),
         )
         .assign_coords(
             covariate=np.array(covariates, dtype=object),
@@ -224,7 +224,7 @@ def _compute_starts(trials: Sequence[Trial]) -> np.ndarray:
     return np.array([(m - first).total_seconds() if m is not None else np.nan for m in moments])
 
 
-def describe_finger(campaign: Campaign) -> dict[str, tuple[tuple[str, ...], np.ndarray]]:
+def describe_geometry(campaign: Campaign) -> dict[str, tuple[tuple[str, ...], np.ndarray]]:
     """Build the finger's geometry as variables of the artifact; NaN where it is not declared."""
     finger = campaign.finger
     length = _per_joint(finger.link_length_m, finger.joints)

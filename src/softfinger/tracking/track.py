@@ -61,7 +61,7 @@ def track_video(
     last: list[np.ndarray] = []
     for frame in chain([first], frames):
         fitted, quality = tracker.follow(frame.picture)
-        windows = cut_windows(frame.picture, tracker.known)
+        windows = cut_patches(frame.picture, tracker.known)
         stale.append(bool(last) and all(map(np.array_equal, windows, last)))
         last = windows
         fits.append(np.column_stack([fitted[:, :2], quality]))
@@ -70,7 +70,7 @@ def track_video(
     return _describe(camera, np.array(times), table, np.array(stale), tracker.body)
 
 
-def cut_windows(picture: np.ndarray, discs: np.ndarray) -> list[np.ndarray]:
+def cut_patches(picture: np.ndarray, discs: np.ndarray) -> list[np.ndarray]:
     """Copies of the picture around each disc: alike from frame to frame only in a repeated one."""
     windows = []
     for disc in discs:

@@ -40,7 +40,7 @@ def write_campaign_folder(truth: xr.Dataset, config: dict, folder: Path, seed: i
     folder.mkdir(parents=True, exist_ok=True)
     names = [str(name) for name in truth.trial.values]
     with (folder / "campaign.yaml").open("w", encoding="utf-8", newline="\n") as file:
-        YAML().dump(describe_campaign(rig), file)
+        YAML().dump(declare_campaign(rig), file)
     _write_csv(folder / "trials.csv", *_build_trial_table(names, rig, seed))
     load = np.stack([truth.load_time.values, truth.load_tension.values], axis=1)
     for index, name in enumerate(names):
@@ -49,7 +49,7 @@ def write_campaign_folder(truth: xr.Dataset, config: dict, folder: Path, seed: i
             _write_angles(truth, rig, index, folder / RECORDINGS["angles"].format(name), seed)
 
 
-def describe_campaign(config: RigConfig) -> dict:
+def declare_campaign(config: RigConfig) -> dict:
     """Build the contents of ``campaign.yaml``."""
     camera = {
         "fps": config.fps,

@@ -8,7 +8,7 @@ from softfinger.mechanics.effects.model_file import ModelFile
 from softfinger.mechanics.geometry import FingerGeometry
 from softfinger.virtual_rig.config import read_rig_config
 from softfinger.virtual_rig.effects import move_with_effects
-from softfinger.virtual_rig.population import draw_parameters
+from softfinger.virtual_rig.population import draw_finger_parameters
 
 
 def draw_motion(config: dict, seed: int, model: ModelFile | None = None) -> xr.Dataset:
@@ -31,7 +31,7 @@ def draw_motion(config: dict, seed: int, model: ModelFile | None = None) -> xr.D
         population_mean, population_sd (joint, parameter), of the logarithm except for q_ini.
     """
     rig = read_rig_config(config)
-    drawn = draw_parameters(rig.n_trials, seed)
+    drawn = draw_finger_parameters(rig.n_trials, seed)
     time = np.arange(rig.n_frames) / rig.fps
     load_time, load_tension = np.array(rig.load_time_s), np.array(rig.load_tension_n)
     geometry = FingerGeometry.uniform(

@@ -42,7 +42,7 @@ def build_trial_names(n_trials: int) -> list[str]:
     return [f"trial_{number:03d}" for number in range(1, n_trials + 1)]
 
 
-def draw_parameters(n_trials: int, seed: int) -> xr.Dataset:
+def draw_finger_parameters(n_trials: int, seed: int) -> xr.Dataset:
     """Draw the true parameters of every trial, independent between parameters, joints and trials.
 
     log k_v, log c_v, log c_p ~ N(mean, sd²) and q_ini ~ N(mean, sd²), per joint.

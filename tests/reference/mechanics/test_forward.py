@@ -24,7 +24,7 @@ from softfinger.mechanics.viscoelastic.elements import (
 )
 from softfinger.mechanics.viscoelastic.response import (
     compute_creep_compliance_array,
-    compute_response_array,
+    compute_network_response_array,
 )
 
 LOAD = (np.array([0.0, 3.0, 3.0, 5.0, 8.0]), np.array([0.04, 0.04, 0.015, 0.05, 0.05]))
@@ -94,11 +94,13 @@ def test_linear_extensions_are_exact_too(parameters):
         )[0][0, 0]
 
     second = simulate(second_compliance=2.0, second_time=4.0)
-    expected = compute_response_array(series(joint, kelvin_voigt(0.5, 2.0)), time, *LOAD)
+    expected = compute_network_response_array(series(joint, kelvin_voigt(0.5, 2.0)), time, *LOAD)
     np.testing.assert_allclose(second, expected + offset, rtol=0, atol=1e-14)
     for exponent in (0.2, 0.5, 0.8):
         pot = simulate(springpot_compliance=2.0, springpot_exponent=exponent)
-        expected = compute_response_array(series(joint, Springpot(0.5, exponent)), time, *LOAD)
+        expected = compute_network_response_array(
+            series(joint, Springpot(0.5, exponent)), time, *LOAD
+        )
         np.testing.assert_allclose(pot, expected + offset, rtol=3e-5)
 
 

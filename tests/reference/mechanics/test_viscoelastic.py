@@ -21,8 +21,8 @@ from softfinger.mechanics.viscoelastic.elements import (
 )
 from softfinger.mechanics.viscoelastic.response import (
     compute_creep_compliance_array,
+    compute_network_response_array,
     compute_relaxation_modulus_array,
-    compute_response_array,
 )
 
 EXACT = {
@@ -82,7 +82,7 @@ def test_response_is_boltzmanns_superposition(name):
             if t > start:
                 ends = (max(t - end, 0.0) ** 0.5, (t - start) ** 0.5)
                 expected += slope * quad(lambda r: 2 * r * creep(r * r), *ends, epsabs=1e-12)[0]
-        found = compute_response_array(network, [t], *LOAD)
+        found = compute_network_response_array(network, [t], *LOAD)
         np.testing.assert_allclose(found, expected, rtol=1e-8)
 
 
@@ -125,7 +125,7 @@ EQUATIONS = {
 
 @pytest.mark.parametrize("name", EQUATIONS)
 def test_response_solves_the_models_equations(name):
-    found = compute_response_array(EXACT[name], TIME, *LOAD)
+    found = compute_network_response_array(EXACT[name], TIME, *LOAD)
     np.testing.assert_allclose(found, integrate(*EQUATIONS[name]), atol=1e-8)
 
 
@@ -137,7 +137,7 @@ def test_the_papers_joint_solves_its_differential_equation():
         push = (c_v + c_p) * torque + k_v * x[1] - c_p * k_v * x[0]
         return [push / (c_v * c_p), torque]
 
-    found = compute_response_array(three_element(k_v, c_v, c_p), TIME, *LOAD)
+    found = compute_network_response_array(three_element(k_v, c_v, c_p), TIME, *LOAD)
     np.testing.assert_allclose(found, integrate(rate, lambda x, _: x[0], 2), atol=1e-7)
 
 

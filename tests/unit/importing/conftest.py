@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from softfinger.importing import read_description, read_recordings
+from softfinger.importing import read_import_description, read_recordings
 
 MAIN = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
 
@@ -14,7 +14,7 @@ MAIN = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
 @pytest.fixture
 def read():
     """Import a source, with keys of import.yaml."""
-    return lambda source, *keys: read_recordings(Path(source), read_description(None, keys))
+    return lambda source, *keys: read_recordings(Path(source), read_import_description(None, keys))
 
 
 @pytest.fixture

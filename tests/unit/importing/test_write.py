@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from softfinger.campaign import check_campaign, read_angle_table, read_campaign, read_load
-from softfinger.importing import read_description, read_recordings, write_campaign
+from softfinger.importing import read_import_description, read_recordings, write_campaign
 from softfinger.importing.faults import ImportFault
 
 
@@ -38,7 +38,7 @@ def test_what_was_guessed_can_be_repeated_from_its_file(write, read, tmp_path):
     source = write("c.csv", TABLE)
     found = read(source)
     write_campaign(tmp_path / "out", found.description, found.trials, found.guessed)
-    again = read_recordings(source, read_description(tmp_path / "out/import.yaml"))
+    again = read_recordings(source, read_import_description(tmp_path / "out/import.yaml"))
     assert again.description == found.description
     assert again.guessed == []
     np.testing.assert_array_equal(again.trials[0].motion, found.trials[0].motion)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from softfinger.inference.disturbances import (
+    admit_disturbances,
     fit_disturbances,
     list_disturbances,
     locate_disturbances,
-    soften,
     soften_gram_array,
 )
 from softfinger.inference.mixed_effects_laplace import solve_linearised
@@ -103,7 +103,7 @@ def test_gram_matrices_under_larger_noise_are_those_of_the_whole_covariance():
 def test_softened_trials_have_the_evidence_that_was_foreseen(noisy):
     problem, base = noisy
     fit, directions = base.fit, list_disturbances(problem, base)
-    softer = soften(problem, {"noisy_load": 0.02}, directions)
+    softer = admit_disturbances(problem, {"noisy_load": 0.02}, directions)
     assert (softer.trials.logdet > problem.trials.logdet).all()
     gram = softer.linearise(base.model, fit.own, fit.shared)
     white = whiten_slope(problem.trials, 0.02 * directions["noisy_load"], 3)
@@ -124,7 +124,7 @@ def test_what_the_log_did_is_taken_from_the_residual(noisy):
     time = np.tile(TIME, (8, 1))
     assert not locate_disturbances(problem, base, time).any()
     size, _, directions = fit_disturbances(problem, base)
-    softer = soften(problem, size, directions)
+    softer = admit_disturbances(problem, size, directions)
     fit = softer.fit(base.model, (base.fit.own, base.fit.shared, base.fit.omega))
     moved = locate_disturbances(softer, Candidate(base.model, fit, fit.log_evidence), time)
     assert np.sqrt(np.mean(moved**2)) > 0.002

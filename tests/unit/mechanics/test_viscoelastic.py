@@ -26,9 +26,9 @@ from softfinger.mechanics.viscoelastic.laplace import compute_mittag_leffler_arr
 from softfinger.mechanics.viscoelastic.response import (
     compute_creep_compliance,
     compute_creep_compliance_array,
+    compute_network_response_array,
     compute_relaxation_modulus,
     compute_relaxation_modulus_array,
-    compute_response_array,
 )
 
 TIME = np.geomspace(1e-3, 300.0, 7)
@@ -105,7 +105,7 @@ def test_equal_branches_merge_and_nearly_equal_ones_stay_exact():
 
 @pytest.mark.parametrize("network", [three_element(0.1, 0.02, 20.0), Springpot(2.0, 0.3)])
 def test_response_to_a_step_is_the_creep_compliance(network):
-    response = compute_response_array(network, 1.0 + TIME, [1.0], [0.04])
+    response = compute_network_response_array(network, 1.0 + TIME, [1.0], [0.04])
     expected = 0.04 * compute_creep_compliance_array(network, 1.0 + TIME - 1.0)
     np.testing.assert_allclose(response, expected, rtol=1e-10)
 

@@ -11,12 +11,12 @@ from softfinger.mismatch.candidates.rank import competing_nats
 from softfinger.mismatch.checks import jumps as jumps_module
 from softfinger.mismatch.checks.free_form import _list_joints
 from softfinger.mismatch.checks.free_form_terms import list_terms
-from softfinger.mismatch.checks.jumps import find_jumps
+from softfinger.mismatch.checks.jumps import find_slips
 from softfinger.mismatch.checks.lines import find_line
 from softfinger.mismatch.checks.locate import label_phase, list_trial_covariates, locate_within
 from softfinger.mismatch.checks.summary import compute_excess
 from softfinger.mismatch.experiment import next_experiment
-from softfinger.mismatch.experiment.plan import Protocol, build_design
+from softfinger.mismatch.experiment.plan import PlannedProtocol, build_design
 from softfinger.mismatch.search import judge as judge_module
 from softfinger.mismatch.tables.predict import list_levels
 from softfinger.mismatch.tables.repair import share_inside
@@ -110,7 +110,7 @@ def test_no_protocol_is_proposed_that_shows_too_little(clean, draw_campaign, mon
 
 def test_an_experiment_is_of_a_dozen_trials(posed):
     problem, base, _ = posed
-    protocol = Protocol(np.array([[0.0, 5.0]]), np.array([[0.02, 0.02]]))
+    protocol = PlannedProtocol(np.array([[0.0, 5.0]]), np.array([[0.02, 0.02]]))
     assert len(build_design(problem, base, protocol)[0].trials.name) == 12
 
 
@@ -163,7 +163,7 @@ def test_short_trials_are_not_searched_for_jumps_or_waves(posed, monkeypatch):
     for quiet, found in ((9, False), (10, True)):
         mask = np.arange(200) < quiet
         monkeypatch.setattr(jumps_module, "find_quiet_array", lambda t, *_, m=mask: m[: len(t)])
-        assert np.any(find_jumps(problem, base, angles).gain != 0.0) == found
+        assert np.any(find_slips(problem, base, angles).gain != 0.0) == found
     rng = np.random.default_rng(1)
     for frames, found in ((23, False), (24, True)):
         residual, time = rng.normal(size=(3, 1, frames)), np.tile(np.arange(frames), (3, 1)) * 0.08
@@ -199,7 +199,7 @@ def test_a_disturbance_costs_its_prior(posed, monkeypatch):
     monkeypatch.setattr(
         judge_module, "fit_disturbances", lambda *_: ({"drift": 0.1}, {"drift": 9.0}, {})
     )
-    monkeypatch.setattr(judge_module, "soften", lambda known, *_: known)
+    monkeypatch.setattr(judge_module, "admit_disturbances", lambda known, *_: known)
     monkeypatch.setattr(judge_module, "_fit", lambda *_: base)
     judged = judge_module.judge(problem, base, None, base)
     assert plain.evidence - judged.evidence == pytest.approx(3.0)

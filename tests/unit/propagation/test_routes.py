@@ -7,7 +7,7 @@ import xarray as xr
 from softfinger.inference.motion import move_paper_joint
 from softfinger.propagation.config import read_config
 from softfinger.propagation.new_trials import Source
-from softfinger.propagation.populations import build_covariance_array
+from softfinger.propagation.populations import relate_own_array
 from softfinger.propagation.protocols import Protocol
 from softfinger.propagation.routes import CORRELATED, EXACT, SAMPLED, choose_route
 from softfinger.propagation.subsets import SUBSETS
@@ -114,7 +114,7 @@ def test_quantiles_and_densities_of_independent_parameters(make_source, cut):
 
 def test_densities_of_correlated_parameters_are_those_of_brute_force(make_source):
     rng = np.random.default_rng(4)
-    covariance = build_covariance_array(correlate(), SIGMA)
+    covariance = relate_own_array(correlate(), SIGMA)
     own = rng.multivariate_normal(MU.ravel(), covariance, 100000).reshape(-1, 2, 4)
     moved = move_paper_joint(own, None, None, TIME, *LOAD)
     source = make_source(correlate())

@@ -5,11 +5,11 @@ from example_artifacts import CONFIG, gather, make_artifacts
 
 from softfinger.faults import Fault
 from softfinger.report.blocks import Check
-from softfinger.report.checks import CALIBRATION, COMPUTATION, FIT, combine, list_checks
+from softfinger.report.checks import CALIBRATION, COMPUTATION, FIT, combine_checks, list_checks
 from softfinger.report.material import Material
 from softfinger.report.sections.outlook import list_data_limits, list_failed
 from softfinger.report.sections.overview import build_spread, describe_causes
-from softfinger.report.sections.tiles import judge
+from softfinger.report.sections.tiles import judge_tiles
 
 
 def find(checks, word):
@@ -52,7 +52,7 @@ def test_limits_as_a_file_holds_them_decide_alike(artifacts):
     failed = [check.name for check in list_computation(material) if check.failed]
     assert failed[0] == "largest R-hat"
     assert "divergent transitions" in failed
-    assert judge(material)[0].answer == "not sound"
+    assert judge_tiles(material)[0].answer == "not sound"
     assert list_failed(material)[0].startswith("Failed: largest R-hat")
     assert Check("", "", "", np.bool_(False), "").failed
 
@@ -90,7 +90,7 @@ def test_residuals_that_trials_share_fail(artifacts):
     angles["joint_angle"] = angles["joint_angle"] + 0.02 * np.sin(angles["time"])
     bent = gather({**artifacts, "angles": angles})
     assert not find(list_fit(bent), "shared").passed
-    assert judge(bent)[2].passed is False
+    assert judge_tiles(bent)[2].passed is False
 
 
 def test_a_single_trial_shares_nothing():
@@ -122,14 +122,14 @@ def test_few_trials_excuse_a_coverage_that_they_cannot_tell_from_the_claim(artif
 
 def test_a_missing_artifact_is_not_judged(artifacts):
     bare = gather({"angles": artifacts["angles"]})
-    assert [tile.passed for tile in judge(bare)] == [None] * 4
+    assert [tile.passed for tile in judge_tiles(bare)] == [None] * 4
 
 
 def test_one_failure_outweighs_everything():
     good, bad, open_ = (Check("", "", "", passed, "") for passed in (True, False, None))
-    assert combine((good, bad, open_)) is False
-    assert combine((good, open_)) is True
-    assert combine((open_,)) is None
+    assert combine_checks((good, bad, open_)) is False
+    assert combine_checks((good, open_)) is True
+    assert combine_checks((open_,)) is None
 
 
 def test_a_report_about_no_recordings_is_refused(artifacts):
@@ -146,7 +146,7 @@ def test_one_trial_is_not_judged_by_what_needs_two():
     material = gather(artifacts)
     checks = [find(list_computation(material), "Pareto"), *list_calibration(material)]
     assert {(check.found, check.passed) for check in checks} == {("needs two trials", None)}
-    assert [tile.answer for tile in judge(material)[1:3]] == ["not judged", "not judged"]
+    assert [tile.answer for tile in judge_tiles(material)[1:3]] == ["not judged", "not judged"]
     assert {check.found for check in list_fit(material)} == {"needs two trials"}
     assert "One trial cannot tell" in build_spread(material).blocks[-1].text
     assert describe_causes(material) == []

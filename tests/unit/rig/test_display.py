@@ -2,7 +2,7 @@ import re
 
 import pytest
 
-from softfinger.rig.camera import Frame
+from softfinger.rig.camera import StampedPicture
 from softfinger.rig.display import Display
 
 
@@ -10,7 +10,7 @@ def record(preview):
     with Display(n_trials=40, n_finished=1, fps=10.0, preview=preview) as display:
         display.begin_trial("trial_002", "climb")
         display.show_tension(7.984)
-        display.show_frames([Frame(0.1 * k, 0.0, b"jpeg") for k in (0, 1, 2, 5, 6)])
+        display.show_frames([StampedPicture(0.1 * k, 0.0, b"jpeg") for k in (0, 1, 2, 5, 6)])
         display.end_trial("trial_002 is recorded")
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from softfinger.faults import Fault
-from softfinger.rig.camera import Frame
+from softfinger.rig.camera import StampedPicture
 from softfinger.rig.clocks import ClockOffset
 from softfinger.rig.controller import Sample
 from softfinger.rig.trial import Pull, assemble_trial
@@ -15,7 +15,7 @@ FPS = 30.0  # the plan's
 
 def pull(lost=()):
     """Armed at 7 s, pulled from 8 s to 9 s; frames from 107.01 s on; lead-in 0.5 s."""
-    frames = [Frame(107.01 + k / FPS, 0.0, b"%d" % k) for k in range(75) if k not in lost]
+    frames = [StampedPicture(107.01 + k / FPS, 0.0, b"%d" % k) for k in range(75) if k not in lost]
     samples = [Sample(7.0 + 0.1 * k, 8.0 * (k >= 10), 0.4) for k in range(21)]
     return Pull(8.0, 9.0, samples, frames)
 

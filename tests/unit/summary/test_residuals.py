@@ -5,7 +5,7 @@ from example_artifacts import LOAD, creep, make_parameters
 
 from softfinger.inference.motion import move_paper_joint
 from softfinger.summary.motion import compute_fitted_angle
-from softfinger.summary.residuals import find_jumps, find_segments, summarise_residuals
+from softfinger.summary.residuals import find_segments, list_load_jumps, summarise_residuals
 
 RING = 3.4  # Hz
 
@@ -106,7 +106,7 @@ def test_a_load_without_jumps_counts_from_its_first_knot():
 
 def test_small_steps_of_a_logged_load_are_no_changes():
     time = np.array([0.0, 2.0, 2.0, 4.0])
-    assert find_jumps(time, np.array([1.0, 1.0, 1.04, 1.04])) == [(0.0, 1.0)]
+    assert list_load_jumps(time, np.array([1.0, 1.0, 1.04, 1.04])) == [(0.0, 1.0)]
 
 
 def test_a_single_trial_is_its_own_mean_and_has_no_error():

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from softfinger.virtual_rig.population import PARAMETERS, draw_parameters
+from softfinger.virtual_rig.population import PARAMETERS, draw_finger_parameters
 
 # Typed from the paper's table again: row σ, row μ; c_v, c_p, k_v; joints 1 to 3.
 SIGMA = {"c_v": [0.5232, 0.4838, 0.8223], "c_p": [0.7011, 0.8496], "k_v": [0.1973, 0.2238, 0.3957]}
@@ -11,7 +11,7 @@ MU = {"c_v": [-3.6635, -3.6476, -3.8777], "c_p": [2.8538, 3.1129], "k_v": [-2.44
 
 @pytest.fixture(scope="module")
 def drawn():
-    return draw_parameters(2000, seed=4)
+    return draw_finger_parameters(2000, seed=4)
 
 
 @pytest.mark.parametrize("name", PARAMETERS)
@@ -39,6 +39,6 @@ def test_parameters_joints_and_trials_are_independent(drawn):
 
 
 def test_the_first_trials_do_not_depend_on_how_many_follow():
-    few, many = draw_parameters(3, seed=9), draw_parameters(5, seed=9)
+    few, many = draw_finger_parameters(3, seed=9), draw_finger_parameters(5, seed=9)
     assert few.equals(many.isel(trial=slice(3)))
-    assert not few.k_v.equals(draw_parameters(3, seed=10).k_v)
+    assert not few.k_v.equals(draw_finger_parameters(3, seed=10).k_v)

@@ -102,7 +102,7 @@ def compute_relaxation_modulus_array(
     return float(constant), (weight * np.exp(-rate * time[..., None])).sum(-1)
 
 
-def compute_response_array(
+def compute_network_response_array(
     element: Element, time: ArrayLike, load_time: ArrayLike, load_torque: ArrayLike
 ) -> NDArray[np.float64]:
     """Compute the angle under a piecewise-linear torque, without any stepping.

@@ -7,7 +7,7 @@ from scipy.special import expit
 
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mismatch.checks.free_form import FreeForm
-from softfinger.mismatch.checks.jumps import Jumps, find_jumps
+from softfinger.mismatch.checks.jumps import Jumps, find_slips
 from softfinger.mismatch.checks.lines import Line, find_line
 from softfinger.mismatch.checks.summary import compute_excess, compute_residual
 from softfinger.mismatch.decisions import DECISIONS
@@ -74,7 +74,7 @@ def examine(problem: Problem, search: Search, angles: xr.Dataset, *, needed: flo
     best_few = max(c.log_evidence for c in few)
     gain = best_few - search.base.log_evidence
     further = max(search.best.log_evidence - best_few, 0.0)
-    jumps = find_jumps(problem, search.best, angles)
+    jumps = find_slips(problem, search.best, angles)
     excess = compute_excess(search.best.fit, rows)
     return Findings(base, *excess, line, jumps, free, gain, further)
 

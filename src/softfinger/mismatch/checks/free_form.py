@@ -50,7 +50,7 @@ class FreeForm(NamedTuple):
     prior: Prior
 
 
-class Score(NamedTuple):
+class TermScore(NamedTuple):
     """What one linearisation says of a term whose coefficients have some sd: gain [nats]."""
 
     gain: float
@@ -71,7 +71,7 @@ def fit_free_form(problem: Problem, candidate: Candidate) -> FreeForm | None:
     return best
 
 
-def score_term(problem: Problem, candidate: Candidate, term: Term) -> list[Score]:
+def score_term(problem: Problem, candidate: Candidate, term: Term) -> list[TermScore]:
     """Score a term in each size by the model linearised where the candidate stands; Ω adapts."""
     fit = candidate.fit
     shared = np.concatenate([fit.shared, np.zeros(term.count)])
@@ -86,12 +86,12 @@ def score_term(problem: Problem, candidate: Candidate, term: Term) -> list[Score
         precision = np.concatenate([wide.precision[:start], np.full(term.count, size**-2.0)])
         wider = wide._replace(precision=precision)
         linear = fit_linear(moved, wider, fit.omega, rounds=2, tolerance=0.1)
-        scores.append(Score(linear.log_evidence - base - np.log(len(term.sizes)), size, term))
+        scores.append(TermScore(linear.log_evidence - base - np.log(len(term.sizes)), size, term))
     return scores
 
 
 def settle_term(
-    problem: Problem, candidate: Candidate, score: Score, rival: float = -np.inf
+    problem: Problem, candidate: Candidate, score: TermScore, rival: float = -np.inf
 ) -> FreeForm | None:
     """Fit a term to the end, unless it clearly gains less than a rival [nats].
 

@@ -51,7 +51,7 @@ class Series(NamedTuple):
     quiet: NDArray[np.bool_]
 
 
-def find_jumps(problem: Problem, candidate: Candidate, angles: xr.Dataset) -> Jumps:
+def find_slips(problem: Problem, candidate: Candidate, angles: xr.Dataset) -> Jumps:
     """Weigh jumps in single trials on top of a fitted model, `angles` being the artifact."""
     trials = problem.trials
     evidence = np.full((len(trials.name), trials.joints), -np.inf)

@@ -20,14 +20,14 @@ from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.experiment.masking import tabulate_masking
 
 
-class Protocol(NamedTuple):
+class PlannedProtocol(NamedTuple):
     """Load histories that trials go through in turn: knots (history, knot) [s], [N m]."""
 
     load_time: NDArray[np.float64]
     load_torque: NDArray[np.float64]
 
 
-def list_protocols(largest: float, duration: float) -> dict[str, Protocol]:
+def list_protocols(largest: float, duration: float) -> dict[str, PlannedProtocol]:
     """Protocols within a rig's limits: largest load [N m] and length of a trial [s].
 
     >>> list(list_protocols(0.04, 40.0))
@@ -40,18 +40,21 @@ def list_protocols(largest: float, duration: float) -> dict[str, Protocol]:
     edges = np.repeat(np.linspace(0.0, duration, len(stairs) + 1), 2)[1:-1]
     corners = np.linspace(0.0, duration, 5)
     return {
-        "step": Protocol(whole, np.full((1, 2), largest)),
-        "levels": Protocol(
+        "step": PlannedProtocol(whole, np.full((1, 2), largest)),
+        "levels": PlannedProtocol(
             np.tile([0.0, release, release, duration], (4, 1)),
             np.stack([[level, level, 0.0, 0.0] for level in levels]),
         ),
-        "staircase": Protocol(edges[None], np.repeat(stairs, 2)[None]),
-        "triangle": Protocol(corners[None], largest * np.array([[0.0, 1.0, 0.0, 1.0, 0.0]])),
+        "staircase": PlannedProtocol(edges[None], np.repeat(stairs, 2)[None]),
+        "triangle": PlannedProtocol(corners[None], largest * np.array([[0.0, 1.0, 0.0, 1.0, 0.0]])),
     }
 
 
 def build_design(
-    problem: Problem, base: Candidate, protocol: Protocol, trials: int = DECISIONS.design_trials
+    problem: Problem,
+    base: Candidate,
+    protocol: PlannedProtocol,
+    trials: int = DECISIONS.design_trials,
 ) -> tuple[Problem, Candidate]:
     """Build a campaign without data: the base model's motion under another protocol.
 
@@ -108,7 +111,7 @@ def _describe(design: Problem, problem: Problem, own: NDArray, angles: xr.Datase
 
 
 def plan_experiment(
-    problem: Problem, base: Candidate, protocols: dict[str, Protocol]
+    problem: Problem, base: Candidate, protocols: dict[str, PlannedProtocol]
 ) -> dict[str, xr.Dataset]:
     """Masking table of every protocol: what each could show of each effect."""
     tables = {}

@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from softfinger.inference.budget import BUDGET as INFERENCE
-from softfinger.inference.disturbances import fit_disturbances, soften
+from softfinger.inference.disturbances import admit_disturbances, fit_disturbances
 from softfinger.inference.problem import Candidate, Problem, predict_frames
 from softfinger.measurement.measure import add_components, measure
 from softfinger.measurement.trials import prepare_trials
@@ -125,7 +125,7 @@ def judge(
     problem = plain
     if size:
         noise = add_components(plain.noise, size, evidence)
-        problem = replace(soften(plain, size, directions), noise=noise)
+        problem = replace(admit_disturbances(plain, size, directions), noise=noise)
     again = candidate if problem is fitted else _fit(problem, candidate, base)
     if again is None:
         return None

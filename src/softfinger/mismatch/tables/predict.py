@@ -69,7 +69,7 @@ def refit_without(
     return learn_without(problem, candidate._replace(fit=again), left_out)
 
 
-def predict_trials(
+def predict_left_out(
     problem: Problem,
     candidate: Candidate,
     groups: list[tuple[NDArray[np.bool_], Population]],

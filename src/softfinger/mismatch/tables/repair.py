@@ -19,7 +19,7 @@ from softfinger.mismatch.tables.predict import (
     learn_without,
     list_folds,
     list_levels,
-    predict_trials,
+    predict_left_out,
     rank_recordings,
     refit_without,
 )
@@ -98,7 +98,7 @@ def _measure_model(
         "population_mean": (("joint", "parameter"), fit.mean.reshape(shape)),
         "population_mean_sd": (("joint", "parameter"), mean_sd.reshape(shape)),
         "population_sd": (("joint", "parameter"), np.sqrt(compute_spread(problem, candidate))),
-        "elpd": ("trial", score_trials(problem, candidate)),
+        "elpd": ("trial", score_left_out(problem, candidate)),
         "residual_rms": (("trial", "joint"), np.where(count > 0, rms, np.nan)),
         "fitted_angle": (("trial", "joint", "bin"), _mask(trials, fitted)),
         "coverage": (("joint", "ci_prob"), coverage),
@@ -117,7 +117,7 @@ def _measure_model(
     return xr.Dataset(values, coords)
 
 
-def score_trials(problem: Problem, candidate: Candidate) -> NDArray[np.float64]:
+def score_left_out(problem: Problem, candidate: Candidate) -> NDArray[np.float64]:
     """Leave-one-trial-out log predictive density of each trial (trial,) [nats]; NaN for one."""
     trials = problem.trials
     if len(trials.name) < 2:
@@ -145,7 +145,7 @@ def measure_coverage(
     if n < 2:
         return np.full(shape, np.nan), np.full((*shape, 2), np.nan)
     groups = [(fold, learn_without(problem, candidate, fold)) for fold in list_folds(n)]
-    drawn = predict_trials(problem, candidate, groups, rng)
+    drawn = predict_left_out(problem, candidate, groups, rng)
     share = share_inside(rank_recordings(drawn, recorded, noise_sd, rng))
     again = np.stack([_mean(share[rng.integers(0, n, n)]) for _ in range(BUDGET.resamples)])
     bound = np.moveaxis(np.nanquantile(again, (0.05, 0.95), axis=0), 0, -1)
@@ -186,7 +186,7 @@ def measure_levels(
         population = refit_without(problem, candidate, chosen)
         if population is None:
             continue
-        drawn = predict_trials(problem, candidate, [(chosen, population)], rng)
+        drawn = predict_left_out(problem, candidate, [(chosen, population)], rng)
         rank = rank_recordings(drawn, recorded, noise_sd, rng)
         inside[row] = _mean(share_inside(rank))[:, DECISIONS.ci_probs.index(0.9)]
         away = recorded[chosen] - np.median(drawn[:, chosen], axis=0)

@@ -11,16 +11,16 @@ from softfinger.mismatch.checks.summary import compute_elpd, compute_residual, e
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.search.settle import Posterior, join_ids
 from softfinger.mismatch.search.stepwise import Search
-from softfinger.mismatch.verdict.describe import list_effects
+from softfinger.mismatch.verdict.describe import state_effects
+from softfinger.mismatch.verdict.schema import FreeFormNote as FreeFormNote
 from softfinger.mismatch.verdict.schema import (
-    Effect,
     Location,
     Remaining,
     ResidualRms,
     SetAside,
+    StatedEffect,
     Verdict,
 )
-from softfinger.mismatch.verdict.schema import FreeForm as FreeFormNote
 from softfinger.mismatch.verdict.sufferings import describe_measurement
 
 NO_FRAME = "too few frames inform: they are missing, flagged, held or gross errors"
@@ -40,7 +40,7 @@ def conclude(
     decision = choose_decision(search, posterior, findings.is_unlisted(needed))
     if decision == "unlisted" and search.best is not search.base:
         posterior = posterior.doubt(weigh_against_shape(search, findings))
-    effects = [] if decision == "adequate" else list_effects(problem, search, posterior, decision)
+    effects = [] if decision == "adequate" else state_effects(problem, search, posterior, decision)
     if decision == "unlisted":
         effects = keep_likely(effects)
     location = effects[0].location if effects else None
@@ -73,7 +73,7 @@ def conclude(
     )
 
 
-def keep_likely(effects: list[Effect]) -> list[Effect]:
+def keep_likely(effects: list[StatedEffect]) -> list[StatedEffect]:
     """Keep the effects that are likely a part of what is unlisted."""
     return [effect for effect in effects if effect.probability > DECISIONS.likely]
 

@@ -11,18 +11,18 @@ from softfinger.mismatch.search.settle import Posterior
 from softfinger.mismatch.search.stepwise import Search
 from softfinger.mismatch.verdict.law import state_law
 from softfinger.mismatch.verdict.schema import (
-    Effect,
     Estimate,
     Location,
+    StatedEffect,
     estimate_lognormal,
     estimate_normal,
 )
 from softfinger.mismatch.verdict.statements import state_effect
 
 
-def list_effects(
+def state_effects(
     problem: Problem, search: Search, posterior: Posterior, decision: str
-) -> list[Effect]:
+) -> list[StatedEffect]:
     """Effects of the best model; under `ambiguous` also every member of the set."""
     final = search.best
     given = search.base.model.ids
@@ -48,12 +48,12 @@ def list_effects(
 
 def describe(
     problem: Problem, base: Candidate, candidate: Candidate, number: int, posterior: Posterior
-) -> Effect:
+) -> StatedEffect:
     """Describe one effect of a model."""
     piece = candidate.model.pieces[number]
     parameters = estimate_parameters(candidate, number)
     probability = min(1.0, posterior.inclusion[piece.effect.id])
-    return Effect(
+    return StatedEffect(
         id=piece.effect.id,
         joints=piece.joints,
         probability=probability,

@@ -4,10 +4,10 @@ from collections.abc import Iterable
 
 from softfinger.inference.problem import Candidate
 from softfinger.mechanics.effects.law_curve import list_laws
-from softfinger.mismatch.verdict.schema import Law
+from softfinger.mismatch.verdict.schema import StatedLaw
 
 
-def state_law(candidate: Candidate, number: int, others: Iterable[Candidate]) -> Law | None:
+def state_law(candidate: Candidate, number: int, others: Iterable[Candidate]) -> StatedLaw | None:
     """State the free law of one effect of a model; None where its form is a textbook's.
 
     Parameters
@@ -28,7 +28,7 @@ def state_law(candidate: Candidate, number: int, others: Iterable[Candidate]) ->
         if not form.is_free:
             behind = other.log_evidence - candidate.log_evidence
             nats[form.name] = max(behind, nats.get(form.name, behind))
-    return Law(
+    return StatedLaw(
         argument=mine[0].law.argument,
         form=piece.form.name,
         range=(0.0, max(one.law.get_reach(one.place) for one in mine)),

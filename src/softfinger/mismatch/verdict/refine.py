@@ -11,7 +11,7 @@ from softfinger.inference.posterior import prepare_candidate, sample_posterior
 from softfinger.mechanics.effects.model import Entry
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.diagnose import Diagnosis
-from softfinger.mismatch.verdict.schema import Effect, Estimate, Verdict
+from softfinger.mismatch.verdict.schema import Estimate, StatedEffect, Verdict
 from softfinger.mismatch.verdict.statements import state_effect
 
 SAMPLING: dict[str, Any] = {
@@ -67,7 +67,7 @@ def refine_verdict(
         found.setdefault(best.model.pieces[entry.piece].effect.id, {}).update(estimates)
     forms = {piece.effect.id: piece for piece in best.model.pieces}
 
-    def refine(effect: Effect) -> Effect:
+    def refine(effect: StatedEffect) -> StatedEffect:
         if effect.id not in found or set(effect.parameters) != set(found[effect.id]):
             return effect
         piece = forms[effect.id]

@@ -18,11 +18,11 @@ Decision = Literal["adequate", "named", "ambiguous", "unlisted"]
 Level = Literal["within_trial", "between_trials", "measurement"]
 
 
-class _Part(BaseModel):
+class _VerdictPart(BaseModel):
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
 
 
-class Estimate(_Part):
+class Estimate(_VerdictPart):
     """One parameter of an effect: mean, sd, and the interval that holds 90 %."""
 
     mean: float
@@ -31,7 +31,7 @@ class Estimate(_Part):
     q95: float
 
 
-class Location(_Part):
+class Location(_VerdictPart):
     """Where it acts: joints (p-value each), times since the last change, trials, covariate."""
 
     level: Level
@@ -41,7 +41,7 @@ class Location(_Part):
     covariate: str | None
 
 
-class Law(_Part):
+class StatedLaw(_VerdictPart):
     """A free law: where its curve is, and each textbook form's evidence against it [nats]."""
 
     argument: str
@@ -51,19 +51,19 @@ class Law(_Part):
     forms_nats: dict[str, float]
 
 
-class Effect(_Part):
+class StatedEffect(_VerdictPart):
     """One piece of physics that was left out."""
 
     id: str
     joints: list[int]
     probability: Probability
     parameters: dict[str, Estimate]
-    law: Law | None = None
+    law: StatedLaw | None = None
     statement: str
     location: Location | None
 
 
-class Elpd(_Part):
+class Elpd(_VerdictPart):
     """Leave-one-trial-out log predictive density [nats], the trial's own parameters integrated."""
 
     baseline: float
@@ -72,7 +72,7 @@ class Elpd(_Part):
     se: float
 
 
-class ResidualRms(_Part):
+class ResidualRms(_VerdictPart):
     """Residual of the base and the final model at each trial's posterior mode, and the noise."""
 
     baseline: float
@@ -80,7 +80,7 @@ class ResidualRms(_Part):
     noise: float
 
 
-class FreeForm(_Part):
+class FreeFormNote(_VerdictPart):
     """The free-form term for what no listed effect explains."""
 
     argument: str
@@ -88,14 +88,14 @@ class FreeForm(_Part):
     artifact: str
 
 
-class SetAside(_Part):
+class SetAside(_VerdictPart):
     """A trial that was not used, and why."""
 
     trial: str
     reason: str
 
 
-class Suffering(_Part):
+class Suffering(_VerdictPart):
     """What the recordings themselves suffer from: it never changes the decision."""
 
     id: str
@@ -106,7 +106,7 @@ class Suffering(_Part):
     statement: str
 
 
-class Remaining(_Part):
+class Remaining(_VerdictPart):
     """What is left under the final model, against what its measurement allows."""
 
     rms_over_noise: float
@@ -114,7 +114,7 @@ class Remaining(_Part):
     where: str
 
 
-class Warned(_Part):
+class Warned(_VerdictPart):
     """What looked wrong in the recordings; trials are empty where it concerns all."""
 
     id: str
@@ -122,20 +122,20 @@ class Warned(_Part):
     statement: str
 
 
-class Verdict(_Part):
+class Verdict(_VerdictPart):
     """What a diagnosis says."""
 
     version: Literal[1] = 1
     campaign: str
     decision: Decision
-    effects: list[Effect]
+    effects: list[StatedEffect]
     equivalent: list[list[str]]
     location: Location | None
     elpd: Elpd | None
     residual_rms_rad: ResidualRms
     explained_spread: dict[str, dict[str, float]]
     not_testable: list[str]
-    free_form: FreeForm | None
+    free_form: FreeFormNote | None
     n_trials: int
     set_aside: list[SetAside]
     next_experiment: dict[str, Any] | None

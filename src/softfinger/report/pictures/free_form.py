@@ -5,7 +5,7 @@ from __future__ import annotations
 from softfinger.figures.free_form import draw_free_form
 from softfinger.report.blocks import Picture
 from softfinger.report.material import Material
-from softfinger.report.pictures.mismatch import count_trials
+from softfinger.report.pictures.mismatch import say_trials
 
 
 def picture_free_form(material: Material) -> Picture | None:
@@ -24,6 +24,6 @@ def picture_free_form(material: Material) -> Picture | None:
         draw_free_form(free_form, material.load_unit),
         "Free-form curve of what is missing, for each joint, against what it depends on.",
         "Cubic spline that is added to the model, the same in every trial: its posterior mean, "
-        f"and shaded twice its standard deviation.{followed} n = {count_trials(material)}. Rule "
+        f"and shaded twice its standard deviation.{followed} n = {say_trials(material)}. Rule "
         "diagnose, artifact free_form.",
     )

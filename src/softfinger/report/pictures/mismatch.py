@@ -13,7 +13,7 @@ from softfinger.report.formatting import count_things
 from softfinger.report.material import Material
 
 
-def count_trials(material: Material) -> str:
+def say_trials(material: Material) -> str:
     """Count the trials that the diagnosis used."""
     return count_things(material.angles["trial"].size, "trial")
 
@@ -67,7 +67,7 @@ def picture_ranking(material: Material) -> Picture | None:
         "needed beside all others. Grey: largest gains over the whole catalogue in "
         f"{ranking['replicate'].size} campaigns drawn from the base model. Dotted: gain that "
         "chance exceeds with the stated false-alarm probability. "
-        f"n = {count_trials(material)}. Rule diagnose, artifact ranking.",
+        f"n = {say_trials(material)}. Rule diagnose, artifact ranking.",
     )
 
 
@@ -83,7 +83,7 @@ def picture_location(material: Material) -> Picture | None:
         "the base and the repaired model.",
         "Dark: the model misses there; yellow: it does not. Colour: rate of false discoveries "
         "(Benjamini, Hochberg) at which a cell counts as missed, from mean and scatter of whitened "
-        f"residuals; empty: too few angles. n = {count_trials(material)}. Rule diagnose, artifact "
+        f"residuals; empty: too few angles. n = {say_trials(material)}. Rule diagnose, artifact "
         "location.",
         true_colours=True,
     )
@@ -102,6 +102,6 @@ def picture_masking(material: Material) -> Picture | None:
         "Left: share of an effect's signal, at twice its prior standard deviation, that the base "
         "model does not swallow, and in numbers the log evidence to expect [nats]. Right: cosine "
         "between what is left of two effects: 1 (yellow) cannot be told apart, 0 (dark) have "
-        f"nothing in common. n = {count_trials(material)}. Rule diagnose, artifact masking.",
+        f"nothing in common. n = {say_trials(material)}. Rule diagnose, artifact masking.",
         true_colours=True,
     )

@@ -75,7 +75,7 @@ def build_mismatch(material: Material) -> Section:
         blocks += build_repair_tables(material.get("repair"))
     seen = [picture_location(material), picture_masking(material)]
     blocks += [picture for picture in seen if picture is not None]
-    blocks += describe_limits(verdict)
+    blocks += say_limits(verdict)
     return Section("mismatch", title, tuple(blocks))
 
 
@@ -260,7 +260,7 @@ def build_form_table(verdict: Mapping[str, Any]) -> list[Block]:
     return [Table("forms", "Textbook forms against the free law", caption, columns, rows)]
 
 
-def describe_limits(verdict: Mapping[str, Any]) -> list[Block]:
+def say_limits(verdict: Mapping[str, Any]) -> list[Block]:
     """Say what these recordings could not tell, and what to record next."""
     items = [
         f"Cannot be told apart by these recordings: {join_words([spell(n) for n in names])}."

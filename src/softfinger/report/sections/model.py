@@ -10,7 +10,7 @@ from softfinger.report.pictures.recordings import picture_finger, picture_joint_
 from softfinger.report.sections.parameters import list_fitted_effects
 
 
-def build_model(material: Material) -> Section:
+def build_model_section(material: Material) -> Section:
     """Build the section on the model: sketches, equations, priors on the angle scale."""
     return Section(
         "model",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from softfinger.figures.style import label_parameter_unit, label_thousandth
 from softfinger.report.blocks import Block, Listing, Paragraph, Section, Table, number, text
-from softfinger.report.checks import FIT, combine, list_checks, list_rings
+from softfinger.report.checks import FIT, combine_checks, list_checks, list_rings
 from softfinger.report.formatting import (
     count_things,
     format_interval,
@@ -59,7 +59,7 @@ def warn(doubts: list[str]) -> tuple[Paragraph, ...]:
 
 def build_motion(material: Material) -> Section:
     """Build the recordings beside the model."""
-    sentences = [describe_campaign(material), *describe_misfit(material)]
+    sentences = [say_campaign(material), *describe_misfit(material)]
     return Section(
         "motion",
         "Recordings and model",
@@ -141,7 +141,7 @@ def _there(*blocks: Block | None) -> tuple[Block, ...]:
     return tuple(block for block in blocks if block is not None)
 
 
-def describe_campaign(material: Material) -> str:
+def say_campaign(material: Material) -> str:
     """Say what was recorded."""
     angles = material.angles
     aside = angles["set_aside_trial"].size
@@ -160,7 +160,7 @@ def describe_misfit(material: Material) -> list[str]:
     if residuals is None:
         return ["The fit was not run."]
     sentences = []
-    if combine(list_checks(material, FIT)) is False:
+    if combine_checks(list_checks(material, FIT)) is False:
         largest, share = float(residuals["largest_mean"].max()), residuals["largest_share"]
         sentences.append(
             "The model misses motion that the trials share: up to "

@@ -40,7 +40,7 @@ def build_sensitivity(material: Material) -> Section:
     )
 
 
-def choose_times(sobol: xr.Dataset) -> list[float]:
+def choose_shown_times(sobol: xr.Dataset) -> list[float]:
     """Choose the moments to tabulate: early, middle and end, where the artifact has them."""
     end = float(sobol["time"].max())
     return sorted({float(t) for t in (0.1, 1.0, end / 3, end) if t <= end})
@@ -50,7 +50,7 @@ def build_sobol_table(material: Material) -> Table:
     """Tabulate first-order indices with their bounds at a few moments."""
     sobol = material.get("sobol").sel(estimate="posterior")
     rows = []
-    for moment in choose_times(sobol):
+    for moment in choose_shown_times(sobol):
         now = sobol.sel(time=moment, method="nearest")
         for joint in now["joint"].values:
             for parameter in now["parameter"].values:

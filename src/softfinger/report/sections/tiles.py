@@ -6,13 +6,20 @@ import math
 
 from softfinger.figures.style import label_thousandth
 from softfinger.report.blocks import Check, Tile
-from softfinger.report.checks import CALIBRATION, COMPUTATION, FIT, PARETO, combine, list_checks
+from softfinger.report.checks import (
+    CALIBRATION,
+    COMPUTATION,
+    FIT,
+    PARETO,
+    combine_checks,
+    list_checks,
+)
 from softfinger.report.formatting import format_number
 from softfinger.report.material import Material
 from softfinger.report.sections.mismatch import judge_mismatch
 
 
-def judge(material: Material) -> tuple[Tile, ...]:
+def judge_tiles(material: Material) -> tuple[Tile, ...]:
     """Judge computation, fit and calibration; a single failed check makes a tile red."""
     computation = list_checks(material, COMPUTATION)
     only_pareto = {check.name for check in computation if check.failed} == {PARETO}
@@ -46,7 +53,7 @@ def judge_checks(
     question: str, answers: tuple[str, str], checks: tuple[Check, ...], anchor: str, power: str = ""
 ) -> Tile:
     """Sum checks up in one tile: what failed, or how many were made and what they would show."""
-    passed = combine(checks)
+    passed = combine_checks(checks)
     failed = [f"{check.name}: {check.found}" for check in checks if check.failed]
     made = sum(check.passed is not None for check in checks)
     fine = [f"{made} of {len(checks)} checks made, none failed", power]

@@ -3,12 +3,12 @@ import pytest
 
 from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.measurement.reml import whiten_array
-from softfinger.mismatch.checks.jumps import Series, find_jumps, project_outliers, project_steps
+from softfinger.mismatch.checks.jumps import Series, find_slips, project_outliers, project_steps
 
 
 def look(angles):
     problem, fit = pose_problem(angles)
-    return find_jumps(problem, Candidate(problem.base, fit, fit.log_evidence), angles)
+    return find_slips(problem, Candidate(problem.base, fit, fit.log_evidence), angles)
 
 
 def test_a_slip_in_two_trials_is_found_there(draw_campaign):

@@ -5,9 +5,9 @@ from pydantic import ValidationError
 
 from softfinger.faults import ArtifactFault
 from softfinger.mismatch.verdict.schema import (
-    Effect,
     Location,
     ResidualRms,
+    StatedEffect,
     Verdict,
     estimate_normal,
     read_verdict,
@@ -25,7 +25,7 @@ def build(**changes):
         "campaign": "a rig",
         "decision": "named",
         "effects": [
-            Effect(
+            StatedEffect(
                 id="second_retardation",
                 joints=[2],
                 probability=0.98,
