@@ -42,7 +42,7 @@ class DiagnosisDecisions:
     Test: `test_rank.py::test_a_further_effect_must_bring_more_than_errors_of_textbook_forms`.
     """
     shape_left: float = 0.25
-    """Share of what effects explain that may be left to a shape, a line or jumps.
+    """Share of what effects explain that may be left to a shape, a line or slips.
 
     Why: with more left, they explain less than half of the misfit's size.
     Test: `test_stepwise.py::test_what_effects_may_leave_grows_with_what_they_explain`.
@@ -77,11 +77,11 @@ class DiagnosisDecisions:
     Why: 0.3 % by chance at one place.
     Test: `test_decisions.py::test_a_joint_is_listed_where_its_spline_is_clearly_off_zero`.
     """
-    jump_nats: float = 5.0
+    slip_nats: float = 5.0
     """Evidence [nats] from which a trial is listed as one that slips.
 
     Why: odds of 150, in a campaign of 40 trials.
-    Test: `test_jumps.py::test_a_slip_in_two_trials_is_found_there`.
+    Test: `test_slips.py::test_a_slip_in_two_trials_is_found_there`.
     """
     false_discoveries: float = 0.05
     """Rate of false discoveries among the cells in which a misfit is located.
@@ -158,17 +158,17 @@ class DiagnosisDecisions:
 
     Why: three are a parabola. Test: `test_decisions.py::test_a_spline_needs_values_to_go_through`.
     """
-    jump_frames: int = 10
-    """Quiet frames in a trial from which jumps are sought in it.
+    slip_frames: int = 10
+    """Quiet frames in a trial from which slips are sought in it.
 
     Why: before and after a step, some must be left.
-    Test: `test_decisions.py::test_short_trials_are_not_searched_for_jumps_or_waves`.
+    Test: `test_decisions.py::test_short_trials_are_not_searched_for_slips_or_waves`.
     """
     wave_frames: int = 24
     """Used frames in a trial from which a wave is sought in it.
 
     Why: its mean and its scale are taken off first.
-    Test: `test_decisions.py::test_short_trials_are_not_searched_for_jumps_or_waves`.
+    Test: `test_decisions.py::test_short_trials_are_not_searched_for_slips_or_waves`.
     """
     wave_periods: float = 3.0
     """Periods in a trial of the slowest wave.

@@ -28,9 +28,9 @@ class DiagnosisPriors:
     """[rad] Sds of a spline's coefficients that are as likely. Why: noise of a good camera up."""
     shape_sizes_log: tuple[float, ...] = (0.1, 0.3, 1.0)
     """The same, of log parameters between trials. Why: 10 % up to a factor of 3."""
-    jump_sizes_rad: tuple[float, ...] = (0.003, 0.01, 0.03)
+    slip_sizes_rad: tuple[float, ...] = (0.003, 0.01, 0.03)
     """[rad] Sds of a slip that are as likely. Why: a marker's edge up to its width."""
-    jump_shares: tuple[float, ...] = (0.02, 0.1, 0.3, 0.6, 0.95)
+    slip_shares: tuple[float, ...] = (0.02, 0.1, 0.3, 0.6, 0.95)
     """Shares of the trials that slip that are as likely. Why: one in fifty up to nearly all."""
     wave_sizes: tuple[float, ...] = (0.1, 0.3, 1.0, 3.0, 10.0, 100.0)
     """Powers of a wave over the noise's that are as likely. Why: half decades."""

@@ -21,7 +21,7 @@ from softfinger.artifacts.specs import repair as repair_spec
 from softfinger.doubts import find_doubts
 from softfinger.mechanics.effects.model_file import FittedTo, read_model_file, write_model_file
 from softfinger.mismatch.diagnose import diagnose as find_left_out
-from softfinger.mismatch.experiment.next_experiment import propose_experiment
+from softfinger.mismatch.experiment.proposal import propose_experiment
 from softfinger.mismatch.tables.outcome import describe_repair, tabulate_diagnosis
 from softfinger.mismatch.verdict.refine import refine_verdict
 from softfinger.mismatch.verdict.schema import Warned, write_verdict

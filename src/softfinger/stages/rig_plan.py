@@ -17,7 +17,7 @@ from softfinger.campaign import read_campaign
 from softfinger.faults import Fault
 from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.mismatch.decisions import DECISIONS
-from softfinger.mismatch.experiment.plan import (
+from softfinger.mismatch.experiment.protocols import (
     PlannedProtocol,
     choose_protocol,
     measure_separation,

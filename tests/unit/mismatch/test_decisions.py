@@ -8,15 +8,15 @@ import xarray as xr
 
 from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.mismatch.candidates.rank import competing_nats
-from softfinger.mismatch.checks import jumps as jumps_module
+from softfinger.mismatch.checks import slips as slips_module
 from softfinger.mismatch.checks.free_form import _list_joints
 from softfinger.mismatch.checks.free_form_terms import list_terms
-from softfinger.mismatch.checks.jumps import find_slips
 from softfinger.mismatch.checks.lines import find_line
 from softfinger.mismatch.checks.locate import label_phase, list_trial_covariates, locate_within
+from softfinger.mismatch.checks.slips import find_slips
 from softfinger.mismatch.checks.summary import compute_excess
-from softfinger.mismatch.experiment import next_experiment
-from softfinger.mismatch.experiment.plan import PlannedProtocol, build_design
+from softfinger.mismatch.experiment import proposal
+from softfinger.mismatch.experiment.protocols import PlannedProtocol, build_design
 from softfinger.mismatch.search import judge as judge_module
 from softfinger.mismatch.tables.predict import list_levels
 from softfinger.mismatch.tables.repair import share_inside
@@ -67,7 +67,7 @@ NOTHING = SimpleNamespace(gain=0.0, trials=[], joints=[])
 @pytest.mark.parametrize(("q_value", "times"), [(0.04, (0.1, 0.3)), (0.06, None)])
 def test_a_misfit_is_located_where_false_discoveries_are_few(monkeypatch, q_value, times):
     locate(monkeypatch, q_value)
-    findings = SimpleNamespace(best_excess=0.5, best_p=0.01, jumps=NOTHING, free=None, left=0.0)
+    findings = SimpleNamespace(best_excess=0.5, best_p=0.01, slips=NOTHING, free=None, left=0.0)
     where = describe_remaining(None, None, findings).where
     assert where.startswith("joint 2" if times else "nowhere")
     problem = SimpleNamespace(setting=SimpleNamespace(duration=30.0))
@@ -78,8 +78,8 @@ def test_a_misfit_is_located_where_false_discoveries_are_few(monkeypatch, q_valu
 def test_a_joint_that_slips_has_the_p_value_that_its_evidence_bounds(monkeypatch, between):
     locate(monkeypatch, 0.5)
     shown = SimpleNamespace(gain=9.0, trials=["t"], joints=[1], argument="trial_number")
-    jumps, free = (NOTHING, shown) if between else (shown, None)
-    findings = SimpleNamespace(jumps=jumps, free=free, left=9.0)
+    slips, free = (NOTHING, shown) if between else (shown, None)
+    findings = SimpleNamespace(slips=slips, free=free, left=9.0)
     problem = SimpleNamespace(setting=SimpleNamespace(duration=30.0))
     found = locate_misfit(problem, None, findings)
     assert found.level == ("between_trials" if between else "measurement")
@@ -103,8 +103,8 @@ def test_no_protocol_is_proposed_that_shows_too_little(clean, draw_campaign, mon
             },
             {"effect": ["gravity"], "other_effect": ["gravity"]},
         )
-        monkeypatch.setattr(next_experiment, "plan_experiment", lambda *_, t=table: {"step": t})
-        found = next_experiment.propose_experiment(clean._replace(verdict=hidden), told)
+        monkeypatch.setattr(proposal, "plan_experiment", lambda *_, t=table: {"step": t})
+        found = proposal.propose_experiment(clean._replace(verdict=hidden), told)
         assert (found is None) == (gain < 17.0)
 
 
@@ -158,11 +158,11 @@ def test_a_spline_needs_values_to_go_through(posed):
     assert "largest_load" not in arguments
 
 
-def test_short_trials_are_not_searched_for_jumps_or_waves(posed, monkeypatch):
+def test_short_trials_are_not_searched_for_slips_or_waves(posed, monkeypatch):
     problem, base, angles = posed
     for quiet, found in ((9, False), (10, True)):
         mask = np.arange(200) < quiet
-        monkeypatch.setattr(jumps_module, "find_quiet_array", lambda t, *_, m=mask: m[: len(t)])
+        monkeypatch.setattr(slips_module, "find_quiet_array", lambda t, *_, m=mask: m[: len(t)])
         assert np.any(find_slips(problem, base, angles).gain != 0.0) == found
     rng = np.random.default_rng(1)
     for frames, found in ((23, False), (24, True)):

@@ -7,8 +7,8 @@ from scipy.special import expit
 
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mismatch.checks.free_form import FreeForm
-from softfinger.mismatch.checks.jumps import Jumps, find_slips
 from softfinger.mismatch.checks.lines import Line, find_line
+from softfinger.mismatch.checks.slips import Slips, find_slips
 from softfinger.mismatch.checks.summary import compute_excess, compute_residual
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.search.stepwise import Search, allow_rest
@@ -23,8 +23,8 @@ class Findings(NamedTuple):
         Excess χ² within trials of the base and the best model, and the p-value of the latter.
     line
         The strongest spectral line that the best model leaves.
-    jumps
-        Jumps in single trials that it leaves.
+    slips
+        Slips in single trials that it leaves.
     free
         The best free-form term on top of the best model; None where nothing calls for one.
     gain
@@ -37,21 +37,21 @@ class Findings(NamedTuple):
     best_excess: float
     best_p: float
     line: Line
-    jumps: Jumps
+    slips: Slips
     free: FreeForm | None
     gain: float
     further: float
 
     @property
     def left(self) -> float:
-        """Evidence [nats] for what two effects leave: a third, a shape, a line, or jumps."""
+        """Evidence [nats] for what two effects leave: a third, a shape, a line, or slips."""
         free = 0.0 if self.free is None else self.free.gain
-        return max(self.further, free, self.line.gain, self.jumps.gain)
+        return max(self.further, free, self.line.gain, self.slips.gain)
 
     def is_unlisted(self, needed: float) -> bool:
         """Whether something is missing that one or two listed effects do not mostly explain.
 
-        Scatter may be noise that was misjudged; evidence for a shape, a line or jumps is not, so
+        Scatter may be noise that was misjudged; evidence for a shape, a line or slips is not, so
         less of that may be left.
         """
         scatter = self.best_p < DECISIONS.missing
@@ -74,9 +74,9 @@ def examine(problem: Problem, search: Search, angles: xr.Dataset, *, needed: flo
     best_few = max(c.log_evidence for c in few)
     gain = best_few - search.base.log_evidence
     further = max(search.best.log_evidence - best_few, 0.0)
-    jumps = find_slips(problem, search.best, angles)
+    slips = find_slips(problem, search.best, angles)
     excess = compute_excess(search.best.fit, rows)
-    return Findings(base, *excess, line, jumps, free, gain, further)
+    return Findings(base, *excess, line, slips, free, gain, further)
 
 
 def weigh_against_shape(search: Search, findings: Findings) -> float:

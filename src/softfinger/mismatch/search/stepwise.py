@@ -169,7 +169,7 @@ def require_gain(needed: float, explained: float, pieces: list[Piece], best: Can
 
 
 def allow_rest(explained: float, needed: float) -> float:
-    """Evidence [nats] that effects which explain so much may leave to a shape, a line or jumps."""
+    """Evidence [nats] that effects which explain so much may leave to a shape, a line or slips."""
     return max(needed, DECISIONS.least_left, DECISIONS.shape_left * explained)
 
 

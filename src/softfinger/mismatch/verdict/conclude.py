@@ -11,7 +11,7 @@ from softfinger.mismatch.checks.summary import compute_elpd, compute_residual, e
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.search.settle import Posterior, join_ids
 from softfinger.mismatch.search.stepwise import Search
-from softfinger.mismatch.verdict.describe import state_effects
+from softfinger.mismatch.verdict.estimates import state_effects
 from softfinger.mismatch.verdict.schema import FreeFormNote as FreeFormNote
 from softfinger.mismatch.verdict.schema import (
     Location,
@@ -122,10 +122,10 @@ def locate_misfit(problem: Problem, candidate: Candidate, findings: Findings) ->
         )
         for j in cells["joint"].values
     }
-    free, jumps = findings.free, findings.jumps
-    slipped = bool(jumps.trials) and jumps.gain == findings.left
+    free, slips = findings.free, findings.slips
+    slipped = bool(slips.trials) and slips.gain == findings.left
     between = free is not None and free.argument in list_trial_covariates(problem) and not slipped
-    shown = jumps if slipped else free if between else None
+    shown = slips if slipped else free if between else None
     if shown is not None:
         bound = float(np.exp(-max(shown.gain, 0.0)))
         joints |= {str(j): min(bound, joints[str(j)]) for j in shown.joints}
@@ -138,7 +138,7 @@ def locate_misfit(problem: Problem, candidate: Candidate, findings: Findings) ->
         level="measurement" if slipped else "between_trials" if between else "within_trial",
         joints=joints,
         times_s=None if between else times,
-        trials=jumps.trials if slipped else None,
+        trials=slips.trials if slipped else None,
         covariate=free.argument if between else None,
     )
 

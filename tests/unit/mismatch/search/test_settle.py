@@ -131,7 +131,7 @@ def test_effects_that_leave_much_do_not_explain(shape, p, unlisted):
         best_excess=0.6,
         best_p=p,
         line=quiet,
-        jumps=quiet,
+        slips=quiet,
         free=SimpleNamespace(gain=shape),
         gain=1000.0,
         further=0.0,

@@ -7,7 +7,7 @@ from softfinger.inference.problem import Candidate
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.effect import Parameter, Setting
 from softfinger.mechanics.effects.model import EffectModel, Entry, Piece
-from softfinger.mismatch.verdict.describe import estimate_entry
+from softfinger.mismatch.verdict.estimates import estimate_entry
 from softfinger.mismatch.verdict.law import state_law
 
 SETTING = Setting(

@@ -7,7 +7,7 @@ import xarray as xr
 
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.diagnose import Diagnosis
-from softfinger.mismatch.experiment.plan import (
+from softfinger.mismatch.experiment.protocols import (
     choose_protocol,
     list_protocols,
     plan_experiment,

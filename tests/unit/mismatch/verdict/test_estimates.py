@@ -5,7 +5,7 @@ import pytest
 
 from softfinger.mechanics.effects.effect import Parameter
 from softfinger.mechanics.effects.model import Entry
-from softfinger.mismatch.verdict.describe import estimate_entry
+from softfinger.mismatch.verdict.estimates import estimate_entry
 from softfinger.mismatch.verdict.refine import estimate_draws
 
 

@@ -3,7 +3,7 @@ import pytest
 
 from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.measurement.reml import whiten_array
-from softfinger.mismatch.checks.jumps import Series, find_slips, project_outliers, project_steps
+from softfinger.mismatch.checks.slips import Series, find_slips, project_outliers, project_steps
 
 
 def look(angles):
@@ -15,44 +15,44 @@ def test_a_slip_in_two_trials_is_found_there(draw_campaign):
     angles = draw_campaign(3, 0.0)
     for trial, frame in ((1, 60), (4, 30)):
         angles["joint_angle"][trial, 0, frame:] += 0.02
-    jumps = look(angles)
-    assert jumps.gain > 20.0
-    assert jumps.trials == ["t1", "t4"]
-    assert jumps.joints == [1]
+    slips = look(angles)
+    assert slips.gain > 20.0
+    assert slips.trials == ["t1", "t4"]
+    assert slips.joints == [1]
 
 
 @pytest.mark.parametrize("seed", [3, 4])
 def test_noise_holds_no_jump(draw_campaign, seed):
-    jumps = look(draw_campaign(seed, 0.0))
-    assert jumps.gain < 4.6
-    assert jumps.trials == []
+    slips = look(draw_campaign(seed, 0.0))
+    assert slips.gain < 4.6
+    assert slips.trials == []
 
 
 @pytest.mark.parametrize("frame", [1, 2, 4])
 def test_an_outlier_is_no_jump(draw_campaign, frame):
     angles = draw_campaign(3, 0.0)
     angles["joint_angle"][2, 0, frame] += 0.02
-    jumps = look(angles)
-    assert jumps.gain < 4.6
-    assert jumps.trials == []
+    slips = look(angles)
+    assert slips.gain < 4.6
+    assert slips.trials == []
 
 
 def test_a_slip_is_found_in_noise_that_lasts(draw_campaign):
     angles = draw_campaign(3, 0.0, rho=0.95)
     for trial, frame in ((1, 60), (2, 45), (4, 30), (6, 70)):
         angles["joint_angle"][trial, 0, frame:] += 0.02
-    jumps = look(angles)
-    assert jumps.gain > 10.0
-    assert set(jumps.trials) <= {"t1", "t2", "t4", "t6"}
+    slips = look(angles)
+    assert slips.gain > 10.0
+    assert set(slips.trials) <= {"t1", "t2", "t4", "t6"}
 
 
 def test_one_large_innovation_of_lasting_noise_is_no_jump(draw_campaign):
     angles = draw_campaign(3, 0.0, rho=0.8)
     for trial in (1, 2, 4, 6):
         angles["joint_angle"][trial, 0, 60:] += 0.01 * 0.8 ** np.arange(100)
-    jumps = look(angles)
-    assert jumps.gain < 4.6
-    assert jumps.trials == []
+    slips = look(angles)
+    assert slips.gain < 4.6
+    assert slips.trials == []
 
 
 def test_projections_are_those_of_whitened_columns():

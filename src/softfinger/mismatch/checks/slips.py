@@ -1,10 +1,10 @@
-"""Jumps in single trials: angles that are off by a constant from some moment on, as after a slip.
+"""Slips in single trials: angles that are off by a constant from some moment on, as after a slip.
 
 Each joint's residual, frame by frame, is weighed against a step of normal size at any moment at
 which the finger is quiet. The trial's own parameters are free to adapt, and the evidence is
-averaged over joints, moments and sizes. A jump has to beat two rivals (Fox 1972), weighed in the
+averaged over joints, moments and sizes. A slip has to beat two rivals (Fox 1972), weighed in the
 same way, which noise with heavy tails brings: one wrong frame, and one large innovation, which
-AR(1) noise forgets only slowly. Trials jump with an unknown probability, over which it is averaged
+AR(1) noise forgets only slowly. Trials slip with an unknown probability, over which it is averaged
 as well. Each joint is weighed by itself: what its noise shares with its neighbours' is not used.
 
 References
@@ -28,8 +28,8 @@ from softfinger.mismatch.priors import PRIORS
 Array = NDArray[np.float64]
 
 
-class Jumps(NamedTuple):
-    """Evidence for jumps [nats], the trials that jump, and the joints (from 1) that do."""
+class Slips(NamedTuple):
+    """Evidence for slips [nats], the trials that slip, and the joints (from 1) that do."""
 
     gain: float
     trials: list[str]
@@ -51,26 +51,26 @@ class Series(NamedTuple):
     quiet: NDArray[np.bool_]
 
 
-def find_slips(problem: Problem, candidate: Candidate, angles: xr.Dataset) -> Jumps:
-    """Weigh jumps in single trials on top of a fitted model, `angles` being the artifact."""
+def find_slips(problem: Problem, candidate: Candidate, angles: xr.Dataset) -> Slips:
+    """Weigh slips in single trials on top of a fitted model, `angles` being the artifact."""
     trials = problem.trials
     evidence = np.full((len(trials.name), trials.joints), -np.inf)
     rival = evidence.copy()
     for i, j, series, sd in _list_series(problem, candidate, angles):
-        sizes = np.array(PRIORS.jump_sizes_rad) / sd
+        sizes = np.array(PRIORS.slip_sizes_rad) / sd
         evidence[i, j] = weigh_shapes(series, *project_steps(series), sizes)
         rivals = [weigh_shapes(series, *shape, sizes) for shape in project_outliers(series)]
         rival[i, j] = np.logaddexp(*rivals) - np.log(2.0)
     seen = np.isfinite(evidence).any(axis=1)
     if not seen.any():
-        return Jumps(0.0, [], [])
+        return Slips(0.0, [], [])
     trial, other = (_average(x[seen]) for x in (evidence, rival))
     trial = trial - np.maximum(other, 0.0)
-    mixed = [np.logaddexp(np.log1p(-p), np.log(p) + trial).sum() for p in PRIORS.jump_shares]
-    jumping = np.flatnonzero(seen)[trial > DECISIONS.jump_nats]
-    joints = sorted({int(evidence[i].argmax()) + 1 for i in jumping})
+    mixed = [np.logaddexp(np.log1p(-p), np.log(p) + trial).sum() for p in PRIORS.slip_shares]
+    slipping = np.flatnonzero(seen)[trial > DECISIONS.slip_nats]
+    joints = sorted({int(evidence[i].argmax()) + 1 for i in slipping})
     gain = float(np.logaddexp.reduce(mixed) - np.log(len(mixed)))
-    return Jumps(gain, [trials.name[i] for i in jumping], joints)
+    return Slips(gain, [trials.name[i] for i in slipping], joints)
 
 
 def project_steps(series: Series) -> tuple[Array, Array]:
@@ -130,7 +130,7 @@ def _list_series(
     for i, used in enumerate(trials.used):
         quiet = find_quiet_array(time[i, used], trials.load_time[i], trials.load_torque[i])
         gap = np.diff(time[i, used], prepend=-np.inf) / trials.interval
-        if quiet.sum() < DECISIONS.jump_frames:
+        if quiet.sum() < DECISIONS.slip_frames:
             continue
         for j in np.flatnonzero(trials.present[i]):
             sd, rho = noise[:, j]

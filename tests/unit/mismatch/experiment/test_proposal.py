@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from softfinger.mismatch.experiment.next_experiment import list_open_questions, propose_experiment
-from softfinger.mismatch.experiment.plan import choose_protocol
+from softfinger.mismatch.experiment.proposal import list_open_questions, propose_experiment
+from softfinger.mismatch.experiment.protocols import choose_protocol
 
 
 def make_table(**gains):
