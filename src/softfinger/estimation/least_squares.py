@@ -27,8 +27,8 @@ from softfinger.inference.collapse.profile import Profile, build_joint_gram, pro
 from softfinger.inference.collapse.table import collapse_angles
 from softfinger.inference.simulate import compute_motion
 from softfinger.measurement.measure import LAYOUT, measure
+from softfinger.mechanics import PARAMETERS
 
-PARAMETERS = ("k_v", "c_v", "c_p", "q_ini")
 MAD_SCALE = {"scaled_mad": 1.4826, "raw_mad": 1.0}
 
 

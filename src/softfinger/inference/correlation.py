@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from softfinger.inference.priors import PRIORS
 from softfinger.measurement.covariance import correlate_partials_array
+from softfinger.mechanics import OWN
 
 Covariance = Literal["independent", "joint", "full"]
-OWN = 4  # log k_v, log c_v, log c_p, q_ini
 
 
 def mark_free_partials(joints: int, covariance: Covariance) -> NDArray[np.bool_]:

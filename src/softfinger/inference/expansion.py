@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
-from softfinger.inference.correlation import OWN
 from softfinger.inference.mixed_effects import Prior, hold_omega
 from softfinger.inference.mixed_effects_laplace import Fit, centre_gram
+from softfinger.mechanics import OWN
 
 # d(log k_v, log c_v, log c_p, q_ini)/du at the mode
 TURN = np.array([[-1.0, 0, 0, 0], [-1.0, 1.0, 0, 0], [0, 0, -1.0, 0], [0, 0, 0, 1.0]])

@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 
 from softfinger.faults import Fault
 from softfinger.inference.budget import BUDGET
-from softfinger.inference.problem import OWN, Candidate, Problem
+from softfinger.inference.problem import Candidate, Problem
 from softfinger.inference.reduce import reduce_trials
 from softfinger.inference.setting_table import read_setting
+from softfinger.mechanics import OWN
 from softfinger.mechanics.effects.model import EffectModel
 from softfinger.mechanics.effects.model_file import ModelFile, build_model
 from softfinger.mechanics.forward.simulate import Finger, simulate_joint_angle_array

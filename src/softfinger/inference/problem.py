@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from softfinger.faults import Fault
 from softfinger.inference.budget import BUDGET
-from softfinger.inference.correlation import OWN
 from softfinger.inference.first_guess import guess_own
 from softfinger.inference.mixed_effects import Prior
 from softfinger.inference.mixed_effects_laplace import Fit, SharedBounds, fit_nonlinear
@@ -18,6 +17,7 @@ from softfinger.inference.reduce import reduce_trials
 from softfinger.inference.setting import build_setting, read_geometry
 from softfinger.measurement.measure import measure
 from softfinger.measurement.trials import Trials, prepare_trials
+from softfinger.mechanics import OWN
 from softfinger.mechanics.chain import compute_inertia_coefficients
 from softfinger.mechanics.effects.effect import Setting
 from softfinger.mechanics.effects.model import LONGEST_STEP, EffectModel

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
 from softfinger.measurement.covariance import compute_innovation_covariance_array
+from softfinger.mechanics import PARAMETERS
 from softfinger.mechanics.three_element import compute_joint_angle_array
 
-PARAMETERS = ("k_v", "c_v", "c_p", "q_ini")
 LINK = ("length", "mass", "centre", "inertia")
 
 

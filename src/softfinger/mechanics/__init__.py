@@ -11,3 +11,6 @@ PARAMETERS = ("k_v", "c_v", "c_p", "q_ini")
 
 LOG_PARAMETERS = ("log_k_v", "log_c_v", "log_c_p", "q_ini")
 """The same as inference has them: logarithms but for q_ini."""
+
+OWN = len(PARAMETERS)
+"""Numbers of one joint in a trial's own parameters."""

@@ -11,8 +11,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from softfinger.mechanics import OWN
 from softfinger.propagation.new_trials import Source
-from softfinger.propagation.populations import ESTIMATES, OWN
+from softfinger.propagation.populations import ESTIMATES
 from softfinger.propagation.protocols import Protocol
 from softfinger.propagation.routes import choose_route
 

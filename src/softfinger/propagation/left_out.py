@@ -18,10 +18,10 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import norm
 
+from softfinger.mechanics import LOG_PARAMETERS
 from softfinger.propagation.moments import Q_INI
 from softfinger.propagation.new_trials import NewTrials
 from softfinger.propagation.populations import (
-    NAMES,
     relate_own_array,
     select_own_blocks_array,
     take_population_draws,
@@ -79,7 +79,7 @@ def build_posterior_weights(
         Names of the trials in the order in which they are asked for; one that the posterior does
         not know took no part in it.
     """
-    own = take_population_draws(posterior, NAMES, population.sizes["draw"]).to_dataarray(
+    own = take_population_draws(posterior, LOG_PARAMETERS, population.sizes["draw"]).to_dataarray(
         "parameter"
     )
     own = own.reindex(trial=trial).transpose("draw", "trial", "joint", "parameter")

@@ -11,9 +11,9 @@ from scipy.stats import qmc
 from softfinger.compiled import compiled
 from softfinger.inference.motion import Move
 from softfinger.inference.simulate import draw_noise_array
+from softfinger.mechanics import OWN
 from softfinger.propagation.config import SpreadConfig
 from softfinger.propagation.moments import C_P
-from softfinger.propagation.populations import OWN
 from softfinger.propagation.protocols import Protocol
 
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)

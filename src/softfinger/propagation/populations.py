@@ -7,11 +7,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from softfinger.faults import Fault
-from softfinger.mechanics import PARAMETERS
+from softfinger.mechanics import LOG_PARAMETERS, OWN, PARAMETERS
 
 ESTIMATES = ("two_stage", "posterior")
-NAMES = ("log_k_v", "log_c_v", "log_c_p", "q_ini")  # of the populations, in order of PARAMETERS
-OWN = len(NAMES)  # parameters of a joint
 
 
 def select_two_stage(least_squares: xr.Dataset) -> xr.Dataset:
@@ -67,7 +65,7 @@ def select_posterior(posterior: xr.DataTree, draws: int) -> xr.Dataset:
         If a hyperparameter is missing.
     """
     noise = ["noise_sd", "noise_autocorrelation"]
-    wanted = [f"{kind}_{name}" for kind in ("mu", "sigma") for name in NAMES] + noise
+    wanted = [f"{kind}_{name}" for kind in ("mu", "sigma") for name in LOG_PARAMETERS] + noise
     fitted = [
         name
         for name in ("parameter_correlation", "noise_correlation")
@@ -77,9 +75,9 @@ def select_posterior(posterior: xr.DataTree, draws: int) -> xr.Dataset:
     parameter = xr.IndexVariable("parameter", list(PARAMETERS))
     population = xr.Dataset(
         {
-            kind: xr.concat([stacked[f"{kind}_{name}"] for name in NAMES], parameter).transpose(
-                "draw", "joint", "parameter"
-            )
+            kind: xr.concat(
+                [stacked[f"{kind}_{name}"] for name in LOG_PARAMETERS], parameter
+            ).transpose("draw", "joint", "parameter")
             for kind in ("mu", "sigma")
         }
     )

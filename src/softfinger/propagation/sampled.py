@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from softfinger.mechanics import OWN
 from softfinger.progress import track_progress
 from softfinger.propagation.kernel_density import estimate_density_array
 from softfinger.propagation.new_trials import (
@@ -19,7 +20,7 @@ from softfinger.propagation.new_trials import (
     place_scores_array,
     take_root_array,
 )
-from softfinger.propagation.populations import OWN, choose_evenly
+from softfinger.propagation.populations import choose_evenly
 from softfinger.propagation.protocols import Protocol
 from softfinger.propagation.subsets import EVERY, SUBSETS, Shares, Subset
 

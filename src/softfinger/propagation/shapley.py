@@ -15,11 +15,10 @@ from numpy.typing import NDArray
 from scipy.stats import invwishart
 
 from softfinger.inference.motion import Move, move_paper_joint
+from softfinger.mechanics import LOG_PARAMETERS, OWN
 from softfinger.propagation.config import ShapleyConfig, read_config
 from softfinger.propagation.new_trials import Source
 from softfinger.propagation.populations import (
-    NAMES,
-    OWN,
     are_independent,
     select_own_blocks_array,
     select_posterior,
@@ -117,9 +116,9 @@ def _correlate_afterwards(
     posterior: xr.DataTree, population: xr.Dataset, rng: np.random.Generator
 ) -> xr.Dataset:
     """Give populations the correlations that the draws' trials show within each joint."""
-    trials = take_population_draws(posterior, NAMES, population.sizes["draw"]).to_dataarray(
-        "parameter"
-    )
+    trials = take_population_draws(
+        posterior, LOG_PARAMETERS, population.sizes["draw"]
+    ).to_dataarray("parameter")
     own = trials.transpose("draw", "trial", "joint", "parameter").to_numpy()
     mu, sigma = (population[name].to_numpy()[:, None] for name in ("mu", "sigma"))
     whole = np.zeros(population["correlation"].shape)

@@ -7,8 +7,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from softfinger.inference.motion import Move, move_paper_joint
+from softfinger.mechanics import LOG_PARAMETERS
 
-PARAMETERS = ("log_k_v", "log_c_v", "log_c_p", "q_ini")
 """A trial's own parameters, as the fit names and orders them."""
 
 
@@ -31,8 +31,8 @@ def compute_fitted_angle(
     DataArray
         (trial, joint, frame) [rad], of the trials that the fit has.
     """
-    mean = [posterior[name].mean(("chain", "draw")) for name in PARAMETERS]
-    fitted = xr.concat(mean, xr.IndexVariable("parameter", list(PARAMETERS)), join="exact")
+    mean = [posterior[name].mean(("chain", "draw")) for name in LOG_PARAMETERS]
+    fitted = xr.concat(mean, xr.IndexVariable("parameter", list(LOG_PARAMETERS)), join="exact")
     own = fitted.transpose("trial", "joint", "parameter")
     place = angles.indexes["trial"].get_indexer(own["trial"].values)
     chosen = angles.isel(trial=place)

@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from softfinger.mechanics import PARAMETERS
 from softfinger.mechanics.effects.effect import Setting
 from softfinger.mechanics.effects.model_file import ModelFile, build_model, read_strength
 from softfinger.mechanics.forward.simulate import describe_finger, simulate_joint_angle_array
@@ -12,7 +13,6 @@ from softfinger.mechanics.geometry import FingerGeometry
 from softfinger.mechanics.three_element import compute_elastic_basis_array
 from softfinger.virtual_rig.campaign_folder import draw_temperature
 from softfinger.virtual_rig.config import RigConfig
-from softfinger.virtual_rig.population import PARAMETERS
 from softfinger.virtual_rig.streams import Purpose, build_generator
 
 

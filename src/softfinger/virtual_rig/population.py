@@ -11,9 +11,9 @@ average; q_ini, whose numbers are not printed, follows N(0.02, 0.01) rad.
 import numpy as np
 import xarray as xr
 
+from softfinger.mechanics import PARAMETERS
 from softfinger.virtual_rig.streams import Purpose, build_generator
 
-PARAMETERS = ("k_v", "c_v", "c_p", "q_ini")
 JOINTS = (1, 2, 3)
 
 # (joint, parameter); of the logarithm for k_v [N m/rad], c_v, c_p [N m s/rad], natural for q_ini

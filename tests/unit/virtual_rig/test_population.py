@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from softfinger.virtual_rig.population import PARAMETERS, draw_finger_parameters
+from softfinger.mechanics import PARAMETERS
+from softfinger.virtual_rig.population import draw_finger_parameters
 
 # Typed from the paper's table again: row σ, row μ; c_v, c_p, k_v; joints 1 to 3.
 SIGMA = {"c_v": [0.5232, 0.4838, 0.8223], "c_p": [0.7011, 0.8496], "k_v": [0.1973, 0.2238, 0.3957]}

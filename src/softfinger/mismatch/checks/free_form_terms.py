@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 
 from softfinger.faults import Fault
-from softfinger.inference.problem import OWN, Candidate, Problem
+from softfinger.inference.problem import Candidate, Problem
 from softfinger.inference.reduce import reduce_trials
 from softfinger.inference.setting import load_at
-from softfinger.mismatch.checks.locate import PARAMETERS, list_trial_covariates, time_since_change
+from softfinger.mechanics import LOG_PARAMETERS, OWN
+from softfinger.mismatch.checks.locate import list_trial_covariates, time_since_change
 from softfinger.mismatch.checks.rate_law import compute_rate_array, follow_late_array
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.priors import PRIORS
@@ -162,5 +163,5 @@ def _build_between(problem: Problem, candidate: Candidate, name: str, values: Ar
         wide = np.concatenate([same[:, :, :-1], added, same[:, :, -1:]], axis=2)
         return wide.transpose(0, 2, 1) @ gram @ wide
 
-    labels = [f"{PARAMETERS[k % OWN]}_{k // OWN + 1}" for k in moving]
+    labels = [f"{LOG_PARAMETERS[k % OWN]}_{k // OWN + 1}" for k in moving]
     return Term(name, span, labels, "1", PRIORS.shape_sizes_log, linearise)

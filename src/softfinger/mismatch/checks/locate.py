@@ -11,14 +11,14 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import chi2, false_discovery_control, norm, spearmanr
 
-from softfinger.inference.problem import OWN, Problem
+from softfinger.inference.problem import Problem
 from softfinger.inference.reduce import whiten_residual
 from softfinger.inference.setting import load_at
+from softfinger.mechanics import LOG_PARAMETERS, OWN
 from softfinger.mismatch.candidates.rank import Candidate
 from softfinger.mismatch.decisions import DECISIONS
 
 PHASES = ("rest", "loading", "holding", "unloading")
-PARAMETERS = ("log_k_v", "log_c_v", "log_c_p", "q_ini")
 
 
 def whiten_all(problem: Problem, candidate: Candidate) -> list[NDArray[np.float64]]:
@@ -127,7 +127,7 @@ def locate_between(problem: Problem, candidate: Candidate) -> xr.Dataset:
         },
         coords={
             "joint": np.arange(1, joints + 1),
-            "parameter": list(PARAMETERS),
+            "parameter": list(LOG_PARAMETERS),
             "covariate": list(covariates),
         },
     )

@@ -9,7 +9,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from softfinger.inference.problem import OWN, Candidate, Problem
+from softfinger.inference.problem import Candidate, Problem
+from softfinger.mechanics import OWN
 
 APART = 0.02  # frame intervals between two angles whose difference is a rate
 

@@ -19,9 +19,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from softfinger.inference.disturbances import locate_disturbances
-from softfinger.inference.problem import LAYOUT, OWN, Candidate, Problem, simulate_frames
+from softfinger.inference.problem import LAYOUT, Candidate, Problem, simulate_frames
 from softfinger.measurement.quiet import find_quiet_array
 from softfinger.measurement.reml import whiten_array
+from softfinger.mechanics import OWN
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.priors import PRIORS
 

@@ -9,8 +9,8 @@ from softfinger.inference.disturbances import locate_disturbances
 from softfinger.inference.mixed_effects import Prior
 from softfinger.inference.mixed_effects_laplace import Fit
 from softfinger.inference.mixed_effects_loo import compute_left_out
-from softfinger.inference.problem import OWN, Candidate, Problem, predict_frames
-from softfinger.mismatch.checks.locate import PARAMETERS
+from softfinger.inference.problem import Candidate, Problem, predict_frames
+from softfinger.mechanics import LOG_PARAMETERS, OWN
 from softfinger.mismatch.priors import PRIORS
 from softfinger.mismatch.verdict.schema import Elpd
 
@@ -69,7 +69,7 @@ def explain_spread(
     share = 1.0 - compute_spread(problem, final) / compute_spread(problem, base)
     return {
         name: {str(j + 1): float(share[j, k]) for j in range(len(share))}
-        for k, name in enumerate(PARAMETERS)
+        for k, name in enumerate(LOG_PARAMETERS)
     }
 
 
@@ -90,7 +90,7 @@ def compare_parameters(problem: Problem, base: Candidate, final: Candidate) -> x
     values["bias"] = values["before"] - values["after"]
     return xr.Dataset(
         {name: (("joint", "parameter"), value) for name, value in values.items()},
-        coords={"joint": np.arange(1, shape[0] + 1), "parameter": list(PARAMETERS)},
+        coords={"joint": np.arange(1, shape[0] + 1), "parameter": list(LOG_PARAMETERS)},
     )
 
 

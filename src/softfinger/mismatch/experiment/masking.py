@@ -9,9 +9,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from softfinger.inference.problem import OWN, Candidate, Problem
+from softfinger.inference.problem import Candidate, Problem
+from softfinger.mechanics import LOG_PARAMETERS, OWN
 from softfinger.mismatch.candidates.columns import ScoreColumns
-from softfinger.mismatch.checks.locate import PARAMETERS
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.search.calibrate import project_columns_array
 
@@ -64,7 +64,7 @@ def tabulate_masking(columns: ScoreColumns, problem: Problem, base: Candidate) -
             "effect": names,
             "other_effect": names,
             "joint": np.arange(1, bias.shape[1] + 1),
-            "parameter": list(PARAMETERS),
+            "parameter": list(LOG_PARAMETERS),
         },
     )
 

@@ -6,12 +6,13 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from softfinger.inference.mixed_effects_loo import compute_left_out
-from softfinger.inference.problem import OWN, Problem
+from softfinger.inference.problem import Problem
 from softfinger.inference.setting import load_at
 from softfinger.measurement.trials import Trials
+from softfinger.mechanics import LOG_PARAMETERS, OWN
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.rank import Candidate
-from softfinger.mismatch.checks.locate import PARAMETERS, time_since_change
+from softfinger.mismatch.checks.locate import time_since_change
 from softfinger.mismatch.checks.summary import compare_parameters, compute_residual, compute_spread
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.tables.evidence import MODELS
@@ -109,7 +110,7 @@ def _measure_model(
     coords = {
         "trial": trials.name,
         "joint": np.arange(1, trials.joints + 1),
-        "parameter": list(PARAMETERS),
+        "parameter": list(LOG_PARAMETERS),
         "ci_prob": list(DECISIONS.ci_probs),
         "bound": ["lower", "upper"],
         "level": np.array(list(levels), float),

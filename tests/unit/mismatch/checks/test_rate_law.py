@@ -1,6 +1,6 @@
 import numpy as np
 
-from softfinger.inference.problem import OWN
+from softfinger.mechanics import OWN
 from softfinger.mismatch.checks.rate_law import APART, compute_rate_array, follow_late_array
 
 
