@@ -7,7 +7,7 @@ from softfinger.figures.measurement import draw_measurement
 from softfinger.figures.style import label_thousandth
 from softfinger.report.blocks import Picture
 from softfinger.report.material import Material
-from softfinger.report.pictures.mismatch import count_trials
+from softfinger.report.pictures.mismatch import say_trials
 
 
 def picture_measurement(material: Material) -> Picture | None:
@@ -24,7 +24,7 @@ def picture_measurement(material: Material) -> Picture | None:
         "Left: noise of a trial over the campaign's; 1 where the recordings show no difference. "
         "Middle: frames that are gross errors, or repeat the one before. Right: how the noise "
         "grows with the deflection; level where it does not. "
-        f"n = {count_trials(material)}. Rule diagnose, artifact measurement.",
+        f"n = {say_trials(material)}. Rule diagnose, artifact measurement.",
     )
 
 
@@ -39,5 +39,5 @@ def picture_laws(material: Material) -> Picture | None:
         "Free law of each effect against its argument, with a shaded band.",
         "Curve of each free law over the range that was recorded, and its 90 % band. Grey: "
         "without the effect. What lies outside the range is not known. "
-        f"n = {count_trials(material)}. Rule diagnose, artifact laws.",
+        f"n = {say_trials(material)}. Rule diagnose, artifact laws.",
     )
