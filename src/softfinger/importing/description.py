@@ -110,7 +110,7 @@ class MotionColumns(DeclaredSection):
     start: Literal["as recorded", "first row"] | None = None
 
 
-class Load(DeclaredSection):
+class LoadColumns(DeclaredSection):
     """The load: a column, a key stated above the table, a number, or none that is known.
 
     A load that is stated or a number acts from `from_s` on.
@@ -126,7 +126,7 @@ class Load(DeclaredSection):
     from_s: float | None = None
 
     @model_validator(mode="after")
-    def _one_source(self) -> Load:
+    def _one_source(self) -> LoadColumns:
         given = [self.column, self.stated, self.value, self.none or None]
         if sum(source is not None for source in given) > 1:
             raise ValueError("give one of column, stated, value and none")
@@ -151,7 +151,7 @@ class ImportDescription(DeclaredSection):
     trials: TrialRows = TrialRows()
     clock: Clock = Clock()
     motion: MotionColumns = MotionColumns()
-    load: Load = Load()
+    load: LoadColumns = LoadColumns()
     covariates: tuple[Covariate, ...] | None = None
     finger: DeclaredFinger | None = None
 

@@ -11,7 +11,8 @@ class MeasurementDecisions:
     """Evidence [nats] from which a component of the noise is there.
 
     Why: odds of 400, as there are a dozen components and none is to be found by chance.
-    Test: `test_measure.py::test_clean_recordings_suffer_from_nothing`.
+    Test: `test_measure.py::test_clean_recordings_suffer_from_nothing`,
+    `test_measure.py::test_noise_of_another_size_in_every_trial`.
     """
     least_share_seen: float = 0.5
     """Share of a trial's frames in which a joint is seen, from which it is present.
