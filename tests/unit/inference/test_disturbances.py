@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from softfinger.inference.disturbances import (
+    _group_rows,
     admit_disturbances,
     fit_disturbances,
     list_disturbances,
@@ -128,3 +129,13 @@ def test_what_the_log_did_is_taken_from_the_residual(noisy):
     fit = softer.fit(base.model, (base.fit.own, base.fit.shared, base.fit.omega))
     moved = locate_disturbances(softer, Candidate(base.model, fit, fit.log_evidence), time)
     assert np.sqrt(np.mean(moved**2)) > 0.002
+
+
+def test_rows_of_a_log_err_alone_unless_there_are_very_many():
+    """Two rows of 0.5 s that err as one made a noisy log of 31 rows look like wire friction."""
+    few, sd = _group_rows(np.arange(31.0), np.full(31, 0.04))
+    np.testing.assert_array_equal(few, np.arange(31))
+    assert (sd == 1.0).all()
+    many, sd = _group_rows(np.arange(600) / 30, np.full(600, 0.04))
+    assert 30 < many.max() < 64
+    np.testing.assert_allclose(sd, np.bincount(many)[0] ** -0.5)
