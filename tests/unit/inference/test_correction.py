@@ -50,8 +50,10 @@ def test_a_wrong_expansion_is_mended_by_the_weights(prepared):
     assert (after < before).all()
 
 
-def test_a_hopeless_expansion_is_told(prepared):
-    found = correct(prepared, prepared.given.expansion, draw_about(prepared, 40.0))
+@pytest.mark.parametrize("wide", [3.0, 40.0])
+def test_a_hopeless_expansion_is_told(prepared, wide):
+    """Draws three times too wide have weights with k = 0.95."""
+    found = correct(prepared, prepared.given.expansion, draw_about(prepared, wide))
     assert not found.pareto_k < 0.7
     np.testing.assert_array_equal(found.kept[0], np.arange(200))
 
