@@ -13,13 +13,17 @@ import benchmark_page
 import decisions_page
 import growth_page
 import typer.main
+from inline_picture import embed_figure
 from ruamel.yaml import YAML
 from sphinx.application import Sphinx
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 from softfinger.artifacts.specs import list_specs
 from softfinger.cli import app as command_line
+from softfinger.figures.effects import plot_effect
 from softfinger.mechanics.effects import list_effects
+from softfinger.mechanics.effects.demonstration import demonstrate_effect
+from softfinger.mechanics.effects.effect import Effect
 from softfinger.provenance import PROJECT
 from softfinger.schema import Configuration
 
@@ -128,8 +132,19 @@ def describe_type(node: Mapping[str, Any], schema: Mapping[str, Any]) -> str:
 
 def describe_effects() -> str:
     """Every effect that a diagnosis tries."""
-    rows = [(f"`{effect.id}`", effect.level, effect.sentence) for effect in list_effects().values()]
-    return format_table(("id", "shows", "what was left out"), rows)
+    rows = [
+        (f"`{effect.id}`", effect.level, effect.sentence, draw_effect(effect))
+        for effect in list_effects().values()
+    ]
+    return format_table(("id", "shows", "what was left out", "with it, and without"), rows)
+
+
+def draw_effect(effect: Effect) -> str:
+    """Draw what an effect looks like, as an inline picture."""
+    return embed_figure(
+        plot_effect(demonstrate_effect(effect)),
+        f"{effect.sentence}: a joint's angle with it in blue, without in grey",
+    )
 
 
 def describe_commands() -> str:
