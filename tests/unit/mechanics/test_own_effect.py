@@ -12,6 +12,11 @@ from softfinger.faults import Fault
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.effect import Setting
 from softfinger.mechanics.effects.model_file import ModelFile, build_model
+from softfinger.mechanics.forward.simulate import (
+    describe_unknown_finger,
+    simulate_joint_angle_array,
+)
+from softfinger.mechanics.forward.slots import build_slots, build_tangent
 
 EXAMPLE = Path(__file__).parents[3] / "docs/own_effect"
 
@@ -42,7 +47,8 @@ def announce(tmp_path, monkeypatch):
         list_effects.cache_clear()
 
     yield write
-    sys.modules.pop("softfinger_warm_up", None)
+    for module in ("softfinger_warm_up", "softfinger_detent"):
+        sys.modules.pop(module, None)
     monkeypatch.undo()
     list_effects.cache_clear()
 
@@ -72,6 +78,25 @@ def test_the_example_joins_the_catalogue_and_fills_slots(announce):
     slots, absent = model.fill_slots(shared), model.fill_slots(shared * [0.0, 1.0, 1.0])
     change = (slots.chain - absent.chain)[:, np.any(slots.chain != absent.chain, axis=0)]
     assert change[:, 0] == pytest.approx(0.3 * np.exp(-np.arange(7) / 2.0))
+
+
+def test_an_effect_brings_physics_of_its_own(announce):
+    """Places of depth a and pitch p: at rest under a torque u, k q + a sin(2π q/p) = u."""
+    announce(["detent = softfinger_detent:EFFECT"])
+    effect = list_effects()["detent"]
+    (form,) = effect.build_forms(describe_campaign())
+    values = {"detent_torque_nm": np.array(0.004), "detent_pitch_rad": np.array(0.3)}
+    slots = build_slots(1, 2, form.slots(values))
+    tangents = [build_tangent(1, 2, {name: 1.0}) for name in ("detent_torque", "detent_pitch")]
+    own = np.tile([np.log(0.1), np.log(0.01), 20.0, 0.0], (1, 2, 1))  # a stiff dashpot: no flow
+    series = describe_unknown_finger(2), [5.0], [0.0], [0.025]
+    angle, gradient = simulate_joint_angle_array(own, slots, tangents, *series, by_own=False)
+    q, turn = angle[0, 0, 0], 2 * np.pi * angle[0, 0, 0] / 0.3
+    assert 0.1 * q + 0.004 * np.sin(turn) == pytest.approx(0.025, abs=1e-6)
+    stiffness = 0.1 + 0.004 * np.cos(turn) * 2 * np.pi / 0.3
+    by_pitch = 0.004 * np.cos(turn) * turn / 0.3
+    expected = [-np.sin(turn) / stiffness, by_pitch / stiffness]
+    np.testing.assert_allclose(gradient[0, 0, 0], expected, rtol=1e-4)
 
 
 def test_an_entry_point_that_is_no_effect_is_refused(announce):
