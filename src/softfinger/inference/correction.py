@@ -82,6 +82,8 @@ def correct_draws(
     if not float(k) <= DECISIONS.largest_k:
         return Correction(whole, float(k), error)
     weight = np.exp(smoothed.values - smoothed.values.max())
+    if not weight.sum(axis=1).all():  # a chain that the model itself rules out has not converged
+        return Correction(whole, float("inf"), error)
     kept = every * np.stack([resample_in_order(w, rng) for w in weight])
     return Correction(kept, float(k), error)
 

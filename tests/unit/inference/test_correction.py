@@ -73,3 +73,16 @@ def test_draws_of_many_trials_are_kept_as_they_are(prepared, monkeypatch):
     found = correct(prepared, prepared.given.expansion, drawn)
     assert np.isnan(found.pareto_k)
     np.testing.assert_array_equal(found.kept[0], np.arange(800))
+
+
+def test_a_chain_that_the_model_rules_out_is_told(prepared, monkeypatch):
+    """One chain far away: its draws weigh nothing, and none of them may be drawn anew."""
+
+    def measure(problem, candidate, expansion, draws, chain, every):
+        near = 0.1 * np.random.default_rng(chain).standard_normal((200, 5))
+        return near - 1000.0 * chain
+
+    monkeypatch.setattr(correction, "_measure_change", measure)
+    found = correct(prepared, prepared.given.expansion, draw_about(prepared, 1.0))
+    assert found.pareto_k > 0.7
+    np.testing.assert_array_equal(found.kept[1], np.arange(200))
