@@ -112,6 +112,26 @@ def test_no_two_parts_import_each_other():
     assert [part for part in graph if part in reach(part)] == []
 
 
+def test_an_effect_is_known_to_no_kernel_and_to_no_other_effect():
+    """Only so an edit of one compiles nothing else, and one more touches its file and its line.
+
+    `forward/slots.py` and `forward/simulate.py` ask the catalogue for whatever effects there are.
+    """
+    mechanics = PACKAGE / "mechanics"
+    catalogue = ast.parse((mechanics / "effects/__init__.py").read_text())
+    (modules,) = (
+        {element.id for element in node.value.elts}
+        for node in catalogue.body
+        if isinstance(node, ast.Assign) and node.targets[0].id == "MODULES"
+    )
+    files = [mechanics / "effects" / f"{module}.py" for module in sorted(modules)]
+    for file in (*files, *(mechanics / "forward").glob("*.py")):
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.ImportFrom):
+                taken = {(node.module or "").split(".")[-1], *(alias.name for alias in node.names)}
+                assert not taken & modules, f"{file} imports {taken & modules}"
+
+
 @pytest.mark.parametrize("part", ["figures", "report"])
 def test_what_renders_computes_nothing(part):
     for file in (PACKAGE / part).rglob("*.py"):

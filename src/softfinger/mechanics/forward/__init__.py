@@ -1,4 +1,5 @@
 """One forward model of the quasi-static finger, in which all left-out physics is a slot.
 
-`slots` lists every term and its null value, `simulate` is the face, the rest the compiled kernel.
+`simulate` is the face. Effects declare slots (`slot`), which `slots` gathers as arrays, and hooks
+(`hooks`), which the compiled kernel calls; all else is the base joint and the kernel.
 """

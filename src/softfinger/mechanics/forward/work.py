@@ -158,27 +158,24 @@ class Work(structref.StructRefProxy):
 
 
 _FACES = (Model, State, Load, Linear, Nodes, Balance, Newton, Work)
-_KNOWN: dict[type, types.StructRef] = {}
-
-
-def _build_type(face: type) -> types.StructRef:
-    """Numba's type of a face, with the types of its fields."""
-    kind = globals()[f"{face.__name__}Type"]
-    fields = face.__annotations__
-    structref.define_proxy(face, kind, list(fields))
-    _KNOWN[face] = kind([(name, _KNOWN.get(known, known)) for name, known in fields.items()])
-    return _KNOWN[face]
-
-
-(
-    ModelType, StateType, LoadType, LinearType, NodesType, BalanceType, NewtonType, WorkType
-) = (
-    structref.register(type(f"{face.__name__}Type", (types.StructRef,), {"__module__": __name__}))
+_TYPES = {
+    face: structref.register(
+        type(f"{face.__name__}Type", (types.StructRef,), {"__module__": __name__})
+    )
     for face in _FACES
-)  # fmt: skip
+}
+# the cache of machine code looks for them here
+ModelType, StateType, LoadType, LinearType, NodesType, BalanceType, NewtonType, WorkType = (
+    _TYPES.values()
+)
+_FILLED: dict[type, types.StructRef] = {}
+for _face, _type in _TYPES.items():
+    _fields = _face.__annotations__
+    structref.define_proxy(_face, _type, list(_fields))
+    _FILLED[_face] = _type([(name, _FILLED.get(kind, kind)) for name, kind in _fields.items()])
 (
     MODEL_TYPE, STATE_TYPE, LOAD_TYPE, LINEAR_TYPE, NODES_TYPE, BALANCE_TYPE, NEWTON_TYPE, WORK_TYPE
-) = map(_build_type, _FACES)  # fmt: skip
+) = _FILLED.values()  # fmt: skip
 
 
 @compiled
