@@ -1,7 +1,8 @@
-"""Calls of compiled functions by address: neither caller nor function is compiled for the other.
+"""Calls of compiled functions by address.
 
-A caller takes addresses as numbers, so its machine code is the same whatever functions they are,
-and a function that is edited is compiled alone.
+Neither caller nor function is compiled for the other. A caller takes addresses as numbers, so its
+machine code is the same whatever functions they are, and a function that is edited is compiled
+alone.
 """
 
 from __future__ import annotations
@@ -15,10 +16,10 @@ from numba.extending import intrinsic
 
 
 def build_call(signature: Signature) -> Callable:
-    """Build what compiled code calls a function of a signature with: (address, *arguments).
+    """Build the call of functions of a signature.
 
-    An error that the function raises goes on to the caller. An address that is not one of
-    `find_address` ends the process.
+    Compiled code calls it with (address, *arguments). An error that the function raises goes on to
+    the caller. An address that is not one of `find_address` ends the process.
     """
     result, expected = signature.return_type, signature.args
 
@@ -48,7 +49,7 @@ def build_call(signature: Signature) -> Callable:
 
 
 def find_address(function: Callable, signature: Signature) -> int:
-    """Address of a function's machine code for a signature, compiled where it is not known.
+    """Address of a function's machine code for a signature.
 
     Parameters
     ----------

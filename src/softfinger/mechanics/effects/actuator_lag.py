@@ -23,9 +23,10 @@ _WHOLE, _FIRST = range(2)  # what acts, and what is behind the first stage of tw
 
 @compiled
 def follow_log(model: Model, load: Load, nodes: Nodes, i: int, since: float, end: bool) -> None:
-    """The load behind one stage of lag l: v + s (t − l) + (u₀ − v + l s) e^{−t/l}, log v + s t.
+    """The load behind a lag of one stage or two.
 
-    One of no lag is the log itself, which moves with a lag as −s.
+    One stage of lag l makes v + s (t − l) + (u₀ − v + l s) e^{−t/l} of a log v + s t. One of no lag
+    is the log itself, which moves with a lag as −s.
     """
     lag, slope = model.chain[_LAG], load.log[_SLOPE]
     if lag > 0.0 and model.chain[_SECOND] > 0.0:
@@ -85,7 +86,7 @@ def _follow_two_stages(model: Model, load: Load, nodes: Nodes, i: int, since: fl
 
 @compiled
 def _advance_first_stage(model: Model, load: Load, since: float) -> None:
-    """Take what is behind the first stage of two to the end of a segment."""
+    """Take what the first stage passes to a segment's end."""
     slope, lag, share = load.log[_SLOPE], model.chain[_LAG], model.chain[_SECOND]
     first = lag * (1.0 - share)
     decay = math.exp(-since / first)

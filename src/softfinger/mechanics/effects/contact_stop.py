@@ -27,7 +27,10 @@ _ANGLE, _STIFFNESS, _WIDTH, _LAW, _REACH = declare(
 
 @compiled
 def add_stop(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
-    """A stop that takes K (1 + law of the depth) times the (softly rectified) angle beyond it."""
+    """The stop's torque: −K depth (1 + law of the depth).
+
+    The depth is the angle beyond the stop, softly rectified.
+    """
     for j in range(model.joint.shape[0]):
         stiffness = model.joint[j, _STIFFNESS]
         beyond = nodes.angle[i, j] - model.joint[j, _ANGLE]

@@ -66,7 +66,10 @@ def add_springpot(model: Model, linear: Linear, j: int) -> None:
 
 @compiled
 def springpot_weight(step: int, exponent: float) -> tuple[float, float]:
-    """Gain of a step of the ladder for a springpot of unit compliance, and its slope by a."""
+    """Gain of a step of the ladder, and its slope.
+
+    For a springpot of unit compliance; the slope by its exponent.
+    """
     last, missing = RATES.size, 1.0 - exponent
     if step < last:
         reach = math.sin(math.pi * missing) / math.pi
@@ -84,7 +87,10 @@ def springpot_weight(step: int, exponent: float) -> tuple[float, float]:
 
 @compiled
 def _sum_tail(x: float) -> tuple[float, float]:
-    """Σ_{n ≥ 1} (sin πx/π) Δ e^{−n x Δ} = (sin πx/πx) xΔ/(e^{xΔ} − 1), and d log/dx; 1 at x = 0."""
+    """Σ_{n ≥ 1} (sin πx/π) Δ e^{−n x Δ}, and d log/dx.
+
+    It is (sin πx/πx) xΔ/(e^{xΔ} − 1), and 1 at x = 0.
+    """
     if x < 1e-4:  # by series, to rounding
         slope = SPACING**2 / 12.0 - math.pi**2 / 3.0
         return 1.0 - SPACING * x / 2.0, -SPACING / 2.0 + slope * x

@@ -34,9 +34,10 @@ _ALONG, _ACROSS, _MOMENT = declare(
 
 @compiled
 def add_weight(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
-    """Weight of a tilted plane: Σ over links beyond of g μ_k (−sin α sin θ_k + sin β cos θ_k).
+    """The weight of the links beyond each joint.
 
-    μ_k are the first moments of the declared masses, times 1 + moment_share.
+    Σ g μ_k (−sin α sin θ_k + sin β cos θ_k), where μ_k are the first moments of the declared
+    masses, times 1 + moment_share.
     """
     along, across = math.sin(model.chain[_ALONG]), math.sin(model.chain[_ACROSS])
     turn_along, turn_across = math.cos(model.chain[_ALONG]), math.cos(model.chain[_ACROSS])

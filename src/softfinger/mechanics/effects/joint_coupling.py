@@ -28,9 +28,9 @@ _STIFFNESS, _SHARE, _SATURATION, _MEMBRANE, _MEMBRANE_SHARE, _KINEMATIC = declar
 
 @compiled
 def add_coupling(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
-    """Torque from the other joints' motion x = q − q_ini: Σ (K + c k_v) x / (1 + b |x|).
+    """The torque from the other joints' motion x = q − q_ini.
 
-    A membrane adds Σ (M + m √(k_v k_v,k)) (x_k − x).
+    Σ (K + c k_v) x / (1 + b |x|); a membrane adds Σ (M + m √(k_v k_v,k)) (x_k − x).
     """
     joints = model.joint.shape[0]
     for j in range(joints):

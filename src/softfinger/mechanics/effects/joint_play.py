@@ -30,7 +30,10 @@ def leave_play(
     model: Model, j: int, time: float, elastic: float, angle: float, spring: NDArray,
     d_spring: NDArray, tangents: bool,
 ) -> None:  # fmt: skip
-    """The elastic angle beyond the play p: S(q_v − p) − S(−q_v − p), S a soft ramp."""
+    """The elastic angle beyond the play p.
+
+    S(q_v − p) − S(−q_v − p) with a soft ramp S.
+    """
     play, width = model.joint[j, _PLAY], model.joint[j, _WIDTH]
     by_play = -math.tanh(elastic / (2.0 * width))
     if play > 0.0:

@@ -50,10 +50,11 @@ def bend_angle(model: Model, angle: NDArray, by: NDArray, seen: NDArray, gradien
 def bend_picture(
     model: Model, angle: NDArray, by: NDArray, seen: NDArray, gradient: NDArray
 ) -> None:
-    """The turn of each link's line of markers: Δ_j − Δ_{j−1} with Δ_i = 2 κ (p_i·t_i)(p_i·n_i).
+    """The turn of each link's line of markers.
 
-    With t_i along and n_i across link i and p_i the middle of its markers from the optical centre:
-    the turn of a short line under the distortion p (1 + κ p²), to first order in κ.
+    Δ_j − Δ_{j−1} with Δ_i = 2 κ (p_i·t_i)(p_i·n_i), with t_i along and n_i across link i and p_i
+    the middle of its markers from the optical centre: the turn of a short line under the distortion
+    p (1 + κ p²), to first order in κ.
     """
     joints, frames, columns = gradient.shape
     turn, by_turn = np.zeros(joints + 1), np.zeros((joints + 1, joints))
@@ -73,7 +74,7 @@ def bend_picture(
 
 @compiled
 def _fill_turns(model: Model, q: NDArray, turn: NDArray, by_turn: NDArray, unit: NDArray) -> None:
-    """Write Δ of base and links, and its derivatives by joint angles and (κ, centre)."""
+    """Write Δ of base and links, and its derivatives."""
     radial = model.chain[_RADIAL]
     direction, place = np.zeros(q.size + 1), np.zeros((q.size + 1, 2))
     place[0, 0] = -model.centre[0] - model.chain[_ALONG]

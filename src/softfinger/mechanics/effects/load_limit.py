@@ -36,7 +36,7 @@ _SATURATION, _LAW, _REFERENCE, _SLOWNESS = declare(
 
 @compiled
 def saturate(model: Model, load: NDArray, row: NDArray) -> None:
-    """What acts of a load: u (1 + b (|u|/r)^8)^{−1/8} (1 + law of |u|)."""
+    """What acts: u (1 + b (|u|/r)^8)^{−1/8} (1 + law of |u|)."""
     x, law = abs(load[0]) / model.chain[_REFERENCE], model.law[0, _LAW]
     steep, weights = x**POWER, weigh_value(x)
     bent = 1.0 + model.chain[_SATURATION] * steep
@@ -53,7 +53,7 @@ def saturate(model: Model, load: NDArray, row: NDArray) -> None:
 
 @compiled
 def slow_log(model: Model, time: NDArray, load: NDArray) -> tuple[NDArray, NDArray, NDArray]:
-    """The log behind a largest rate: straight lines again, with their changes (knot, column)."""
+    """The log behind a largest rate, with its changes."""
     time, load, slower = _slow_down(time, load, model.chain[_SLOWNESS])
     changes = np.zeros((time.size, model.d_chain.shape[0]))
     for knot in range(time.size):
@@ -63,17 +63,20 @@ def slow_log(model: Model, time: NDArray, load: NDArray) -> tuple[NDArray, NDArr
 
 @compiled
 def slow_jump(model: Model, work: Work, jump: float) -> None:
-    """A slowness of nothing delays a jump by half of what the whole takes: a kick."""
+    """A kick: no slowness delays a jump by nothing.
+
+    That moves by half of what the whole jump takes.
+    """
     if model.chain[_SLOWNESS] == 0.0:
         delay_jump(work, jump, 0.5 * abs(jump) * model.d_chain[:, _SLOWNESS])
 
 
 @compiled
 def _slow_down(time: NDArray, load: NDArray, slowness: float) -> tuple[NDArray, NDArray, NDArray]:
-    """Follow a log from 0 no faster than 1/slowness; any rate where that is 0.
+    """Follow a log from 0 no faster than 1/slowness.
 
-    Returns knots (knot,) of time, load and its derivative by the slowness. A jump of either is two
-    knots at one time.
+    At any rate where that is 0. Returns knots (knot,) of time, load and its derivative by the
+    slowness. A jump of either is two knots at one time.
     """
     last = time.size - 1
     if not slowness > 0.0:

@@ -24,7 +24,10 @@ _SCALE, _LAW, _REACH = declare(
 
 @compiled
 def grow_arm(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
-    """The arm 1 + arm_scale (cos(q/2) + l/(2d) sin(q/2) − 1) + law of q."""
+    """The pull times the growth of its arm.
+
+    1 + arm_scale (cos(q/2) + l/(2d) sin(q/2) − 1) + law of q
+    """
     ratio = 0.0 if math.isnan(model.arm_ratio) else model.arm_ratio  # for the law alone
     for j in range(model.joint.shape[0]):
         half, x = nodes.angle[i, j] / 2, nodes.angle[i, j] / model.joint[j, _REACH]

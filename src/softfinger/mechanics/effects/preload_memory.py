@@ -37,7 +37,10 @@ _ANGLE, _TORQUE = declare(
 
 @compiled
 def remember(model: Model, work: Work, j: int) -> None:
-    """What the Voigt element still has of before: beyond q_ini where it comes from a torque."""
+    """What the Voigt element still has of before.
+
+    An angle is part of q_ini, what a torque has left is on it.
+    """
     state, soft = work.state, math.exp(-model.joint[j, LOG_K_V])
     angle, torque = model.joint[j, _ANGLE], model.joint[j, _TORQUE]
     state.offset[j] -= angle

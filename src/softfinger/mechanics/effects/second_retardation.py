@@ -34,7 +34,7 @@ _COMPLIANCE, _SHARE, _TIME, _SPECTRUM, _SHORTEST, _LONGEST = declare(
 
 @compiled
 def add_element(model: Model, linear: Linear, j: int) -> None:
-    """One more Voigt element of compliance J and time T: λ = 1/T, g = J/T."""
+    """One more Voigt element: λ = 1/T, g = J/T."""
     value, soft = model.joint[j], math.exp(-model.joint[j, LOG_K_V])
     rate = 1.0 / value[_TIME]
     gain = (value[_COMPLIANCE] + value[_SHARE] * soft) * rate

@@ -39,7 +39,10 @@ _ELASTIC, _FLOW, _TIME = declare(
 
 @compiled
 def soften(time: float, constant: float) -> tuple[float, float]:
-    """How far a softening has come, 1 − e^{−t/T}, and its derivative by T; 0 before the start."""
+    """How far a softening has come: 1 − e^{−t/T}.
+
+    0 before the start; returns it and its derivative by T.
+    """
     ratio = max(time, 0.0) / constant
     return -math.expm1(-ratio), -ratio * math.exp(-ratio) / constant
 
@@ -49,7 +52,7 @@ def soften_spring(
     model: Model, j: int, time: float, elastic: float, angle: float, spring: NDArray,
     d_spring: NDArray, tangents: bool,
 ) -> None:  # fmt: skip
-    """The stiffness that is left: 1 − s (1 − e^{−t/T})."""
+    """The stiffness times 1 − s (1 − e^{−t/T})."""
     share, (eased, by_time) = model.joint[j, _ELASTIC], soften(time, model.joint[j, _TIME])
     left, before = 1.0 - share * eased, spring[FACTOR]
     spring[FACTOR] *= left
@@ -66,7 +69,7 @@ def soften_spring(
 def soften_flow(
     model: Model, j: int, time: float, torque: float, drive: NDArray, row: NDArray
 ) -> None:
-    """The flow over what is left of the viscosity: 1 − s (1 − e^{−t/T})."""
+    """The flow over what softening leaves of the viscosity."""
     share, (eased, by_time) = model.joint[j, _FLOW], soften(time, model.joint[j, _TIME])
     left = 1.0 - share * eased
     drive[VALUE] /= left

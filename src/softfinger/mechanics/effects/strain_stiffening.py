@@ -34,7 +34,7 @@ def stiffen(
     model: Model, j: int, time: float, elastic: float, angle: float, spring: NDArray,
     d_spring: NDArray, tangents: bool,
 ) -> None:  # fmt: skip
-    """The factor b y² + b |y| + e^{b|y|} + law of |y| on the stiffness."""
+    """The stiffness times b y² + b |y| + e^{b|y|} + law of |y|."""
     value, law = model.joint[j], model.law[j, _LAW]
     measure = value[_MEASURE]
     strain = (1.0 - measure) * elastic + measure * angle

@@ -36,7 +36,10 @@ _SINH, _POWER, _REFERENCE, _LAW, _REACH = declare(
 def bend_flow(
     model: Model, j: int, time: float, torque: float, drive: NDArray, row: NDArray
 ) -> None:
-    """The flow of a torque y: x |x/reference|^b with x = sinh(b y)/b, times exp(law of |τ|)."""
+    """The flow of a torque y.
+
+    x |x/reference|^b with x = sinh(b y)/b, times exp(law of |τ|).
+    """
     value, law = model.joint[j], model.law[j, _LAW]
     sheared, steep, by_b = _shear(value[_SINH], drive[VALUE])
     power, ratio = value[_POWER], abs(sheared) / value[_REFERENCE]

@@ -87,8 +87,9 @@ def lose_pull(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bo
 
 @compiled
 def turn_direction(way: float, motion: float, width: float) -> tuple[float, float, float, float]:
-    """Dahl's friction state after a motion: it nears the motion's sign as 1 − (1 − s) e^{−|x|/w}.
+    """Dahl's friction state after a motion.
 
+    It nears the motion's sign as 1 − (1 − s) e^{−|x|/w}.
     Returns the state and its derivatives by the state before, the motion and the width.
     """
     sign = math.copysign(1.0, motion)

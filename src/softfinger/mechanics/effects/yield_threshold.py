@@ -31,7 +31,10 @@ _YIELD, _WIDTH, _JUMP = declare(
 def hold_below(
     model: Model, j: int, time: float, torque: float, drive: NDArray, row: NDArray
 ) -> None:
-    """The torque y beyond the threshold: S(y − τ_y) − S(−y − τ_y), S a soft ramp."""
+    """The torque y beyond the threshold.
+
+    S(y − τ_y) − S(−y − τ_y) with a soft ramp S.
+    """
     threshold, slope, by_limit, by_width = _pass_threshold(
         drive[VALUE], model.joint[j, _YIELD], model.joint[j, _WIDTH], model.joint[j, _JUMP]
     )

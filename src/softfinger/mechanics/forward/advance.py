@@ -153,7 +153,10 @@ def measure_error(model: Model, work: Work, step: float, tolerance: float) -> fl
 
 @compiled
 def delay_jump(work: Work, jump: float, late: NDArray) -> None:
-    """Let a jump of the load come late by nothing, which moves by `late` (column,) [s]: a kick."""
+    """Kick the tangents as a jump does that comes late.
+
+    By nothing, but for the change `late` (column,) [s].
+    """
     state, gain = work.state, work.linear.gain
     for j in range(state.offset.size):
         for mode in range(state.mode.shape[1]):

@@ -130,13 +130,13 @@ class Hooks(NamedTuple):
 
 
 def find_hooks(hooks: Iterable[Hook], moved: set[str]) -> tuple[Hook, ...]:
-    """Find the hooks that are on: a slot of theirs is not null, or a direction moves it."""
+    """Find the hooks that a moved slot switches on."""
     return tuple(hook for hook in hooks if not moved.isdisjoint(hook.slots))
 
 
 @cache
 def compile_hooks(on: tuple[Hook, ...]) -> Hooks:
-    """Compile the hooks of a run, those that are not known, and gather them by kind."""
+    """Compile the hooks of a run and gather them by kind."""
     kinds = {hook.kind for hook in on}
     rows: list[list[int]] = [[] for _ in KINDS]
     for hook in on:

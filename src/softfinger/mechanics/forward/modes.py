@@ -29,7 +29,7 @@ WITH_OWN, WITH_LADDER = LADDER, LADDER + RATES.size + 2
 
 @compiled
 def fill_modes(model: Model, linear: Linear, j: int) -> None:
-    """Write λ and g of the modes of joint j from its slots, and their tangents."""
+    """Write λ and g of joint j's modes, and their tangents."""
     value = model.joint[j]
     rate, gain, d_rate, d_gain = linear.rate[j], linear.gain[j], linear.d_rate[j], linear.d_gain[j]
     rate[:], gain[:], d_rate[:], d_gain[:] = 0.0, 0.0, 0.0, 0.0
@@ -48,7 +48,10 @@ def fill_modes(model: Model, linear: Linear, j: int) -> None:
 
 @compiled
 def ladder_rate(step: int) -> float:
-    """Rate of a step of the ladder [1/s]; after the last ones 0 and a fast one."""
+    """Rate of a step of the ladder [1/s].
+
+    After the even ones 0 and a fast one.
+    """
     if step < RATES.size:
         return RATES[step]
     return 0.0 if step == RATES.size else FAST

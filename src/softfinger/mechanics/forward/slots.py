@@ -75,7 +75,7 @@ def build_tangent(trials: int, joints: int, values: Mapping[str, ArrayLike]) -> 
 
 
 def _gather_nulls() -> list[NDArray[np.float64]]:
-    """Null values (slot,) of the kinds of slots, of those that plug-ins declare as well."""
+    """Null values (slot,) of each kind, plug-ins' included."""
     list_effects()
     return [
         np.array([slot.null for slot in SLOTS.values() if slot.kind == kind])

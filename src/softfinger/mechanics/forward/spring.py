@@ -38,7 +38,10 @@ def has_curved_voigt(model: Model) -> bool:
 def flow_drive(
     model: Model, work: Work, j: int, time: float, torque: float, row: NDArray
 ) -> tuple[float, float]:
-    """The torque that the dashpot feels, and its slope; its change at fixed torque to `row`."""
+    """The torque that the dashpot feels, and its slope.
+
+    `row` receives its changes at fixed torque.
+    """
     drive = work.pair
     drive[VALUE], drive[SLOPE] = torque, 1.0
     for k in range(model.count[FLOW]):
@@ -71,7 +74,10 @@ def spring_torque(
 
 @compiled
 def spring_tangent(model: Model, work: Work, j: int, c: int) -> float:
-    """The change of `spring_torque` along a column, at fixed angles, after a call for tangents."""
+    """The change of `spring_torque` along a column.
+
+    At fixed angles, after a call for tangents.
+    """
     free, factor = work.spring[FREE], work.spring[FACTOR]
     change = free * factor * model.d_joint[c, j, LOG_K_V]
     change += work.d_spring[D_FREE, c] * factor + free * work.d_spring[D_FACTOR, c]
@@ -82,10 +88,10 @@ def spring_tangent(model: Model, work: Work, j: int, c: int) -> float:
 def voigt_torque(
     model: Model, work: Work, j: int, time: float, torque: float, elastic: float, angle: float
 ) -> tuple[float, float, float, float]:
-    """What the Voigt element takes away from a linear one's drive: τ − k_v q_v − F φ(F).
+    """What the Voigt element takes from a linear one's drive.
 
-    F = τ − spring torque is the damper's torque and φ its factor; the rate is F φ(F)/c_v.
-    Returns it and its derivatives by torque, q_v and q.
+    τ − k_v q_v − F φ(F), where F = τ − spring torque is the damper's torque and φ its factor; the
+    rate is F φ(F)/c_v. Returns it and its derivatives by torque, q_v and q.
     """
     spring, by_elastic, by_angle = spring_torque(model, work, j, time, elastic, angle, NO)
     damper = torque - spring
@@ -101,7 +107,7 @@ def fill_voigt_tangents(
     model: Model, work: Work, j: int, time: float, torque: float, elastic: float, angle: float,
     row: NDArray,
 ) -> None:  # fmt: skip
-    """Write the change of `voigt_torque` along every column, at fixed torque and angles."""
+    """Write the changes of `voigt_torque` at fixed angles."""
     damper = torque - spring_torque(model, work, j, time, elastic, angle, YES)[0]
     row[:] = 0.0
     thin, climb = _damper_factor(model, work, j, damper, row)
@@ -115,7 +121,7 @@ def fill_voigt_tangents(
 def _damper_factor(
     model: Model, work: Work, j: int, damper: float, row: NDArray
 ) -> tuple[float, float]:
-    """What the damper's torque is multiplied by, and its slope; its change to `row`."""
+    """What the damper's torque is multiplied by, and its slope."""
     thin = work.pair
     thin[VALUE], thin[SLOPE] = 1.0, 0.0
     for k in range(model.count[DAMPER]):
@@ -127,7 +133,7 @@ def _damper_factor(
 def solve_rest(
     model: Model, work: Work, j: int, time: float, torque: float, angle: float
 ) -> tuple[float, float, float]:
-    """The elastic angle at which the spring balances a torque, at rest.
+    """The elastic angle at which the spring balances a torque.
 
     Returns it, and its derivatives by the torque and by the joint angle.
     """

@@ -80,7 +80,10 @@ def run_trial(
 
 @compiled
 def _shift_frames(model: Model, work: Work, time: NDArray) -> tuple[NDArray, NDArray]:
-    """Moments of the frames before the padding, and their change (column,); empty: none."""
+    """Moments of the frames, and their change.
+
+    Those before the padding; the change (column,) is empty where there is none.
+    """
     moment = time[: _count_frames(time)].copy()
     if model.count[CLOCK] == 0:
         return moment, work.none
@@ -123,7 +126,7 @@ def _limit(model: Model, work: Work, load: float) -> float:
 
 @compiled
 def _fill_load(model: Model, work: Work, i: int, since: float) -> None:
-    """Write the load that acts at row i, `since` seconds into a segment, and its changes."""
+    """Write the load that acts at row i, and its changes."""
     nodes, load = work.nodes, work.load
     nodes.load[i] = load.log[VALUE] + load.log[SLOPE] * since
     nodes.d_load[i] = load.d_log[VALUE]

@@ -1,9 +1,13 @@
 """An effect's physics is its file's alone: machine code of no other file depends on it."""
 
+import inspect
+from types import ModuleType
+
 import pytest
 
+from softfinger.compiled import digest_function
 from softfinger.compiled.digest import _Reader
-from softfinger.mechanics.effects import MODULES, list_effects
+from softfinger.mechanics.effects import MODULES, list_effects, wire_friction
 from softfinger.mechanics.forward import hooks, simulate
 from softfinger.mechanics.forward.slot import SLOTS
 
@@ -26,6 +30,23 @@ def test_the_kernel_is_made_from_no_effect():
 def test_an_effect_is_made_from_no_other(module):
     for hook in module.EFFECT.hooks:
         assert list_effect_files(hook.function) == {module.EFFECT.id}
+
+
+def test_an_edit_changes_the_digest_of_what_calls_it_alone():
+    source = inspect.getsource(wire_friction)
+    edited = source.replace(
+        "math.exp(-abs(motion) / width)", "math.exp(-2.0 * abs(motion) / width)"
+    )
+    assert edited != source
+    module = ModuleType(wire_friction.__name__)
+    exec(compile(edited, wire_friction.__file__, "exec"), module.__dict__)
+    pairs = zip(wire_friction.EFFECT.hooks, module.EFFECT.hooks, strict=True)
+    changed = {
+        old.function.__name__
+        for old, new in pairs
+        if digest_function(old.function) != digest_function(new.function)
+    }
+    assert changed == {"turn_at_nodes", "turn_in_jump"}
 
 
 def test_hooks_are_switched_by_slots():
