@@ -47,6 +47,7 @@ from numpy.typing import NDArray
 
 from softfinger.compiled.hook import build_call, find_address
 from softfinger.faults import Fault
+from softfinger.mechanics.forward.slot import SLOTS
 from softfinger.mechanics.forward.work import (
     BALANCE_TYPE,
     LINEAR_TYPE,
@@ -115,6 +116,15 @@ class Hook:
     mixes: bool = False
     inertial: bool = False
     modes: int = 2
+
+    def __post_init__(self) -> None:
+        """Refuse what the kernel would never call."""
+        if self.kind not in KINDS:
+            kinds = ", ".join(KINDS)
+            raise Fault(f"{self.kind!r} is no kind of hook: it must be one of {kinds}")
+        for slot in self.slots:
+            if slot not in SLOTS:
+                raise Fault(f"a hook is switched by {slot!r}, which is no slot: declare it")
 
 
 class Hooks(NamedTuple):

@@ -10,19 +10,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from softfinger.compiled import compiled
 from softfinger.faults import Fault
 from softfinger.mechanics import LOG_PARAMETERS, PARAMETERS
 from softfinger.mechanics.chain import compute_inertia_coefficients
 from softfinger.mechanics.checks import require_finite, require_forward_in_time, require_positive
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.forward.closed_form import run_closed_form
-from softfinger.mechanics.forward.hooks import (
-    OBSERVE,
-    call_observe,
-    compile_hooks,
-    find_hooks,
-)
+from softfinger.mechanics.forward.hooks import compile_hooks, find_hooks
 from softfinger.mechanics.forward.side_by_side import run_side_by_side
 from softfinger.mechanics.forward.slot import SLOTS, list_slots
 from softfinger.mechanics.forward.slots import (
@@ -32,8 +26,7 @@ from softfinger.mechanics.forward.slots import (
     check_slots,
     find_moved_slots,
 )
-from softfinger.mechanics.forward.trial import run_trial
-from softfinger.mechanics.forward.work import allocate_model, allocate_work
+from softfinger.mechanics.forward.trials import run_trials
 from softfinger.mechanics.geometry import FingerGeometry
 from softfinger.mechanics.load import check_load
 
@@ -238,7 +231,7 @@ def simulate_joint_angle_array(
         if closed:
             history = (row[some] for row in rows)
             return run_closed_form(joint[some], changes[0][:, some], *history, by_own)
-        return _run_trials(
+        return run_trials(
             *(value[some] for value in values),
             *(np.ascontiguousarray(change[:, some]) for change in changes),
             rest, modes, mixed, has_law, *(row[some] for row in rows),
@@ -266,54 +259,3 @@ def _check_finger(finger: Finger, moved: set[str]) -> None:
                 f"slot {name!r} needs the finger's lengths and masses, which are not declared: "
                 "give them, or leave it at its null value"
             )
-
-
-@compiled
-def _run_trials(
-    joint: NDArray,
-    chain: NDArray,
-    coupling: NDArray,
-    law: NDArray,
-    d_joint: NDArray,
-    d_chain: NDArray,
-    d_coupling: NDArray,
-    d_law: NDArray,
-    rest: tuple,
-    modes: int,
-    mixed: bool,
-    has_law: bool,
-    time: NDArray,
-    load_time: NDArray,
-    load_torque: NDArray,
-    by_own: bool,
-    tolerance: float,
-    longest: float,
-) -> tuple[NDArray, NDArray]:
-    """Run every trial in turn, in the same arrays."""
-    trials, joints, _ = joint.shape
-    own = 4 * joints * by_own
-    columns = own + len(d_joint)
-    model = allocate_model(joint, chain, coupling, law, by_own, columns, mixed, rest)
-    work = allocate_work(joints, modes, columns)
-    angle = np.full((trials, joints, time.shape[1]), np.nan)
-    gradient = np.zeros((*angle.shape, columns))
-    for trial in range(trials):
-        model.joint[:], model.chain[:] = joint[trial], chain[trial]
-        model.coupling[:] = coupling[trial]
-        if has_law:
-            model.law[:] = law[trial]
-            model.d_law[own:] = d_law[:, trial]
-        model.d_joint[own:] = d_joint[:, trial]
-        model.d_chain[own:] = d_chain[:, trial]
-        model.d_coupling[own:] = d_coupling[:, trial]
-        done = run_trial(
-            model, work, time[trial], load_time[trial], load_torque[trial],
-            tolerance, longest, angle[trial], gradient[trial],
-        )  # fmt: skip
-        if not done:
-            angle[trial], gradient[trial] = np.nan, np.nan
-        elif model.count[OBSERVE] > 0:
-            true, by = angle[trial].copy(), gradient[trial].copy()
-            for k in range(model.count[OBSERVE]):
-                call_observe(model.hook[OBSERVE, k], model, true, by, angle[trial], gradient[trial])
-    return angle, gradient

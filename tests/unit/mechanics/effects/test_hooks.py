@@ -8,8 +8,7 @@ import pytest
 from softfinger.compiled import digest_function
 from softfinger.compiled.digest import _Reader
 from softfinger.mechanics.effects import MODULES, list_effects, wire_friction
-from softfinger.mechanics.forward import hooks, simulate
-from softfinger.mechanics.forward.slot import SLOTS
+from softfinger.mechanics.forward import hooks, trials
 
 EFFECTS = "softfinger.mechanics.effects."
 
@@ -23,7 +22,7 @@ def list_effect_files(function):
 
 
 def test_the_kernel_is_made_from_no_effect():
-    assert list_effect_files(simulate._run_trials) == set()
+    assert list_effect_files(trials.run_trials) == set()
 
 
 @pytest.mark.parametrize("module", MODULES, ids=lambda module: module.EFFECT.id)
@@ -49,10 +48,16 @@ def test_an_edit_changes_the_digest_of_what_calls_it_alone():
     assert changed == {"turn_at_nodes", "turn_in_jump"}
 
 
-def test_hooks_are_switched_by_slots():
-    switching = {slot for e in list_effects().values() for h in e.hooks for slot in h.slots}
-    assert switching <= set(SLOTS)
-    assert "stop_stiffness" in switching
+@pytest.mark.parametrize(
+    ("kind", "slots", "sentence"),
+    [
+        ("torque", ("lag",), "'torque' is no kind of hook: it must be one of clock, log, "),
+        ("balance", ("lag", "leg"), "a hook is switched by 'leg', which is no slot: declare it"),
+    ],
+)
+def test_a_hook_of_no_kind_or_switched_by_no_slot_is_refused(kind, slots, sentence):
+    with pytest.raises(hooks.Fault, match=sentence):
+        hooks.Hook(kind, print, slots)
 
 
 def test_hooks_that_are_not_on_are_not_compiled():
