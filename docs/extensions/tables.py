@@ -24,6 +24,7 @@ from softfinger.figures.effects import plot_effect
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.demonstration import demonstrate_effect
 from softfinger.mechanics.effects.effect import Effect
+from softfinger.mechanics.forward.slot import SLOTS
 from softfinger.provenance import PROJECT
 from softfinger.schema import Configuration
 
@@ -139,6 +140,16 @@ def describe_effects() -> str:
     return format_table(("id", "shows", "what was left out", "with it, and without"), rows)
 
 
+def describe_slots() -> str:
+    """Every slot of the forward model, the base joint's first."""
+    list_effects()
+    rows = [
+        (f"`{name}`", slot.kind, slot.unit, f"{slot.null:g}", slot.meaning)
+        for name, slot in SLOTS.items()
+    ]
+    return format_table(("slot", "one value for each", "unit", "absent at", "meaning"), rows)
+
+
 def draw_effect(effect: Effect) -> str:
     """Draw what an effect looks like, as an inline picture."""
     return embed_figure(
@@ -175,6 +186,7 @@ MAKERS: dict[str, Callable[[], str]] = {
     "configuration": describe_configuration,
     "decisions": decisions_page.describe_decisions,
     "effects": describe_effects,
+    "slots": describe_slots,
     "growth": growth_page.describe_growth,
     "make": describe_make,
 }
