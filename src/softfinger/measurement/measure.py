@@ -10,6 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
+from softfinger.measurement.budget import BUDGET
 from softfinger.measurement.decisions import DECISIONS
 from softfinger.measurement.frames import select_frames
 from softfinger.measurement.noise import NoiseFit, complete_noise, fit_noise
@@ -59,17 +60,8 @@ def measure(angles: xr.Dataset, motion: Array | None = None) -> xr.Dataset:
     frames = _leave_out(frames, _find_outliers(angles, frames, None))
     if motion is None:
         return _complete(angles, frames, fit_noise(angles, frames), {})
-    moved = _measure_deflection(motion, frames)
-    fit = fit_noise(angles, frames)
-    scales = fit_scales(_list_variances(fit, moved))
-    if scales.size:
-        grown = np.sqrt(1.0 + (scales.per_rad * np.nan_to_num(moved)) ** 2)
-        frames = frames.assign(
-            trial_factor=(LAYOUT[:2], scales.factor),
-            noise_factor=(LAYOUT, scales.factor[:, :, None] * grown),
-        )
-        fit = fit_noise(angles, frames)
-    known = complete_noise(fit.noise, angles, frames)
+    scales, frames = _scale_noise(angles, frames, _measure_deflection(motion, frames))
+    known = complete_noise(fit_noise(angles, frames).noise, angles, frames)
     frames = frames.assign(used=every)
     frames = _leave_out(frames, _find_outliers(angles, frames, known))
     fit = fit_noise(angles, frames)
@@ -77,6 +69,27 @@ def measure(angles: xr.Dataset, motion: Array | None = None) -> xr.Dataset:
     return _complete(angles, frames, fit, found).assign(
         noise_per_rad=scales.per_rad, recorded_noise_sd=("joint", _measure_sd(angles, frames, fit))
     )
+
+
+def _scale_noise(angles: xr.Dataset, frames: xr.Dataset, moved: Array) -> tuple[Scales, xr.Dataset]:
+    """Scale the noise of every trial, joint and frame by what quiet windows show.
+
+    In rounds: windows that are too lively for a campaign of one noise are calm in units of their
+    own. An sd that is declared is where the noise of a trial is expected, and no more.
+    """
+    free = angles.assign_attrs(noise_sd_rad=np.nan)
+    declared = float(angles.attrs.get("noise_sd_rad", np.nan))
+    for _ in range(BUDGET.scale_rounds):
+        fit = fit_noise(free, frames)
+        scales = fit_scales(_list_variances(fit, moved, frames, declared))
+        grown = np.sqrt(1.0 + (scales.per_rad * np.nan_to_num(moved)) ** 2)
+        frames = frames.assign(
+            trial_factor=(LAYOUT[:2], scales.factor),
+            noise_factor=(LAYOUT, scales.factor[:, :, None] * grown),
+        )
+        if not scales.size:
+            break
+    return scales, frames
 
 
 def add_components(
@@ -123,7 +136,8 @@ def _measure_sd(angles: xr.Dataset, frames: xr.Dataset, fit: NoiseFit) -> Array:
     """Sd (joint,) [rad] that the recordings show, whatever is declared."""
     if not np.isfinite(angles.attrs.get("noise_sd_rad", np.nan)):
         return fit.noise["noise_sd"].values
-    return fit_noise(angles.assign_attrs(noise_sd_rad=np.nan), frames).noise["noise_sd"].values
+    shown = fit_noise(angles.assign_attrs(noise_sd_rad=np.nan), frames).noise["noise_sd"].values
+    return shown * np.exp(np.log(frames["trial_factor"].values).mean(axis=0))
 
 
 def _count_lost(angles: xr.Dataset, frames: xr.Dataset) -> float:
@@ -151,8 +165,11 @@ def _measure_deflection(motion: Array, frames: xr.Dataset) -> Array:
     return np.abs(motion - np.take_along_axis(motion, first[:, None, None], axis=2))
 
 
-def _list_variances(fit: NoiseFit, moved: Array) -> WindowVariances:
-    """Variance of every quiet window over its joint's."""
+def _list_variances(
+    fit: NoiseFit, moved: Array, frames: xr.Dataset, declared: float
+) -> WindowVariances:
+    """Variance of every quiet window over its joint's, or over what is declared."""
+    factor = frames["noise_factor"].values
     trials, joints, count = moved.shape
     parts = [np.empty((0, 5))]
     for joint, (windows, rho) in enumerate(zip(fit.windows, fit.autocorrelation, strict=True)):
@@ -161,17 +178,20 @@ def _list_variances(fit: NoiseFit, moved: Array) -> WindowVariances:
         residual = np.empty(len(windows.rows))
         rss, _ = profile_windows(rho, *windows[:3], residual)
         freedom = np.diff(windows.start) - PRIORS.degree - 1.0
-        usual = rss.sum() / freedom.sum()
+        usual = declared**2 if np.isfinite(declared) else rss.sum() / freedom.sum()
         begin = windows.start[:-1]
         trial, frame = windows.place // count, windows.place % count
-        away = np.add.reduceat(moved[trial, joint, frame], begin) / np.diff(windows.start)
-        value = np.maximum(rss / freedom, LEAST_SD**2) / max(usual, LEAST_SD**2)
+        away, own = (
+            np.add.reduceat(part[trial, joint, frame], begin) / np.diff(windows.start)
+            for part in (moved, factor**2)
+        )
+        value = np.maximum(own * rss / freedom, LEAST_SD**2) / max(usual, LEAST_SD**2)
         freedom = freedom / (1.0 + 0.5 * _measure_tail(residual, windows.start))
         parts.append(np.column_stack([value, freedom, trial[begin], 0 * value + joint, away]))
     value, freedom, trial, joint, away = np.concatenate(parts).T
-    return WindowVariances(
-        value, freedom, trial.astype(int), joint.astype(int), away, trials, joints
-    )
+    places = trial.astype(int), joint.astype(int)
+    expected = bool(np.isfinite(declared))
+    return WindowVariances(value, freedom, *places, away, trials, joints, expected)
 
 
 def _measure_tail(residual: Array, start: NDArray) -> Array:

@@ -15,6 +15,11 @@ class MeasurementPriors:
     """Growth of the noise at the largest deflection. Why: hardly seen up to five times."""
     window_scatter: tuple[float, ...] = (0.0, 0.05, 0.1, 0.2, 0.4)
     """Sds of a window's log variance beyond chance. Why: light and motion differ a little."""
+    declared_sd: float = 0.1
+    """Sd of the log of the noise's sd about what is declared. Why: nobody knows it to 1 %.
+
+    Test: `test_measure.py::test_a_declared_sd_is_expected_and_not_enforced`.
+    """
     degree: int = 4
     """Of the polynomial that motion follows in a quiet window. Why: creep has settled there."""
     lasting_windows: float = 0.25

@@ -45,6 +45,8 @@ class WindowVariances(NamedTuple):
         (window,) [rad].
     trials, joints
         How many there are.
+    expected
+        Whether a variance of 1 is expected, because it is declared.
     """
 
     value: Array
@@ -54,6 +56,7 @@ class WindowVariances(NamedTuple):
     deflection: Array
     trials: int
     joints: int
+    expected: bool = False
 
 
 class Scales(NamedTuple):
@@ -120,7 +123,10 @@ def _locate(windows: WindowVariances, size: Mapping[str, float]) -> Array:
 def _solve(
     windows: WindowVariances, size: Mapping[str, float], scatter: float
 ) -> tuple[float, Array]:
-    """Log evidence, each joint's level integrated, and the posterior mean of b (trial, joint)."""
+    """Log evidence, each joint's level integrated, and the posterior mean of b (trial, joint).
+
+    Where a level is expected, b has it.
+    """
     trials, joints = windows.trials, windows.joints
     half = 0.5 * windows.freedom
     largest = max(float(windows.deflection.max(initial=0.0)), 1e-300)
@@ -138,9 +144,11 @@ def _solve(
     between = shared * np.ones((joints, joints)) + apart * np.eye(joints)
     inverse = np.linalg.inv(between + own[:, :, None] * np.eye(joints))
     normal = inverse.sum(axis=0)
+    if windows.expected:
+        normal += np.eye(joints) / (2.0 * PRIORS.declared_sd) ** 2
     level = np.linalg.solve(normal, np.einsum("tjk,tk->j", inverse, mean))
     left = mean - level
     pull = np.einsum("tjk,tk->tj", inverse, left)
     square = np.sum(left * pull) - np.linalg.slogdet(inverse)[1].sum()
     square += np.linalg.slogdet(normal)[1]
-    return -0.5 * float(within + square), pull @ between
+    return -0.5 * float(within + square), pull @ between + (level if windows.expected else 0.0)

@@ -54,15 +54,9 @@ class DiagnosisDecisions:
     Test: `test_stepwise.py::test_what_effects_may_leave_grows_with_what_they_explain`.
     """
     missing: float = 1e-3
-    """p-value of the scatter within trials below which something is missing.
+    """p-value of what lasts within trials below which something is missing.
 
-    Why: one campaign in a thousand; noise inferred with the model makes it needless.
-    Test: `test_settle.py::test_effects_that_leave_much_do_not_explain`.
-    """
-    scatter_left: float = 0.5
-    """Share of the base model's excess scatter that effects may leave.
-
-    Why: with more left, effects are not what scatters.
+    Why: one campaign in a thousand.
     Test: `test_settle.py::test_effects_that_leave_much_do_not_explain`.
     """
     tail_share: float = 0.2

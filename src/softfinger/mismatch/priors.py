@@ -17,8 +17,8 @@ class DiagnosisPriors:
 
     Test: `test_decisions.py::test_a_disturbance_costs_its_prior`.
     """
-    noise_variance_sd: float = 0.02
-    """Relative sd of the noise's variance. Why: what REML windows leave of it in 40 trials.
+    noise_memory_sd: float = 0.03
+    """Sd of the correlation of neighbouring bins that whitening leaves. Why: no noise is AR(1).
 
     Test: `test_decisions.py::test_excess_that_the_noise_may_explain_is_none`.
     """

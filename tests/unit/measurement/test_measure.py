@@ -118,13 +118,17 @@ def test_rounded_angles_err_by_their_rounding(drawn):
     assert (found["noise_sd"] >= step / np.sqrt(12) * 0.999).all()
 
 
-def test_a_declared_sd_is_kept_by_uneven_trials(drawn):
+def test_a_declared_sd_is_expected_and_not_enforced(drawn):
+    """The artifact has what is declared, and how far each trial is from it."""
     angles, motion = drawn()
-    angles.attrs["noise_sd_rad"] = 0.0042
-    found = measure(angles, motion)
-    assert found["noise_sd"].values == pytest.approx([0.0042] * 3)
-    shown = found["recorded_noise_sd"].values
-    np.testing.assert_allclose(shown, SD * np.array([1.0, 0.8, 1.3]), rtol=0.06)
+    true = SD * np.array([1.0, 0.8, 1.3])
+    for declared in (0.003, 0.0015, 0.006):
+        angles.attrs["noise_sd_rad"] = declared
+        found = measure(angles, motion)
+        assert found["noise_sd"].values == pytest.approx([declared] * 3)
+        used = declared * found["trial_factor"].values
+        np.testing.assert_allclose(used.mean(axis=0), true, rtol=0.06)
+        np.testing.assert_allclose(found["recorded_noise_sd"].values, true, rtol=0.06)
 
 
 def test_noise_is_carried_over_to_other_trials_without_what_they_suffer_from(drawn):

@@ -1,5 +1,6 @@
 """What each number that decides does: the effect of those that no other test shows."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -67,7 +68,7 @@ NOTHING = SimpleNamespace(gain=0.0, trials=[], joints=[])
 @pytest.mark.parametrize(("q_value", "times"), [(0.04, (0.1, 0.3)), (0.06, None)])
 def test_a_misfit_is_located_where_false_discoveries_are_few(monkeypatch, q_value, times):
     locate(monkeypatch, q_value)
-    findings = SimpleNamespace(best_excess=0.5, best_p=0.01, slips=NOTHING, free=None, left=0.0)
+    findings = SimpleNamespace(excess=0.5, p_value=0.01, slips=NOTHING, free=None, left=0.0)
     where = describe_remaining(None, None, findings).where
     assert where.startswith("joint 2" if times else "nowhere")
     problem = SimpleNamespace(setting=SimpleNamespace(duration=30.0))
@@ -205,12 +206,19 @@ def test_a_disturbance_costs_its_prior(posed, monkeypatch):
     assert plain.evidence - judged.evidence == pytest.approx(3.0)
 
 
-def test_excess_that_the_noise_may_explain_is_none():
-    """4 % of excess in very many numbers is two sds of what is known of the noise."""
-    size = 1e7
-    fit = SimpleNamespace(
-        omega=np.eye(1), shared=np.zeros(0), gram=np.array([[[1.0, 0.0], [0.0, 1.04 * size]]])
-    )
-    excess, p_value = compute_excess(fit, np.array([int(size)]))
-    assert excess == pytest.approx(0.04, rel=1e-3)
-    assert p_value == pytest.approx(0.0228, abs=2e-4)
+def test_noise_of_another_size_is_no_excess_and_what_lasts_is(posed):
+    problem, base, _ = posed
+    excess, p_value = compute_excess(problem, base)
+    assert abs(excess) < 0.1
+    assert p_value > 0.001
+    angle = problem.trials.angle
+    fitted = problem.simulate(base.model, base.fit.own, base.fit.shared, np.zeros(0, int))[0]
+    mean = fitted.reshape(*fitted.shape[:2], -1, 2).mean(axis=3).transpose(0, 2, 1)
+    louder = problem.trials._replace(angle=mean + 3.0 * (angle - mean))
+    same = compute_excess(replace(problem, trials=louder), base)
+    assert same == pytest.approx((excess, p_value), rel=1e-6)
+    wave = 0.02 * np.sin(np.arange(angle.shape[1]) / 5.0)[:, None]
+    lasting = problem.trials._replace(angle=angle + wave)
+    excess, p_value = compute_excess(replace(problem, trials=lasting), base)
+    assert excess > 0.3
+    assert p_value < 1e-6

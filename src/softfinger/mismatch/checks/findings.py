@@ -19,8 +19,8 @@ class Findings(NamedTuple):
 
     Attributes
     ----------
-    base_excess, best_excess, best_p
-        Excess χ² within trials of the base and the best model, and the p-value of the latter.
+    excess, p_value
+        What lasts within trials of what the best model leaves, over the noise, and its p-value.
     line
         The strongest spectral line that the best model leaves.
     slips
@@ -33,9 +33,8 @@ class Findings(NamedTuple):
         What a third effect adds to that [nats].
     """
 
-    base_excess: float
-    best_excess: float
-    best_p: float
+    excess: float
+    p_value: float
     line: Line
     slips: Slips
     free: FreeForm | None
@@ -49,14 +48,8 @@ class Findings(NamedTuple):
         return max(self.further, free, self.line.gain, self.slips.gain)
 
     def is_unlisted(self, needed: float) -> bool:
-        """Whether something is missing that one or two listed effects do not mostly explain.
-
-        Scatter may be noise that was misjudged; evidence for a shape, a line or slips is not, so
-        less of that may be left.
-        """
-        scatter = self.best_p < DECISIONS.missing
-        scatter &= self.best_excess > DECISIONS.scatter_left * max(self.base_excess, 0.0)
-        return bool(scatter or self.left > allow_rest(self.gain, needed))
+        """Whether more is left than noise, or more than listed effects may leave to a shape."""
+        return bool(self.p_value < DECISIONS.missing or self.left > allow_rest(self.gain, needed))
 
 
 def examine(problem: Problem, search: Search, angles: xr.Dataset, *, needed: float) -> Findings:
@@ -64,8 +57,6 @@ def examine(problem: Problem, search: Search, angles: xr.Dataset, *, needed: flo
 
     What `shape_rest` makes of a search is asked for.
     """
-    rows = problem.trials.size[problem.trials.protocol]
-    base, _ = compute_excess(search.base.fit, rows)
     time = angles.sel(trial=problem.trials.name)["time"].transpose("trial", "frame").values
     line = find_line(problem, compute_residual(problem, search.best, angles), time)
     free = search.shape.free
@@ -75,8 +66,8 @@ def examine(problem: Problem, search: Search, angles: xr.Dataset, *, needed: flo
     gain = best_few - search.base.log_evidence
     further = max(search.best.log_evidence - best_few, 0.0)
     slips = find_slips(problem, search.best, angles)
-    excess = compute_excess(search.best.fit, rows)
-    return Findings(base, *excess, line, slips, free, gain, further)
+    excess = compute_excess(problem, search.best)
+    return Findings(*excess, line, slips, free, gain, further)
 
 
 def weigh_against_shape(search: Search, findings: Findings) -> float:

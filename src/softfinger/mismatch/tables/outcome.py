@@ -9,7 +9,7 @@ import xarray as xr
 from softfinger.mechanics.effects.law_curve import compute_law_curves
 from softfinger.mechanics.effects.model_file import FittedTo, ModelFile, describe_model
 from softfinger.mismatch.checks.free_form import FreeForm
-from softfinger.mismatch.checks.summary import compare_elpd, compute_excess
+from softfinger.mismatch.checks.summary import compare_elpd, compute_square_excess
 from softfinger.mismatch.diagnose import Diagnosis
 from softfinger.mismatch.tables.evidence import tabulate_location, tabulate_ranking
 from softfinger.mismatch.tables.repair import measure_repair
@@ -101,8 +101,8 @@ def measure_free_form(diagnosis: Diagnosis, free: FreeForm) -> dict[str, float]:
     return {
         "elpd_difference": float("nan") if elpd is None else elpd.difference,
         "elpd_se": float("nan") if elpd is None else elpd.se,
-        "excess": compute_excess(free.fit, rows)[0],
-        "excess_without": compute_excess(best.fit, rows)[0],
+        "excess": compute_square_excess(free.fit, rows),
+        "excess_without": compute_square_excess(best.fit, rows),
     }
 
 

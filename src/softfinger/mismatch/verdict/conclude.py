@@ -97,8 +97,8 @@ def describe_remaining(problem: Problem, candidate: Candidate, findings: Finding
     if float(worst) < DECISIONS.false_discoveries:
         joint, phase, since = worst["cell"].item()
         where = f"joint {joint}, {phase}, from {since:g} s after a change of load"
-    rms = float(np.sqrt(max(1.0 + findings.best_excess, 0.0)))
-    return Remaining(rms_over_noise=rms, p_value=findings.best_p, where=where)
+    rms = float(np.sqrt(max(1.0 + findings.excess, 0.0)))
+    return Remaining(rms_over_noise=rms, p_value=findings.p_value, where=where)
 
 
 def describe_free_form(free: FreeForm | None) -> FreeFormNote | None:

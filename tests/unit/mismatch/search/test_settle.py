@@ -127,9 +127,8 @@ def test_of_two_effects_the_one_above_its_floor_is_kept():
 def test_effects_that_leave_much_do_not_explain(shape, p, unlisted):
     quiet = SimpleNamespace(gain=-1.0)
     findings = Findings(
-        base_excess=1.0,
-        best_excess=0.6,
-        best_p=p,
+        excess=0.6,
+        p_value=p,
         line=quiet,
         slips=quiet,
         free=SimpleNamespace(gain=shape),
