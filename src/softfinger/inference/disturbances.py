@@ -27,6 +27,7 @@ Array = NDArray[np.float64]
 
 SIZES: Mapping[str, Array] = {
     "noisy_load": np.array(PRIORS.load_sizes),
+    "load_drift": np.array(PRIORS.load_drift_sizes),
     "timing_jitter": np.array(PRIORS.jitter_sizes_s),
     "clock_offset": np.array(PRIORS.offset_sizes_s),
     "clock_rate": np.array(PRIORS.rate_sizes),
@@ -52,6 +53,7 @@ def list_disturbances(problem: Problem, candidate: Candidate) -> dict[str, Array
         found["clock_offset"] = speed[..., None]
         found["clock_rate"] = (speed * time)[..., None]
         found["noisy_load"] = _move_rows(problem, candidate)
+        found["load_drift"] = _drift_load(problem, candidate)
     return found
 
 
@@ -193,16 +195,23 @@ def _spread_jitter(trials: Trials, speed: Array) -> Array:
     return np.repeat(columns, 2, axis=2)
 
 
-def _list_walks(problem: Problem) -> Array:
-    """Leading shapes of a random walk of each joint, of the noise's sd at the end of a trial.
+def _walk_array(share: Array) -> Array:
+    """Leading shapes (…, k) of a random walk over shares (…) of a trial, of sd 1 at its end.
 
     Karhunen–Loève: √2 sin((k − ½) π t/T) / ((k − ½) π).
+
+    >>> bool(abs((_walk_array(np.ones(1)) ** 2).sum() - 1.0) < 0.05)
+    True
     """
+    pitch = (np.arange(BUDGET.drift_shapes) + 0.5) * np.pi
+    return np.sqrt(2.0) * np.sin(share[..., None] * pitch) / pitch
+
+
+def _list_walks(problem: Problem) -> Array:
+    """How a random walk of each joint moves the angles, of the noise's sd at a trial's end."""
     trials, joints = problem.trials, problem.trials.joints
     node = trials.node.reshape(len(trials.name), -1)
-    share = (node - node[:, :1]) / np.maximum(node[:, -1:] - node[:, :1], 1e-300)
-    pitch = (np.arange(BUDGET.drift_shapes) + 0.5) * np.pi
-    walk = np.sqrt(2.0) * np.sin(share[..., None] * pitch) / pitch
+    walk = _walk_array((node - node[:, :1]) / np.maximum(node[:, -1:] - node[:, :1], 1e-300))
     sd = problem.noise["noise_sd"].values
     columns = np.einsum("tns,jk,j->tjnks", walk, np.eye(joints), sd)
     return columns.reshape(*columns.shape[:3], joints * BUDGET.drift_shapes)
@@ -221,6 +230,19 @@ def _move_rows(problem: Problem, candidate: Candidate) -> Array:
         torque = trials.load_torque * (1.0 + error)
         columns[..., k] = (_simulate(problem, candidate, load_torque=torque) - still) / STEP_SHARE
     return columns
+
+
+def _drift_load(problem: Problem, candidate: Candidate) -> Array:
+    """How a gain of the load cell that walks within a trial moves the angles."""
+    trials = problem.trials
+    start, end = trials.node[:, 0, 0, None], trials.node[:, -1, -1, None]
+    walk = _walk_array(np.clip((trials.load_time - start) / (end - start), 0.0, 1.0))
+    still = _simulate(problem, candidate)
+    moved = [
+        _simulate(problem, candidate, load_torque=trials.load_torque * (1.0 + STEP_SHARE * shape))
+        for shape in np.moveaxis(walk, -1, 0)
+    ]
+    return np.stack([(angle - still) / STEP_SHARE for angle in moved], axis=-1)
 
 
 def _group_rows(time: Array, torque: Array) -> tuple[NDArray[np.int64], Array]:

@@ -49,6 +49,8 @@ class InferencePriors:
     """Of correlations of parameters over trials. Why: weakly against ±1."""
     load_sizes: tuple[float, ...] = (0.001, 0.002, 0.005, 0.01, 0.02)
     """Relative sds of a load log's row that are as likely. Why: a good cell up to a bad one."""
+    load_drift_sizes: tuple[float, ...] = (0.003, 0.01, 0.03)
+    """The same of the drift of its gain at a trial's end. Why: a warming cell, up to a bad one."""
     jitter_sizes_s: tuple[float, ...] = (0.0005, 0.001, 0.002, 0.004, 0.008)
     """[s] The same of a frame's time. Why: up to a quarter of a frame."""
     offset_sizes_s: tuple[float, ...] = (0.001, 0.003, 0.01, 0.03)

@@ -95,8 +95,17 @@ def _scale_noise(angles: xr.Dataset, frames: xr.Dataset, moved: Array) -> tuple[
 def add_components(
     measurement: xr.Dataset, size: dict[str, float], evidence: dict[str, float]
 ) -> xr.Dataset:
-    """Add what was found besides: component → size, and evidence [nats]."""
+    """Add what was found besides: component → size, and evidence [nats].
+
+    More of a component adds to what is there of it.
+    """
     known = measurement[["component_size", "component_evidence"]]
+    size, evidence = dict(size), dict(evidence)
+    for name in set(known["component"].values.tolist()) & set(size):
+        here = known.sel(component=name)
+        size[name] = float(np.hypot(size[name], here["component_size"]))
+        evidence[name] += float(here["component_evidence"])
+        known = known.drop_sel(component=name)
     more = xr.Dataset(
         {
             "component_size": ("component", list(size.values())),

@@ -1,12 +1,15 @@
 """The diagnosis: one call from angles to a verdict and the artifacts behind it."""
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from softfinger.inference.problem import Candidate, Problem, pose_problem
+from softfinger.measurement.measure import add_components
+from softfinger.measurement.steady import steady_log
 from softfinger.mechanics.effects.model_file import ModelFile
 from softfinger.mismatch.candidates.columns import ScoreColumns, collect_columns
 from softfinger.mismatch.candidates.rank import Score, list_pieces, rank_pieces
@@ -14,7 +17,7 @@ from softfinger.mismatch.checks.findings import Findings, examine
 from softfinger.mismatch.config import MismatchSettings
 from softfinger.mismatch.experiment.masking import list_invisible, tabulate_masking
 from softfinger.mismatch.search.calibrate import FalseAlarms, calibrate_false_alarms
-from softfinger.mismatch.search.judge import judge_finalists, settle_measurement
+from softfinger.mismatch.search.judge import judge_finalists, settle_measurement, weigh_log
 from softfinger.mismatch.search.settle import (
     Posterior,
     drop_negligible,
@@ -96,6 +99,16 @@ def diagnose(
         return Survey(columns, alarms, needed, rank_pieces(problem, base, columns, progress))
 
     columns, alarms, needed, ranked = survey(plain, base)
+    steady, error = steady_log(angles)
+    known = plain.setting.load_known and error > 0.0
+    nats = weigh_log(plain, base, ranked[0], steady, needed) if known else 0.0
+    if nats > 0.0:  # that the log scatters is seen in the log
+        angles = steady
+        plain, fit = pose_problem(angles, content, priors=priors)
+        found = {"noisy_load": error}, {"noisy_load": nats}
+        plain = replace(plain, noise=add_components(plain.noise, *found))
+        base = Candidate(plain.base, fit, fit.log_evidence)
+        columns, alarms, needed, ranked = survey(plain, base)
     problem, base = settle_measurement(plain, base, ranked[0], needed)
     if problem is not plain:
         columns, alarms, needed, ranked = survey(problem, base)

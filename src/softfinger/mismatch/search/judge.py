@@ -33,6 +33,46 @@ class Judged(NamedTuple):
     evidence: float
 
 
+def weigh_log(
+    plain: Problem, base: Candidate, singles: list[Candidate], angles: xr.Dataset, needed: float
+) -> float:
+    """Evidence [nats] for another log of the same load, against the log that was fitted.
+
+    Each counts by the base model or by the best effects, an effect less what chance gains.
+
+    Parameters
+    ----------
+    plain, base, singles
+        Fitted to the log as it is.
+    angles
+        With the other log.
+    """
+    torque = angles.sel(trial=plain.trials.name)["load_torque"].transpose("trial", "knot").values
+    other = replace(plain, trials=plain.trials._replace(load_torque=torque))
+    leaders = _list_leaders(base, singles, needed)
+    moved = (_fit(other, c, base) for c in (base, *leaders))
+    best = [
+        max((_discount(c, base, needed) for c in some if c is not None), default=-np.inf)
+        for some in ((base, *leaders), moved)
+    ]
+    return best[1] - best[0]
+
+
+def _discount(candidate: Candidate, base: Candidate, needed: float) -> float:
+    added = len(candidate.model.ids - base.model.ids)
+    return candidate.log_evidence - needed * added
+
+
+def _list_leaders(base: Candidate, singles: list[Candidate], needed: float) -> list[Candidate]:
+    """Best model of each of the leading effects."""
+    leaders: dict[frozenset[str], Candidate] = {}
+    for candidate in singles:
+        gain = candidate.log_evidence - base.log_evidence
+        if candidate.fit is not None and gain > needed and len(leaders) < BUDGET.leaders:
+            leaders.setdefault(candidate.model.ids, candidate)
+    return list(leaders.values())
+
+
 def settle_measurement(
     plain: Problem, base: Candidate, singles: list[Candidate], needed: float
 ) -> tuple[Problem, Candidate]:
@@ -52,12 +92,8 @@ def settle_measurement(
     problem, base
         With that measurement; as they are where it has no disturbance.
     """
-    leaders: dict[frozenset[str], Candidate] = {}
-    for candidate in singles:
-        gain = candidate.log_evidence - base.log_evidence
-        if candidate.fit is not None and gain > needed and len(leaders) < BUDGET.leaders:
-            leaders.setdefault(candidate.model.ids, candidate)
-    judging = (judge(plain, c, plain, base) for c in (base, *leaders.values()))
+    leaders = _list_leaders(base, singles, needed)
+    judging = (judge(plain, c, plain, base) for c in (base, *leaders))
     best = max((j for j in judging if j is not None), key=lambda j: j.evidence, default=None)
     if best is None or best.problem is plain:
         return plain, base

@@ -11,10 +11,11 @@ from softfinger.mismatch.verdict.schema import Suffering, Warned
 
 
 class _Words(NamedTuple):
-    """Key of the size, and the sentence from size and measurement."""
+    """Key of the size, the sentence from size and measurement, and the verdict's id if another."""
 
     key: str
     say: Callable[[float, xr.Dataset], str]
+    id: str = ""
 
 
 def describe_measurement(measurement: xr.Dataset) -> list[Suffering]:
@@ -27,7 +28,7 @@ def describe_measurement(measurement: xr.Dataset) -> list[Suffering]:
         words = WORDS[name]
         found.append(
             Suffering(
-                id=name,
+                id=words.id or name,
                 joints=[],
                 trials=_list_trials(name, measurement),
                 size={words.key: size},
@@ -111,6 +112,11 @@ WORDS = {
     "noisy_load": _Words(
         "relative_sd",
         lambda s, _: f"The load log scatters by {100 * s:.2g} %: {10 * s:.2g} N at 10 N.",
+    ),
+    "load_drift": _Words(
+        "relative_sd",
+        lambda s, _: f"The gain of the load cell drifts within a trial by {100 * s:.2g} %.",
+        "noisy_load",
     ),
     "timing_jitter": _Words(
         "sd_s", lambda s, _: f"The times of the frames jitter by {1e3 * s:.2g} ms."

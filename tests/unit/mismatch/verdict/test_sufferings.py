@@ -26,7 +26,7 @@ def test_every_component_has_a_sentence_and_the_strongest_comes_first():
     told = describe_measurement(build_measurement(found))
     assert [one.evidence for one in told] == sorted(range(len(WORDS)), reverse=True)
     assert all(one.statement.endswith(".") for one in told)
-    assert {one.id for one in told} == set(WORDS)
+    assert {one.id for one in told} == {words.id or name for name, words in WORDS.items()}
 
 
 def test_the_trials_that_suffer_are_named():

@@ -1,0 +1,48 @@
+"""A load log whose plateaus are steady: what it reads beside that is its own error.
+
+A log that scatters or drifts while the load rests has read its error out itself. Held against the
+motion, that is one model of the log beside the other: the load follows every reading.
+"""
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from softfinger.measurement.decisions import DECISIONS
+
+
+def steady_load_array(torque: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Replace what a log reads on each plateau (knot,) by its mean there.
+
+    A plateau is a run of rows without a jump that stays within the share of the load's range that
+    counts as a change.
+
+    >>> steady_load_array(np.array([0.0, 0.0, 1.0, 1.02, 0.98, 0.5, 0.5]))
+    array([0. , 0. , 1. , 1. , 1. , 0.5, 0.5])
+    """
+    change = DECISIONS.load_change * max(np.ptp(torque), np.abs(torque).max(), 1e-300)
+    steady = torque.copy()
+    for run in np.split(
+        np.arange(len(torque)), np.flatnonzero(np.abs(np.diff(torque)) > change) + 1
+    ):
+        if 0.0 < np.ptp(torque[run]) <= change:
+            steady[run] = torque[run].mean()
+    return steady
+
+
+def steady_log(angles: xr.Dataset) -> tuple[xr.Dataset, float]:
+    """Steady the log of every trial, and measure what it read besides.
+
+    Returns
+    -------
+    angles, error
+        With `load_torque` (trial, knot) steadied; relative rms of what was taken away, where there
+        is load; 0 where every plateau was steady.
+    """
+    logged = angles["load_torque"].transpose("trial", "knot")
+    steady = np.stack([steady_load_array(torque) for torque in logged.values])
+    loaded = steady != 0.0
+    if not loaded.any():
+        return angles, 0.0
+    error = float(np.sqrt(np.mean((logged.values[loaded] / steady[loaded] - 1.0) ** 2)))
+    return angles.assign(load_torque=(logged.dims, steady)), error

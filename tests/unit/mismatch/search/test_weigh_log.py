@@ -1,0 +1,67 @@
+"""Whether the load follows what its log reads on a plateau, or the log errs."""
+
+import numpy as np
+import pytest
+
+from softfinger.inference.problem import Candidate, pose_problem
+from softfinger.inference.simulate import (
+    build_recording,
+    describe_noise,
+    draw_angles,
+    draw_parameters,
+)
+from softfinger.measurement.measure import add_components
+from softfinger.measurement.steady import steady_log
+from softfinger.mismatch.search.judge import weigh_log
+
+TIME = np.arange(300) / 15
+ROWS = np.arange(21.0)
+UNKNOWN = {f"link_{k}": ("joint", [np.nan]) for k in ("length", "mass", "centre", "inertia")}
+
+
+def record(follows):
+    """Record 6 trials under a load that scatters by 1 %, or only its log does."""
+    rng = np.random.default_rng(5)
+    steady = np.where(ROWS < 10, 0.03, 0.05) * np.ones((6, 1))
+    scattered = steady * (1.0 + 0.01 * rng.standard_normal(steady.shape))
+    names = [f"t{i}" for i in range(6)]
+    known = scattered if follows else steady
+    recording = build_recording(TIME, np.tile(ROWS, (6, 1)), known, 1, names)
+    mean = np.array([[-2.4, -3.6, 2.9, 0.02]])
+    own = draw_parameters(mean, np.array([0.2, 0.4, 0.7, 0.01]), recording, rng)
+    angles = draw_angles(recording, own, describe_noise(np.full(1, 0.001), np.zeros(1), 0.0), rng)
+    return angles.assign(
+        load_torque=(("trial", "knot"), scattered),
+        started_at=("trial", np.full(6, np.nan)),
+        joint_length=np.nan,
+        wire_offset=np.nan,
+        **UNKNOWN,
+    )
+
+
+@pytest.mark.parametrize(("follows", "sign"), [(False, 1.0), (True, -1.0)])
+def test_the_motion_decides_whether_the_load_or_its_log_scatters(follows, sign):
+    angles = record(follows)
+    problem, fit = pose_problem(angles)
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    steady, error = steady_log(angles)
+    assert error == pytest.approx(0.01, rel=0.25)
+    assert sign * weigh_log(problem, base, [], steady, 7.0) > 20.0
+
+
+def test_a_log_of_steady_plateaus_stays_as_it_is():
+    angles = record(follows=False)
+    steady, _ = steady_log(angles)
+    again, error = steady_log(steady)
+    assert error == pytest.approx(0.0, abs=1e-12)
+    np.testing.assert_allclose(again["load_torque"], steady["load_torque"])
+
+
+def test_more_of_a_component_adds_to_what_is_there():
+    angles = record(follows=False)
+    problem, _ = pose_problem(angles)
+    once = add_components(problem.noise, {"noisy_load": 0.003}, {"noisy_load": 10.0})
+    twice = add_components(once, {"noisy_load": 0.004}, {"noisy_load": 5.0})
+    found = twice.sel(component="noisy_load")
+    assert float(found["component_size"]) == pytest.approx(0.005)
+    assert float(found["component_evidence"]) == pytest.approx(15.0)
