@@ -20,7 +20,7 @@ class DiagnosisPriors:
     noise_memory_sd: float = 0.03
     """Sd of the correlation of neighbouring bins that whitening leaves. Why: no noise is AR(1).
 
-    Test: `test_decisions.py::test_excess_that_the_noise_may_explain_is_none`.
+    Test: `test_decisions.py::test_noise_of_another_size_is_no_excess_and_what_lasts_is`.
     """
     knots: int = 9
     """Coefficients of a cubic spline. Why: it turns up to eight times, more than any law."""

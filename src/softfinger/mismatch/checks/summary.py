@@ -16,7 +16,6 @@ from softfinger.mismatch.priors import PRIORS
 from softfinger.mismatch.verdict.schema import Elpd
 
 NOTHING = np.zeros(0, np.int64)
-LARGEST_SHARE = 1.0 - 1e-9  # below one by rounding
 
 
 def compute_residual(
@@ -117,7 +116,7 @@ def compute_excess(problem: Problem, candidate: Candidate) -> tuple[float, float
             if len(joint) > 1 and np.any(joint):
                 follows += (len(joint) - 1) * float(joint[1:] @ joint[:-1] / (joint @ joint))
                 pairs += len(joint) - 1
-    share = min(follows / max(pairs, 1), LARGEST_SHARE)
+    share = min(follows / max(pairs, 1), np.nextafter(1.0, 0.0))
     sd = np.hypot(max(pairs, 1) ** -0.5, PRIORS.noise_memory_sd)
     return share / (1.0 - share), float(norm.sf(share / sd))
 
