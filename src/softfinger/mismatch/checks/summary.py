@@ -15,8 +15,6 @@ from softfinger.mechanics import LOG_PARAMETERS, OWN
 from softfinger.mismatch.priors import PRIORS
 from softfinger.mismatch.verdict.schema import Elpd
 
-NOTHING = np.zeros(0, np.int64)
-
 
 def compute_residual(
     problem: Problem, candidate: Candidate, angles: xr.Dataset
@@ -108,7 +106,9 @@ def compute_excess(problem: Problem, candidate: Candidate) -> tuple[float, float
     is the variance of what lasts over that of what does not (von Neumann 1941, Ann. Math. Stat. 12,
     367). So noise of another size than the quiet windows show is no misfit.
     """
-    angle = problem.simulate(candidate.model, candidate.fit.own, candidate.fit.shared, NOTHING)[0]
+    no_slopes = np.zeros(0, np.int64)
+    fit = candidate.fit
+    angle = problem.simulate(candidate.model, fit.own, fit.shared, no_slopes)[0]
     follows, pairs = 0.0, 0
     for trial in range(len(problem.trials.name)):
         left = whiten_residual(problem.trials, angle, trial)
