@@ -105,8 +105,9 @@ def test_no_flow_below_the_threshold(parameters, geometry):
 
 def test_a_finger_without_declared_sizes_serves_where_none_is_needed(parameters):
     unknown = describe_unknown_finger(3)
-    angles = simulate_joint_angle(parameters, unknown, TIME, *LOAD, {"angle_cubic": 0.1})
-    assert np.isfinite(angles.joint_angle).all()
+    for slot in ("angle_cubic", "arm_law"):
+        angles = simulate_joint_angle(parameters, unknown, TIME, *LOAD, {slot: 0.1})
+        assert np.isfinite(angles.joint_angle).all()
     for slot in ("arm_scale", "tilt_along", "inertia_scale", "lens_radial"):
         with pytest.raises(Fault, match="not declared"):
             simulate_joint_angle(parameters, unknown, TIME, *LOAD, {slot: 0.1})
