@@ -1,6 +1,7 @@
-"""The proof: campaigns in which physics is concealed, made by a generator of their own, and scored.
+"""The proof: campaigns with concealed physics, generated and scored.
 
-Nothing here imports the forward model, the statistics or the diagnosis that it puts to the test.
+It has a generator of its own. Nothing here imports the forward model, the statistics or the
+diagnosis that it puts to the test.
 """
 
 from softfinger.concealed.generate import generate_campaign

@@ -1,4 +1,7 @@
-"""A diagnosis that gets a campaign and nothing else, in a process of its own."""
+"""A diagnosis that gets a campaign and nothing else.
+
+It runs in a process of its own.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,9 @@ def diagnose_blind(
     *,
     mcmc: bool = False,
 ) -> dict:
-    """Diagnose a copy of a campaign, in a folder that leads nowhere.
+    """Diagnose a copy of a campaign, isolated.
+
+    The copy lies in a folder that leads nowhere.
 
     Parameters
     ----------
@@ -40,7 +45,7 @@ def diagnose_blind(
     command
         Takes a campaign folder and ``--out`` folder, and writes ``verdict.json`` there.
     mcmc
-        Whether it is told to sample the repaired model's parameters, or not to.
+        Whether it samples the repaired model's parameters.
 
     Returns
     -------
@@ -74,7 +79,7 @@ def diagnose_blind(
 
 
 def _run(command: Sequence[str], place: Path, patience: float) -> str | None:
-    """Why a command failed, in a line; None if it did not."""
+    """Why a command failed, in a line; else None."""
     try:
         done = subprocess.run(
             command, cwd=place, capture_output=True, text=True, timeout=patience, check=False,
@@ -89,7 +94,10 @@ def _run(command: Sequence[str], place: Path, patience: float) -> str | None:
 
 
 def write_answer(answer: dict, path: Path, digest_path: Path) -> str:
-    """Write an answer and its SHA-256, which is returned: from then on it stands."""
+    """Write an answer and its SHA-256, and return that.
+
+    The digest shows later that the answer was not changed.
+    """
     text = json.dumps(answer, indent=1, sort_keys=True) + "\n"
     path.write_text(text, encoding="utf-8")
     digest = hashlib.sha256(text.encode()).hexdigest()
@@ -98,7 +106,7 @@ def write_answer(answer: dict, path: Path, digest_path: Path) -> str:
 
 
 def read_answer(path: Path, digest: str) -> dict:
-    """Read an answer, if it is the one that was given.
+    """Read an answer, if its digest fits.
 
     Raises
     ------

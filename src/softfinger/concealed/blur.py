@@ -1,4 +1,7 @@
-"""How the oracle sees a trial: through noise and what else it knows of the measurement."""
+"""How the oracle sees a trial through noise.
+
+The noise, and what else the oracle knows of the measurement, make up a blur.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Blur:
-    """Covariance of one trial's errors: the noise, scaled, and columns of further errors.
+    """Covariance of one trial's errors.
+
+    The errors are the noise, scaled, and columns of further errors.
 
     With N the noise, D its factors and G the columns: D N D + G Gᵀ, in frames that show something.
     """
@@ -32,7 +37,10 @@ class Blur:
     tails: float = 0.0
 
     def whiten(self, signal: Array) -> Array:
-        """Turn (frame, joint) into what these errors would leave white, sd 1."""
+        """Whiten a signal (frame, joint).
+
+        These errors would leave it white, with sd 1.
+        """
         white = self._scale(signal)
         if self.columns.shape[2]:
             turn, size = self._axes
@@ -45,7 +53,10 @@ class Blur:
         return replace(self, noise=noise)
 
     def add_nats(self, residual: Array) -> float:
-        """Add to −|r|²/2 what makes it the log density of a whitened residual (frame, joint)."""
+        """Add to −|r|²/2 what makes it a density.
+
+        The result is the log density of a whitened residual r (frame, joint).
+        """
         volume = measure_whitening(self.noise, self.time, self.scale.shape[1])
         joints = self.scale.shape[1]
         volume -= np.log(self.scale).sum() + joints * np.log(self.shock).sum()
@@ -57,7 +68,10 @@ class Blur:
         return float(nats)
 
     def _scale(self, signal: Array) -> Array:
-        """Whiten as if there were no columns: (frame · joint, …)."""
+        """Whiten as if there were no columns.
+
+        The result is (frame · joint, …).
+        """
         extra = (1,) * (signal.ndim - 2)
         white = whiten(
             self.noise, self.time, signal / self.scale.reshape(*self.scale.shape, *extra)
@@ -72,7 +86,10 @@ class Blur:
 
 
 def _weigh_tails(residual: Array, shock: Array, freedom: float) -> float:
-    """Log density of innovations under Student's t over that under their own known scales."""
+    """Log density of innovations by Student's t over normal.
+
+    Student's t has the innovations' own known scales.
+    """
     joints = residual.shape[1]
     square = (residual**2).sum(axis=1)
     inner = shock**2 * square / (freedom - 2.0)
@@ -85,7 +102,10 @@ def _weigh_tails(residual: Array, shock: Array, freedom: float) -> float:
 
 
 def build_blur(noise: Noise, time: Array, joints: int, marks: Sequence[Mark]) -> Blur:
-    """Build what an oracle that knows these marks sees through; all frames are kept."""
+    """Build the blur of an oracle.
+
+    The oracle knows these marks. All frames are kept.
+    """
     blank = np.ones((time.size, joints))
     scale, shock = blank.copy(), np.ones(time.size)
     columns = [np.zeros((time.size, joints, 0))]
@@ -106,7 +126,10 @@ def build_blur(noise: Noise, time: Array, joints: int, marks: Sequence[Mark]) ->
 
 
 def _round(noise: Noise, rounding: float) -> Noise:
-    """Add a white error: the sum forgets the sooner (exact over one frame interval)."""
+    """Add a white error to the noise.
+
+    The sum forgets sooner. This is exact over one frame interval.
+    """
     if rounding == 0.0:
         return noise
     return replace(noise, rounding=rounding, memory=noise.autocorrelation / (1.0 + rounding**2))

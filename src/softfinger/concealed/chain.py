@@ -1,4 +1,7 @@
-"""A chain of rods in a plane, and a payload: weight and inertia, for the proof's integrator."""
+"""A chain of rods in a plane.
+
+Its weight and inertia, and those of a payload, for the proof's integrator.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,10 @@ Array = NDArray[np.float64]
 
 @compiled
 def weigh_in_place(p: Physics, angle: Array, torque: Array) -> None:
-    """Add gravity's torque about each joint: Σ m ((x_c − x_j) g_y − (y_c − y_j) g_x), outwards."""
+    """Add gravity's torque about each joint.
+
+    It is Σ m ((x_c − x_j) g_y − (y_c − y_j) g_x), summed outwards from the joint.
+    """
     for j in range(angle.size):
         x, y, heading = 0.0, 0.0, np.sum(angle[:j])
         for i in range(j, angle.size):
@@ -30,7 +36,9 @@ def weigh_in_place(p: Physics, angle: Array, torque: Array) -> None:
 
 @compiled
 def accelerate_in_place(p: Physics, angle: Array, speed: Array, force: Array) -> None:
-    """Angular acceleration of the chain, over the torque: M⁻¹ (torque − h).
+    """Angular acceleration of the chain, written over the torque.
+
+    It is M⁻¹ (torque − h).
 
     A rod whose centre of mass lies at a share s of its half length turns about it with the inertia
     of a uniform one; a payload is a point at the tip; a rotor turns with its joint alone.

@@ -1,4 +1,7 @@
-"""How plainly the oracle sees each nuisance: its evidence that the measurement is at fault."""
+"""How plainly the oracle sees each nuisance.
+
+The measure is its evidence that the measurement is at fault.
+"""
 
 from __future__ import annotations
 
@@ -20,10 +23,12 @@ LONGEST_MEMORY = 0.995  # correlation over a frame that noise is given in place 
 def weigh_faults(
     setting: Setting, sights: list[Sight], doses: dict[str, Dose], seed: int
 ) -> dict[str, float]:
-    """Evidence [nats] for each nuisance over its absence, the true physics and the others known.
+    """Evidence [nats] for each nuisance over its absence.
 
-    What takes its place is noise with the sd and the autocorrelation that fit best. A nuisance that
-    leaves no mark in the likelihood (rounded angles, the population's law) is not weighed.
+    The true physics and the other nuisances are known.
+
+    In its place the oracle fits noise with the sd and the autocorrelation that fit best. A nuisance
+    that leaves no mark in the likelihood (rounded angles, the population's law) is not weighed.
     """
     if not setting.faults:
         return {}
@@ -40,13 +45,19 @@ def weigh_faults(
 
 
 def add_up(recordings: list[Recording], fit: Fit) -> float:
-    """Log evidence of a fit in full, so that other noise can be compared."""
+    """Log evidence of a fit, all terms included.
+
+    Fits with different noise can then be compared.
+    """
     pairs = zip(recordings, fit.residuals, strict=True)
     return fit.log_evidence + sum(r.blur.add_nats(residual) for r, residual in pairs)
 
 
 def _fit_ignorant(recordings: list[Recording], setting: Setting, doses: dict[str, Dose]) -> float:
-    """Best evidence of recordings whose noise has to explain what one nuisance did."""
+    """Best evidence of recordings without one nuisance.
+
+    The noise has to explain what that nuisance did.
+    """
     individuals, turned, best = setting.individuals, doses, -np.inf
     for _ in range(2):
         rest = [
@@ -66,7 +77,10 @@ def _tell(recording: Recording, noise: Noise) -> Recording:
 
 
 def fit_noise(recordings: list[Recording], rest: list[Array], like: Noise) -> Noise:
-    """Noise of the sd and the autocorrelation under which some residuals are most probable."""
+    """Most probable noise of some residuals.
+
+    Its sd and its autocorrelation are fitted.
+    """
     values = sum(residual.size for residual in rest)
 
     def scale(memory: float) -> tuple[float, float]:

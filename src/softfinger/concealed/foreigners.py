@@ -1,4 +1,7 @@
-"""Campaigns whose effects follow foreign laws: curves that no textbook form contains."""
+"""Campaigns whose effects follow foreign laws.
+
+A foreign law is a curve that no textbook form contains.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,9 @@ KINDS = ("single", "single", "varies", "pair")  # take turns
 def draw_foreign(
     seed: int, n: int, *, longest: int = max(TRIALS), catalogue: Catalogue = "first"
 ) -> list[CaseSpec]:
-    """Draw campaigns with foreign laws of effects that the catalogue lists.
+    """Draw campaigns with foreign laws of listed effects.
+
+    The effects are those that the catalogue lists.
 
     Laws take turns. Half of the campaigns have one, a quarter one whose strength varies between
     trials, a quarter two, whose smaller reach counts for both.

@@ -28,7 +28,9 @@ def simulate_trial(
     time: Array,
     tolerance: float = 5e-9,
 ) -> Array:
-    """Recorded joint angles (frame, joint) [rad] of a trial, free of noise.
+    """Joint angles of a trial, free of noise.
+
+    Recorded angles (frame, joint) [rad].
 
     Parameters
     ----------
@@ -69,7 +71,9 @@ def simulate_trial(
 
 
 def vary(doses: dict[str, Dose], trial: Circumstances) -> dict[str, Dose]:
-    """Doses of one trial: the strength times e^(s z), s its scatter and z normal.
+    """Doses of one trial, scattered about the campaign's.
+
+    A strength is multiplied by e^(s z), s its scatter and z normal.
 
     Every effect has numbers of its own, from the trial's luck.
     """
@@ -86,7 +90,9 @@ def vary(doses: dict[str, Dose], trial: Circumstances) -> dict[str, Dose]:
 def compute_plain_angles(
     individual: Array, trial: Circumstances, wire_offset: float, time: Array
 ) -> Array:
-    """Joint angles (frame, joint) [rad] of the three elements alone, in closed form.
+    """Joint angles of the three elements alone.
+
+    They are (frame, joint) [rad], in closed form.
 
     Between two knots the torque is u + s t. The Voigt strain goes to (u + s t − s c_v/k_v)/k_v as
     e^(−t k_v/c_v), and the dashpot moves by (u t + s t²/2)/c_p.

@@ -33,13 +33,15 @@ Array = NDArray[np.float64]
 def generate_campaign(
     spec: CaseSpec, folder: Path, truth_path: Path, film: Film | None = None
 ) -> dict:
-    """Write a campaign folder and, beside it, its truth; return the truth.
+    """Write a campaign folder, and its truth beside it.
+
+    The truth is returned.
 
     Parameters
     ----------
     spec : CaseSpec
     folder : Path
-        Must not exist yet; its name should tell nothing.
+        Must not exist yet; its name should give nothing away.
     truth_path : Path
         A JSON file outside the folder.
     film : callable, optional
@@ -81,7 +83,10 @@ def generate_campaign(
 
 
 def _place_strengths(spec: CaseSpec, setting: Setting) -> tuple[dict[str, float], dict[str, float]]:
-    """Strength of every effect, and the gain [nats] that it was aimed at where it was drawn."""
+    """Strength of every effect, and its target gain [nats].
+
+    A target exists only where the strength was drawn.
+    """
     if spec.strengths:
         return dict(zip(spec.effects, spec.strengths, strict=True)), {}
     places = dict(zip(spec.effects, spec.quantiles, strict=True))
@@ -95,7 +100,7 @@ def compute_truth(
     clean: list[Recording],
     sights: list[Sight],
 ) -> dict:
-    """All that was concealed, with what the oracle makes of it.
+    """All that was concealed, as the oracle sees it.
 
     For every effect the gain with it over without it, the other effects being known; for the
     whole set the gain over the base model. The window is where, in seconds since the last change
@@ -180,7 +185,10 @@ def _describe_faults(setting: Setting, nats: dict[str, float]) -> list[dict]:
 
 
 def _misfit(fit: Fit) -> float:
-    """Mean square of the whitened residual: 1 where nothing is left but noise."""
+    """Mean square of the whitened residual.
+
+    It is 1 where nothing but noise is left.
+    """
     return float(np.mean(np.concatenate([r.ravel() for r in fit.residuals]) ** 2))
 
 

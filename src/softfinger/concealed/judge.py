@@ -1,4 +1,7 @@
-"""One verdict against one truth: what was right, by the definitions of the verdict's format."""
+"""One verdict against one truth.
+
+What counts as right is defined by the verdict's format.
+"""
 
 from __future__ import annotations
 
@@ -67,7 +70,10 @@ class Judgement:
 
 
 def judge(verdict: dict, truth: dict) -> Judgement:
-    """Judge a verdict (``verdict.json``) by what was concealed (the truth file)."""
+    """Judge a verdict by what was concealed.
+
+    The verdict is ``verdict.json``, the truth its truth file.
+    """
     effects = truth["effects"]
     listed = {e["id"] for e in effects if e["listed"]}
     outside = any(not e["listed"] for e in effects)
@@ -117,13 +123,18 @@ def _label_answer(decision: str, named: set[str]) -> str:
 
 
 def _at_noise(truth: dict) -> bool:
-    """Whether the base model's residual would pass a test at three standard deviations."""
+    """Whether the base model's residual is at the noise.
+
+    It would then pass a test at three standard deviations.
+    """
     excess = truth["misfit"]["base"] - truth["misfit"]["true"]
     return excess < 3.0 * np.sqrt(2.0 / truth["values"])
 
 
 def _list_answers(verdict: dict) -> list[set[str]]:
-    """Sets of effects that the verdict leaves possible, one per choice among equivalents.
+    """Sets of effects that the verdict leaves possible.
+
+    There is one per choice among equivalents.
 
     A member ``none`` leaves the base model possible.
     """
@@ -159,7 +170,10 @@ def _close_gap(verdict: dict, truth: dict) -> float | None:
 
 
 def _check_location(verdict: dict, truth: dict, *, right: bool) -> dict[str, bool | None]:
-    """Location of the strongest effect, where the verdict is right and there is one."""
+    """Check the location of the strongest effect.
+
+    The verdict must be right, and there must be an effect.
+    """
     unknown = {"joints": None, "level": None, "window": None, "covariate": None}
     location = verdict.get("location")
     if not right or not location or not truth["effects"]:
@@ -185,6 +199,9 @@ def _check_location(verdict: dict, truth: dict, *, right: bool) -> dict[str, boo
 
 
 def _overlap(window: list[float], other: list[float]) -> bool:
-    """Whether two windows share at least half of the shorter one."""
+    """Whether two windows overlap.
+
+    They share at least half of the shorter one.
+    """
     shared = min(window[1], other[1]) - max(window[0], other[0])
     return shared >= 0.5 * min(window[1] - window[0], other[1] - other[0])

@@ -1,4 +1,7 @@
-"""The proof's own integrator, compiled; its laws of motion stand in `laws`."""
+"""The proof's own integrator, compiled.
+
+Its laws of motion are in `laws`.
+"""
 
 from __future__ import annotations
 
@@ -17,14 +20,20 @@ COLUMNS = 4  # of the extrapolation table, hence its order
 
 
 class RunawayError(ValueError):
-    """An effect is stronger than the finger, which then has no rest."""
+    """An effect is too strong for the finger.
+
+    The finger then has no rest.
+    """
 
 
 @compiled
 def _differentiate(
     p: Physics, place: Place, ramp: Ramp, time: float, state: Array, rest: Array
 ) -> Array:
-    """Jacobian of `change_in_place` by differences; the integrator's order does not hang on it."""
+    """Jacobian of `change_in_place` by differences.
+
+    The integrator's order does not depend on it.
+    """
     size = state.size
     jacobian, here, there = np.empty((size, size)), np.empty(size), np.empty(size)
     nudged = state.copy()
@@ -48,7 +57,10 @@ def _step(
     rest: Array,
     jacobian: Array,
 ) -> tuple[Array, float]:
-    """One step of the extrapolated linearly implicit Euler method, and its error [rad]."""
+    """One step of the integrator, and its error [rad].
+
+    The method is the extrapolated linearly implicit Euler method.
+    """
     size, error = state.size, 0.0
     table, moved, push = np.empty((COLUMNS, size)), np.empty(size), np.empty(size)
     order = np.empty(size, np.int64)
@@ -85,7 +97,10 @@ def _interpolate(
     frame_time: Array,
     angle: Array,
 ) -> int:
-    """Bend the frames that lie within a step, by a cubic between its ends; count them."""
+    """Compute the frames that lie within a step.
+
+    They follow a cubic between the step's ends. The function returns their number.
+    """
     count = 0
     before, after = np.empty(state.size), np.empty(state.size)
     while count < frame_time.size and frame_time[count] <= time + step + 1e-12:
@@ -102,9 +117,11 @@ def _interpolate(
 
 @compiled
 def simulate_angles(p: Physics, frame_time: Array, tolerance: float) -> Array:
-    """Joint angles (frame, joint) [rad]: adaptive steps from knot to knot, cubic between steps.
+    """Integrate the joint angles (frame, joint) [rad].
 
-    The finger rests before the first knot; after the last one the last tension holds.
+    Steps are adaptive from knot to knot; frames follow a cubic between steps.
+
+    The finger rests before the first knot; after the last one the tension stays the same.
     """
     place = lay_out(p)
     rest = find_rest(p, place)

@@ -1,4 +1,7 @@
-"""The free parameters of a set of effects as one vector, for the oracle to fit."""
+"""The free parameters of effects as one vector.
+
+The oracle fits them.
+"""
 
 from __future__ import annotations
 
@@ -15,10 +18,12 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Knobs:
-    """An effect set's free parameters as one vector φ with a normal prior.
+    """Free parameters of effects, with a normal prior.
 
-    A strength stands as itself and is not negative, so its prior is half of a normal one; any
-    other parameter is positive and stands as its logarithm.
+    They form one vector φ.
+
+    A strength enters as itself and is not negative, so its prior is half of a normal one. Any other
+    parameter is positive and enters as its logarithm.
     """
 
     doses: dict[str, Dose]
@@ -28,12 +33,18 @@ class Knobs:
 
     @property
     def floor(self) -> Array:
-        """Least values at which a model is linearised: a strength barely above zero."""
+        """Least values at which a model is linearised.
+
+        A strength is barely above zero there.
+        """
         return np.where(self.is_strength, 1e-4 * self.sd, -np.inf)
 
     @classmethod
     def of(cls, doses: dict[str, Dose]) -> Knobs:
-        """Prior of the effects' free parameters: what the generator may have drawn."""
+        """Prior of the effects' free parameters.
+
+        It covers what the generator may have drawn.
+        """
         centre, sd, is_strength = [], [], []
         for name in doses:
             effect = EFFECTS[name]
@@ -48,7 +59,7 @@ class Knobs:
         return cls(doses, np.array(centre), np.array(sd), np.array(is_strength, bool))
 
     def read(self) -> Array:
-        """Vector φ of the doses as they stand."""
+        """Vector φ of the present doses."""
         values = []
         for name, dose in self.doses.items():
             values += [dose.strength, *(np.log(dose.shape[key]) for key in _free_shapes(name))]

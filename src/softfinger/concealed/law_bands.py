@@ -1,4 +1,7 @@
-"""Whether the curve of a law lies within the band that a diagnosis gives it."""
+"""Whether a law's curve lies within its band.
+
+The band is the one that a diagnosis gives it.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,9 @@ from softfinger.concealed.registry import EFFECTS
 
 
 def measure_coverage(curves: xr.Dataset, truth: Mapping) -> list[float]:
-    """Share of the recorded range at which each true curve lies within its 90 % band.
+    """Share of each true curve within its band.
+
+    The band is the 90 % band; the share is taken over the recorded range.
 
     Parameters
     ----------
@@ -44,12 +49,17 @@ def _is_curve(effect: Mapping) -> bool:
 
 
 def _acts(effect: Mapping, joint: int) -> bool:
-    """Whether an effect acts on a joint (from 1), or on all alike."""
+    """Whether an effect acts on a joint.
+
+    Joints count from 1. An effect may act on all alike.
+    """
     return joint == 0 or not effect["joints"] or joint in effect["joints"]
 
 
 def collect_laws(judged: Sequence[tuple], shares: Sequence[float]) -> dict[str, float]:
-    """Keys of ``results/benchmarks.json`` about foreign laws; absent: not measured.
+    """Keys of ``results/benchmarks.json`` about foreign laws.
+
+    A key is absent where it was not measured.
 
     Parameters
     ----------

@@ -1,4 +1,6 @@
-"""The proof's own laws of motion, compiled: none is shared with the forward model under test.
+"""The proof's own laws of motion, compiled.
+
+None is shared with the forward model under test.
 
 State of a trial: strain of each joint's Voigt element (joint,), of its dashpot (joint,), of further
 Voigt elements (element, joint), then, where switched on, the direction in which the wire last slid
@@ -20,7 +22,7 @@ Array = NDArray[np.float64]
 Place = tuple[int, int, int, int, int, int, int, int]
 Ramp = tuple[float, float, float]  # from when, tension then, its slope
 
-FRICTION_TENSION_N = 6.0  # at which the coefficient of friction is what it is said to be
+FRICTION_TENSION_N = 6.0  # at which the coefficient of friction has its stated value
 # Arguments of the tables at their last point, or half-way along them.
 ANGLE_SPAN_RAD, RATE_MIDDLE, TORQUE_MIDDLE_NM = 2.5, 1.0, 0.02
 DRY_RAD = 0.005  # of motion that turns a joint's friction round
@@ -28,7 +30,10 @@ DRY_RAD = 0.005  # of motion that turns a joint's friction round
 
 @compiled
 def lay_out(p: Physics) -> Place:
-    """Where the optional states start, in the order of their list; and the end."""
+    """Where the optional states start, and their end.
+
+    They follow in the order of their list.
+    """
     n = p.k_v.size
     friction = 2 * n + p.compliance.size
     lag = friction + (n if np.any(p.friction != 0.0) else 0)
@@ -44,7 +49,10 @@ def lay_out(p: Physics) -> Place:
 
 @compiled
 def look_up(row: Array, share: float) -> float:
-    """Value of a table at a share of its length, by cubics (Catmull and Rom)."""
+    """Value of a table, interpolated.
+
+    The place is a share of the table's length; cubics (Catmull and Rom) interpolate.
+    """
     last = row.size - 1
     x = min(max(share, 0.0), 1.0) * last
     i = min(int(x), last - 1)
@@ -57,13 +65,19 @@ def look_up(row: Array, share: float) -> float:
 
 @compiled
 def _read(state: Array, start: int, following: int, j: int) -> float:
-    """Optional state of a joint; 0 where it is switched off."""
+    """Optional state of a joint.
+
+    It is 0 where it is switched off.
+    """
     return state[start + j] if following > start else 0.0
 
 
 @compiled
 def find_rest(p: Physics, place: Place) -> Array:
-    """State of the unloaded finger, its weight long since borne by the springs."""
+    """State of the unloaded finger.
+
+    The springs have long borne its weight.
+    """
     n = p.k_v.size
     state, borne = np.zeros(place[7]), np.zeros(n)
     weigh_in_place(p, p.q_ini, borne)
@@ -75,7 +89,10 @@ def find_rest(p: Physics, place: Place) -> Array:
 
 @compiled
 def bend(p: Physics, state: Array, rest: Array, angle: Array) -> None:
-    """Joint angle: the initial one plus every element's strain beyond its strain at rest."""
+    """Joint angle in a state.
+
+    It is the initial angle plus every element's strain beyond its strain at rest.
+    """
     n = p.k_v.size
     for j in range(n):
         angle[j] = p.q_ini[j]
@@ -85,7 +102,10 @@ def bend(p: Physics, state: Array, rest: Array, angle: Array) -> None:
 
 @compiled
 def _rub(tension: float, drag: float, power: float) -> float:
-    """Tension that friction leaves of it: the pressure's power in dT/dβ = -μ T₀ (T/T₀)^power."""
+    """Tension that remains after friction.
+
+    With the pressure's power: dT/dβ = -μ T₀ (T/T₀)^power.
+    """
     flat = 1.0 - power
     if flat < 1e-9:
         return tension * np.exp(-drag)  # capstan
@@ -97,7 +117,10 @@ def _rub(tension: float, drag: float, power: float) -> float:
 def pull(
     p: Physics, place: Place, time: float, tension: float, state: Array, angle: Array, torque: Array
 ) -> None:
-    """Torque on each joint from outside: wire, gravity, neighbours, stop, support."""
+    """Torque on each joint from outside.
+
+    It comes from the wire, gravity, neighbours, a stop and a support.
+    """
     friction, lag, strain, dry, broken, _, _, _ = place
     if strain > lag:
         tension = 0.0
@@ -138,7 +161,10 @@ def pull(
 
 @compiled
 def _share(p: Physics, j: int, i: int, angle: Array) -> float:
-    """Torque on a joint from what lies between it and another: a skin, a membrane."""
+    """Torque that another joint shares with a joint.
+
+    It passes through what lies between them: a skin, a membrane.
+    """
     shared = 0.0
     if p.coupling[j, i] != 0.0:
         slack = np.tanh((angle[i] - p.q_ini[i]) / 0.6)  # a skin that slackens as it is bent
@@ -152,7 +178,10 @@ def _share(p: Physics, j: int, i: int, angle: Array) -> float:
 
 @compiled
 def _stretch(p: Physics, place: Place, j: int, torque: float, state: Array) -> float:
-    """Rate of a Voigt element: its spring locks, softened or set, its damper thins."""
+    """Rate of a Voigt element.
+
+    Its spring locks, softens or sets; its damper thins.
+    """
     strain, largest = state[j], _read(state, place[2], place[3], j)
     warm = _read(state, place[5], place[6], j)
     elastic = strain
@@ -179,7 +208,10 @@ def _stretch(p: Physics, place: Place, j: int, torque: float, state: Array) -> f
 
 @compiled
 def _flow(p: Physics, place: Place, j: int, torque: float, state: Array) -> float:
-    """Rate of a dashpot: yields at a soft corner, then flows more than in proportion."""
+    """Rate of a dashpot.
+
+    It yields at a soft corner, then flows more than in proportion.
+    """
     size = abs(torque)
     if p.yield_torque[j] != 0.0:
         corner = 0.08 * abs(p.yield_torque[j])
@@ -199,7 +231,7 @@ def _flow(p: Physics, place: Place, j: int, torque: float, state: Array) -> floa
 
 @compiled
 def _give(p: Physics, place: Place, j: int, torque: float, state: Array) -> float:
-    """Rate of a joint's angle under the torque that it carries."""
+    """Rate of a joint's angle under its torque."""
     n = p.k_v.size
     rate = _stretch(p, place, j, torque, state) + _flow(p, place, j, torque, state)
     for e in range(p.retardation_time.size):
@@ -209,7 +241,10 @@ def _give(p: Physics, place: Place, j: int, torque: float, state: Array) -> floa
 
 @compiled
 def _carry(p: Physics, place: Place, j: int, speed: float, state: Array) -> float:
-    """Torque that a joint carries when it turns at this speed: Newton's iteration on `_give`."""
+    """Torque that a joint carries at this speed.
+
+    It is found by Newton's iteration on `_give`.
+    """
     torque = p.k_v[j] * state[j] + p.c_v[j] * speed
     for _ in range(30):
         lacking = speed - _give(p, place, j, torque, state)
@@ -258,7 +293,10 @@ def change_in_place(
 
 @compiled
 def _remember(p: Physics, place: Place, state: Array, speed: Array, change: Array) -> None:
-    """Rate of what a joint remembers: strain, its friction's direction, structure, warmth."""
+    """Rate of what a joint remembers.
+
+    It remembers strain, its friction's direction, structure and warmth.
+    """
     _, _, strain, dry, broken, warm, at_speed, _ = place
     n = p.k_v.size
     rate, power, heat, cooling = p.warming

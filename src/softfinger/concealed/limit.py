@@ -1,8 +1,11 @@
-"""How surely the oracle itself could name what was concealed: the limit that no tool can beat.
+"""How surely the oracle could name what was concealed.
 
-The evidence gain over the base model says whether something shows. Whether it can be named is
-another question: what does the same to the angles as another effect cannot, however strong it is.
-So others of the catalogue, in the generator's own forms, are fitted in place of what was concealed.
+No tool can beat this limit.
+
+The evidence gain over the base model measures whether something shows. Whether it can be named is
+another question: an effect that moves the angles as another does cannot be named, however strong it
+is. So others of the catalogue, in the generator's own forms, are fitted in place of what was
+concealed.
 """
 
 from __future__ import annotations
@@ -28,7 +31,7 @@ from softfinger.concealed.suite import CaseSpec
 
 Array = NDArray[np.float64]
 
-SCREENED, FEW, MORE = 2, 4, 10  # trials that stand for the whole campaign
+SCREENED, FEW, MORE = 2, 4, 10  # trials that represent the whole campaign
 LARGEST_SCALE = 2.0  # of the whole gain over that of a few trials, before more are taken
 FITTED = 3  # that come closest in one step from where they move the angles as far
 SIZES = (1.0, 0.1)  # times that, where another effect is tried
@@ -37,7 +40,9 @@ FIRST_TRY = 0.3  # of the typical strength, at which an effect's size is measure
 
 
 def weigh_stand_ins(truth: dict) -> dict[str, dict[str, float]]:
-    """Evidence [nats] that the oracle expects for an effect over others in its place.
+    """Evidence [nats] expected for an effect over stand-ins.
+
+    The oracle expects it, with others of the catalogue in the effect's place.
 
     Parameters
     ----------
@@ -48,7 +53,7 @@ def weigh_stand_ins(truth: dict) -> dict[str, dict[str, float]]:
     -------
     dict
         Effect that gains 15 nats → each of the catalogue that comes closest → log Bayes factor:
-        of what the effect gains, the share that the other does not. Both are fitted to some of
+        the part of the effect's gain that the other does not reach. Both are fitted to some of
         the recordings, free of noise, and get half a nat for each parameter
         (`oracle.expect_gain`). Where a fit of the other stays in a local optimum, it is too large.
     """
@@ -69,7 +74,9 @@ def weigh_stand_ins(truth: dict) -> dict[str, dict[str, float]]:
 
 
 def compute_limit(truth: dict, weighed: dict[str, dict[str, float]]) -> float:
-    """Probability that the oracle gives what was concealed, each effect as likely beforehand.
+    """Probability that the oracle names what was concealed.
+
+    Each effect is as likely beforehand.
 
     Parameters
     ----------
@@ -101,7 +108,10 @@ def _invert(nats: float) -> float:
 
 
 def read_spec(case: dict) -> CaseSpec:
-    """Return the case that `CaseSpec.to_json` wrote, after it was JSON."""
+    """Return the case that `CaseSpec.to_json` wrote.
+
+    It was JSON in between.
+    """
     return CaseSpec(**{key: _freeze(value) for key, value in case.items()})
 
 
@@ -110,14 +120,17 @@ def _freeze(value: object) -> object:
 
 
 class _Place:
-    """The place of one concealed effect, in which others can stand."""
+    """The place of one concealed effect, open to others."""
 
     def __init__(self, name: str, doses: dict[str, Dose], setting: Setting) -> None:
         self.name, self.doses, self.setting = name, doses, setting
         self.rest = {other: dose for other, dose in doses.items() if other != name}
 
     def weigh(self, others: list[str], gain: float) -> dict[str, float]:
-        """Log Bayes factor over those that come closest, of an effect that gains so much."""
+        """Log Bayes factor over the closest others.
+
+        The effect gains `gain` nats over the base model.
+        """
         between = [o for o in others if EFFECTS[o].level == "between_trials"]
         if EFFECTS[self.name].level != "between_trials":
             # what happens within each trial is not what changes from one to the next
@@ -135,7 +148,10 @@ class _Place:
         }
 
     def _screen(self, other: str) -> tuple[float, dict[str, Dose]]:
-        """Evidence of another in one step, where it comes closest, and what acts then."""
+        """Evidence of another effect in one step.
+
+        It is taken where the other comes closest. The doses that act there are returned too.
+        """
         sets = [
             self.rest | {other: replace(dose, strength=size * self._match_size(other, dose))}
             for dose in list_doses(EFFECTS[other], self.doses[self.name], self.setting.rig.joints)
@@ -146,7 +162,10 @@ class _Place:
         return evidence[best], sets[best]
 
     def _expect(self, doses: dict[str, Dose], few: int, iterations: int = ITERATIONS) -> float:
-        """Log evidence of a set of effects from a few trials that stand for all."""
+        """Log evidence of a set of effects.
+
+        It comes from a few trials that represent all.
+        """
         count = len(self.setting.trials)
         chosen = choose_trials(count, few)
         fit = fit_model(
@@ -161,7 +180,10 @@ class _Place:
         return fit.log_evidence + 0.5 * fit.solution.effect.size
 
     def _match_size(self, other: str, dose: Dose) -> float:
-        """Strength at which another effect moves the last trial's angles about as far."""
+        """Strength at which another effect moves angles as far.
+
+        The last trial's angles count.
+        """
         last = np.array([len(self.setting.trials) - 1])
         first = FIRST_TRY * EFFECTS[other].typical
         sets = (self.rest, self.doses, self.rest | {other: replace(dose, strength=first)})
@@ -173,7 +195,9 @@ class _Place:
 
 
 def list_doses(effect: Effect, like: Dose, joints: int) -> list[Dose]:
-    """Every choice and place in which an effect can stand for another: doses of strength zero.
+    """Every choice and place in which effects are exchangeable.
+
+    One effect takes the place of another; the doses have strength zero.
 
     One that may act on any joints acts on those of the other; one that is tied to a joint or to a
     pair is tried on each.

@@ -1,4 +1,7 @@
-"""Small dense linear algebra for the proof's own integrator, without a library call per step."""
+"""Small dense linear algebra for the proof's integrator.
+
+It spares a library call per step.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,10 @@ Array = NDArray[np.float64]
 
 @compiled
 def factor_in_place(matrix: Array, order: NDArray[np.int64]) -> None:
-    """LU factors of a square matrix by Gauss's elimination with row exchange, over the matrix."""
+    """LU factors of a square matrix.
+
+    Gauss's elimination with row exchange, written over the matrix.
+    """
     n = matrix.shape[0]
     for i in range(n):
         pivot = i
@@ -31,7 +37,10 @@ def factor_in_place(matrix: Array, order: NDArray[np.int64]) -> None:
 
 @compiled
 def solve_in_place(factors: Array, order: NDArray[np.int64], vector: Array) -> None:
-    """Solution of matrix · x = vector, over the vector, from what `factor_in_place` left."""
+    """Solution of matrix · x = vector.
+
+    It is written over the vector. The factors come from `factor_in_place`.
+    """
     n = vector.size
     for i in range(n):
         vector[i], vector[order[i]] = vector[order[i]], vector[i]

@@ -1,4 +1,7 @@
-"""What unkind recordings do to the answers: alarms by condition, names lost, findings."""
+"""What unkind recordings do to the answers.
+
+Alarms by condition, names lost, findings.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +25,9 @@ def describe_condition(truth: Mapping) -> str:
 
 
 def is_alarm(verdict: Mapping) -> bool:
-    """Whether an answer claims that physics was left out, or is missing.
+    """Whether an answer claims missing physics.
+
+    It claims that physics was left out, or is missing.
 
     An ambiguous one does not, where the base model is among what it leaves possible.
 
@@ -35,12 +40,15 @@ def is_alarm(verdict: Mapping) -> bool:
 
 
 def list_alarms(cases: Sequence[Case]) -> list[tuple[str, bool]]:
-    """Condition of each clean campaign, and whether it raised an alarm."""
+    """Condition and alarm of each clean campaign."""
     return [(describe_condition(t), is_alarm(v)) for v, t in cases if not t["effects"]]
 
 
 def pair_twins(cases: Sequence[Case]) -> list[tuple[bool, bool]]:
-    """Right without and with nuisances, of each pair whose effect is visible in both."""
+    """Right answers without and with nuisances, by pair.
+
+    Only pairs whose effect is visible in both count.
+    """
     kind: dict[int, Case] = {}
     unkind: dict[int, Case] = {}
     for verdict, truth in cases:
@@ -56,7 +64,9 @@ def pair_twins(cases: Sequence[Case]) -> list[tuple[bool, bool]]:
 
 
 def check_findings(cases: Sequence[Case]) -> tuple[list[bool], list[bool]]:
-    """Whether each visible fault of the measurement was found, and each finding is false.
+    """Whether faults were found, and findings are false.
+
+    Each visible fault of the measurement and each finding is checked.
 
     Only verdicts that have findings at all take part. A finding is false where neither a nuisance
     nor the kind of noise gives rise to it.
@@ -79,7 +89,9 @@ def check_findings(cases: Sequence[Case]) -> tuple[list[bool], list[bool]]:
 
 
 def collect_measurement(cases: Sequence[Case]) -> dict[str, float]:
-    """Keys of ``results/benchmarks.json`` about recordings as they are; absent: not measured.
+    """Keys of ``results/benchmarks.json`` about the measurement.
+
+    A key is absent where it was not measured.
 
     Alarms are given where there is more than one condition.
     """

@@ -1,4 +1,6 @@
-"""The oracle's own evidence: a linear mixed model of linearised trials, everything integrated.
+"""The oracle's own evidence: a linear mixed model.
+
+Its trials are linearised, and everything is integrated.
 
 Each trial, whitened and linearised about η*, φ*, reads r = A (η − η*) + B (φ − φ*) + e with
 e ~ N(0, 1), η ~ N(μ, diag ω²) its own parameters and φ those of the effects. η, μ ~ N(m, s²) and
@@ -25,7 +27,7 @@ SPREAD_SD = 0.5  # of log ω
 
 @dataclass(frozen=True)
 class Linearised:
-    """Products of the whitened trials: all that the evidence needs.
+    """Products of the whitened trials for the evidence.
 
     With X = [A, B]: XᵀX, Xᵀr, rᵀr of every trial, and where it was linearised.
     """
@@ -34,12 +36,12 @@ class Linearised:
     push: Array  # (trial, own + effect)
     square: Array  # (trial,)
     point: Array  # (trial, own + effect) η*, φ*
-    times: float = 1.0  # each trial stands for so many like it
+    times: float = 1.0  # each trial represents so many like it
 
 
 @dataclass(frozen=True)
 class Solution:
-    """The mixed model solved: its evidence and where its modes are."""
+    """The mixed model solved: its evidence and its modes."""
 
     log_evidence: float  # without the −N/2 log 2π and the whitening, which every model shares
     log_spread: Array  # (own,) log ω
@@ -104,7 +106,9 @@ def solve_mixed_model(
 
 
 def _integrate(trials: Linearised, centre: Array, sd: Array, log_spread: Array) -> _Moments:
-    """Log evidence at a given ω, its slope in log ω (Fisher's identity), and the moments.
+    """Log evidence at a given ω, and its slope.
+
+    The slope is in log ω (Fisher's identity). The moments are returned too.
 
     Quadratic forms are evaluated at their optimum from r, which is small there; the textbook
     difference of large squares would lose whole nats.
@@ -152,7 +156,10 @@ def _integrate(trials: Linearised, centre: Array, sd: Array, log_spread: Array) 
 
 
 def _hold_out(total: Array, force: Array, gram: Array, push: Array) -> Array:
-    """What it costs each trial that the fixed effects are known from the others only."""
+    """Cost of learning fixed effects from other trials only.
+
+    It is given for each trial.
+    """
     fixed = np.linalg.solve(total, force)
     rest = total - gram
     move = fixed - np.linalg.solve(rest, (force - push)[..., None])[..., 0]

@@ -1,4 +1,7 @@
-"""Noise of the recorded angles: its colour, its tails, its gaps, its clock."""
+"""Noise of the recorded angles.
+
+Its colour, its tails, its gaps, its clock.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,10 @@ DEGREES_OF_FREEDOM = 4
 
 @dataclass(frozen=True)
 class Noise:
-    """What disturbs a relative angle: marginal sd [rad], correlation ρ per frame interval."""
+    """Noise of a relative angle.
+
+    It has a marginal sd [rad] and a correlation ρ per frame interval.
+    """
 
     kind: NoiseKind
     sd: float
@@ -28,7 +34,7 @@ class Noise:
 
     @property
     def autocorrelation(self) -> float:
-        """Correlation of a joint's noise over one median frame interval."""
+        """Correlation of noise over one median frame interval."""
         return CORRELATION.get(self.kind, 0.0) if self.memory is None else self.memory
 
     @property
@@ -43,7 +49,10 @@ class Noise:
 
 
 def draw_frame_times(noise: Noise, duration: float, rng: np.random.Generator) -> Array:
-    """Draw the times of a trial's frames: a steady clock, or one that hurries and lags."""
+    """Draw the times of a trial's frames.
+
+    The clock is steady, or it hurries and lags.
+    """
     frames = int(duration / noise.frame_interval) + 1
     time = noise.frame_interval * np.arange(frames)
     if noise.kind == "uneven":
@@ -59,7 +68,9 @@ def draw_noise(
     rng: np.random.Generator,
     shake: Array | float = 1.0,
 ) -> Array:
-    """Draw the noise (frame, joint) of relative angles: differences between links' directions.
+    """Draw the noise (frame, joint) of relative angles.
+
+    A relative angle is the difference between two links' directions.
 
     Each link's direction, the base's included, errs on its own: an Ornstein–Uhlenbeck process seen
     at the frames, so a gap lets it forget. Each frame's innovations are scaled by `shake` (frame,).
@@ -86,7 +97,10 @@ def draw_noise(
 
 
 def draw_missing(noise: Noise, frames: int, rng: np.random.Generator) -> NDArray[np.bool_]:
-    """Draw which frames show nothing: scattered ones and two longer gaps, or none."""
+    """Draw which frames show nothing.
+
+    These are scattered ones and two longer gaps, or none.
+    """
     missing = np.zeros(frames, bool)
     if noise.kind == "gappy":
         missing = rng.uniform(size=frames) < 0.1
@@ -96,7 +110,9 @@ def draw_missing(noise: Noise, frames: int, rng: np.random.Generator) -> NDArray
 
 
 def whiten(noise: Noise, time: Array, signal: Array) -> Array:
-    """Turn (frame, joint, …) into (frame, joint, …) in which this noise would be white, sd 1.
+    """Whiten a signal (frame, joint, …).
+
+    This noise would become white, with sd 1.
 
     Exact for the Gaussian kinds: first the joints (neighbours share a link), then the time.
     """

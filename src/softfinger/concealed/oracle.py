@@ -1,4 +1,7 @@
-"""What the true physics, in its true form, gains in evidence: the limit that no tool can beat."""
+"""The evidence that the true physics gains.
+
+The oracle fits the true physics in its true form: the limit that no tool can beat.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +32,10 @@ SETTLED_NATS = 0.05
 
 @dataclass(frozen=True)
 class Recording:
-    """One trial as the oracle gets it: nothing hidden but the numbers that it fits."""
+    """One trial as the oracle gets it.
+
+    Nothing is hidden but the numbers that it fits.
+    """
 
     time: Array  # (frame,) of the frames that show something
     angle: Array  # (frame, joint)
@@ -37,13 +43,16 @@ class Recording:
     blur: Blur | None = None  # what is known of the measurement; None: no more than the noise
 
     def whiten(self, noise: Noise, signal: Array) -> Array:
-        """Turn (frame, joint) into what the errors would leave white."""
+        """Whiten a signal (frame, joint) by the trial's errors."""
         return self.blur.whiten(signal) if self.blur else whiten(noise, self.time, signal)
 
 
 @dataclass(frozen=True)
 class Fit:
-    """A model fitted to a campaign with each trial's own parameters integrated."""
+    """A model fitted to a campaign.
+
+    Each trial's own parameters are integrated.
+    """
 
     log_evidence: float
     solution: Solution
@@ -55,7 +64,10 @@ class Fit:
 def compute_angles(
     individual: Array, doses: dict[str, Dose], recording: Recording, rig: Rig
 ) -> Array:
-    """Angles (frame, joint) [rad] that a trial's own parameters and the effects would give."""
+    """Angles (frame, joint) [rad] of given parameters and effects.
+
+    The parameters are a trial's own.
+    """
     trial, time = recording.trial, recording.time
     if doses:
         return simulate_trial(individual, doses, trial, rig, time, TOLERANCE_RAD)
@@ -72,7 +84,9 @@ def fit_model(
     times: float = 1.0,
     iterations: int = 25,
 ) -> Fit:
-    """Fit the base model (no doses) or the true physics by Gauss–Newton on the whole population.
+    """Fit the base model or the true physics.
+
+    Without doses it is the base model. Gauss–Newton runs on the whole population.
 
     Parameters
     ----------
@@ -81,7 +95,7 @@ def fit_model(
     start : array (trial, parameter, joint)
         Where each trial's own parameters start.
     times
-        How many trials like it each recording stands for.
+        How many trials like it each recording represents.
     """
     knobs, own = Knobs.of(doses), start[0].size
     seen = [r.whiten(noise, r.angle).ravel() for r in recordings]
@@ -109,7 +123,10 @@ def fit_model(
 def _settle(
     lines: list[Line], knobs: Knobs, times: float, iterations: int
 ) -> tuple[Solution, bool]:
-    """Move the lines until the mixed model's modes are where they were drawn."""
+    """Move the lines to the mixed model's modes.
+
+    It ends when the modes are where the lines were drawn.
+    """
     longest = np.concatenate([LONGEST_MOVE, knobs.sd])
     lowest = np.concatenate([np.full(LONGEST_MOVE.size, -np.inf), knobs.floor])
     solution = solve_mixed_model(_collect(lines, times), knobs.centre, knobs.sd)
@@ -128,7 +145,7 @@ def _settle(
 
 
 class Line:
-    """One trial, linearised where it stands."""
+    """One trial, linearised at a point."""
 
     def __init__(self, look: Callable[[int, Array], Array], k: int, point: Array) -> None:
         self._look = lambda there: look(k, there)
@@ -154,7 +171,9 @@ class Line:
         return 0.5 * step @ self.gram @ step
 
     def advance(self, step: Array, solution: Solution) -> None:
-        """Move by as much of a step as the line can be trusted; draw a new one if it bent.
+        """Move by a share of a step, as trusted.
+
+        A line that bends on the way is drawn anew.
 
         Where even a small part of it runs away, the point stays.
         """
@@ -200,7 +219,10 @@ def compute_gain(
     *,
     times: float = 1.0,
 ) -> tuple[float, Fit, Fit]:
-    """Evidence gain [nats] of the true physics over the base model, and both fits."""
+    """Evidence gain [nats] of the true physics.
+
+    The gain is over the base model; both fits are returned too.
+    """
     base = fit_model(recordings, rig, noise, {}, start, times=times)
     true = fit_model(recordings, rig, noise, doses, start, times=times)
     return true.log_evidence - base.log_evidence, base, true
@@ -215,7 +237,9 @@ def expect_gain(
     *,
     times: float = 1.0,
 ) -> float:
-    """Evidence gain [nats] that noise leaves on average, from recordings free of noise.
+    """Evidence gain [nats] that noise leaves on average.
+
+    The recordings are free of noise.
 
     At its own parameters the true physics leaves no residual, so one linearisation there is
     enough; noise adds half a nat for each parameter that it has more than the base model.

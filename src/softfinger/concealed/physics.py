@@ -1,4 +1,7 @@
-"""What moves one trial of a concealed campaign; a law is off where its amount is zero."""
+"""What moves one trial of a concealed campaign.
+
+A law is off where its amount is zero.
+"""
 
 from __future__ import annotations
 
@@ -85,7 +88,9 @@ def build_plain_physics(
     wire_offset: float,
     joint_length: float,
 ) -> Physics:
-    """Physics of the paper's step solution: no law beyond the three elements is switched on.
+    """Physics of the paper's step solution.
+
+    No law beyond the three elements is switched on.
 
     Parameters
     ----------

@@ -1,4 +1,7 @@
-"""The population that a concealed campaign's trials are drawn from: near the paper's table."""
+"""The population of a concealed campaign's trials.
+
+It is near the paper's table.
+"""
 
 from __future__ import annotations
 
@@ -33,23 +36,35 @@ PAPER_SD = np.array(
 
 @dataclass(frozen=True)
 class Population:
-    """Mean and sd (parameter, joint) of log k_v, log c_v, log c_p and of q_ini, independent."""
+    """Mean and sd of the parameters, independent.
+
+    They are (parameter, joint), of log k_v, log c_v, log c_p and of q_ini.
+    """
 
     mean: Array
     sd: Array
 
 
 def draw_population(rng: np.random.Generator) -> Population:
-    """Draw a population near the paper's, so that no two campaigns share one."""
+    """Draw a population near the paper's.
+
+    No two campaigns share one.
+    """
     shift = rng.normal(0.0, 1.0, PAPER_MEAN.shape) * np.array([[0.12], [0.12], [0.2], [0.004]])
     return Population(PAPER_MEAN + shift, PAPER_SD * np.exp(rng.normal(0.0, 0.15, PAPER_SD.shape)))
 
 
 def draw_individuals(population: Population, trials: int, rng: np.random.Generator) -> Array:
-    """Draw (trial, parameter, joint): log k_v, log c_v, log c_p, q_ini of every trial."""
+    """Draw the parameters of every trial.
+
+    They are (trial, parameter, joint): log k_v, log c_v, log c_p, q_ini.
+    """
     return population.mean + population.sd * rng.normal(size=(trials, *population.mean.shape))
 
 
 def to_parameters(individual: Array) -> Array:
-    """Turn (…, parameter, joint) with logarithms into k_v, c_v, c_p, q_ini."""
+    """Turn logarithms into k_v, c_v, c_p, q_ini.
+
+    The array is (…, parameter, joint).
+    """
     return np.concatenate([np.exp(individual[..., :3, :]), individual[..., 3:, :]], axis=-2)

@@ -1,4 +1,7 @@
-"""What a proof consists of: a suite, the paper's own case, and campaigns with unkind recordings."""
+"""What a proof consists of.
+
+A suite, the paper's own case, and campaigns with unkind recordings.
+"""
 
 from __future__ import annotations
 

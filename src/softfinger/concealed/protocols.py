@@ -1,4 +1,4 @@
-"""The four ways in which a concealed campaign loads the finger."""
+"""The four load protocols of concealed campaigns."""
 
 from __future__ import annotations
 
@@ -11,18 +11,24 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Protocol = Literal["single_step", "levels", "staircase", "triangle"]
 PROTOCOLS: tuple[Protocol, ...] = get_args(Protocol)
-LOGGED_WITHIN_S = 1e-5  # rows this close tell when the load jumped
+LOGGED_WITHIN_S = 1e-5  # rows this close show when the load jumped
 
 
 @dataclass(frozen=True)
 class Load:
-    """Wire tension over time: straight lines between knots, a jump is a repeated time."""
+    """Wire tension over time.
+
+    It follows straight lines between knots; a jump is a repeated time.
+    """
 
     time: Array  # (knot,) [s], the first at 0, when the trial starts
     tension: Array  # (knot,) [N]
 
     def value(self, time: Array) -> Array:
-        """Tension at some times, after the jump where there is one."""
+        """Tension at some times.
+
+        At a jump it is the tension after the jump.
+        """
         at = np.clip(np.searchsorted(self.time, time, side="right") - 1, 0, None)
         following = np.minimum(at + 1, self.time.size - 1)
         span = self.time[following] - self.time[at]
@@ -32,13 +38,16 @@ class Load:
 
 
 def _hold(jump_time: Array, level: Array) -> Load:
-    """Levels held from one jump to the next."""
+    """Levels kept from one jump to the next."""
     before = np.concatenate([[0.0], level[:-1]])
     return _begin(np.repeat(jump_time, 2), np.column_stack([before, level]).ravel())
 
 
 def _begin(time: Array, tension: Array) -> Load:
-    """Let a load begin with the trial, at 0: what an earlier trial left relaxes from there on."""
+    """Let a load begin with the trial, at 0.
+
+    What an earlier trial left relaxes from there on.
+    """
     if time[0] > 0.0:
         time, tension = np.append(0.0, time), np.append(0.0, tension)
     return Load(time, tension)
@@ -47,7 +56,9 @@ def _begin(time: Array, tension: Array) -> Load:
 def draw_loads(
     protocol: Protocol, trials: int, rng: np.random.Generator
 ) -> tuple[list[Load], float]:
-    """Draw every trial's load, and the duration of a trial [s].
+    """Draw every trial's load.
+
+    The duration of a trial [s] is returned too.
 
     ``single_step``: the same step in every trial and held, as in the paper. ``levels``: one of
     four levels held for 25 s, then released. ``staircase``: six levels, some lower than the one
@@ -76,7 +87,10 @@ def draw_loads(
 
 
 def refine_load(load: Load, every: float) -> Load:
-    """Give the same load more knots, where it rises or falls between two of them."""
+    """Add knots to a load where it changes.
+
+    The load itself stays the same: knots are added where it rises or falls between two of them.
+    """
     time, tension = [load.time[:1]], [load.tension[:1]]
     for k in range(1, load.time.size):
         span, rise = load.time[k] - load.time[k - 1], load.tension[k] - load.tension[k - 1]
@@ -88,7 +102,9 @@ def refine_load(load: Load, every: float) -> Load:
 
 
 def read_rows(rows: Array) -> Load:
-    """Read a log (row, 2) back as a load: rows that are close are a jump at the later one.
+    """Read a log (row, 2) back as a load.
+
+    Rows that are close are a jump at the later one.
 
     >>> read_rows(np.array([[0.0, 0.0], [0.49999, 0.0], [0.5, 6.0]])).time
     array([0. , 0.5, 0.5])
@@ -100,7 +116,7 @@ def read_rows(rows: Array) -> Load:
 
 
 def refine_rows(rows: Array, every: float, duration: float) -> Array:
-    """Rows of the same log with further ones every so many seconds."""
+    """Add rows to a log every so many seconds."""
     more = np.arange(every, duration, every)
     more = more[np.abs(more[:, None] - rows[:, 0]).min(axis=1) > 10.0 * LOGGED_WITHIN_S]
     time = np.sort(np.concatenate([rows[:, 0], more]))
@@ -108,7 +124,10 @@ def refine_rows(rows: Array, every: float, duration: float) -> Array:
 
 
 def write_rows(load: Load) -> Array:
-    """Rows (time, tension) of the log: a jump becomes two rows, close enough to be read as one."""
+    """Rows (time, tension) of the log.
+
+    A jump becomes two rows, close enough to be read as one.
+    """
     rows = []
     for k, (time, tension) in enumerate(zip(load.time, load.tension, strict=True)):
         if k + 1 < load.time.size and load.time[k + 1] == time:

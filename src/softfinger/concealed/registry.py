@@ -1,4 +1,7 @@
-"""Every effect of the proof by name: its own law, or a foreign one as ``id/law``."""
+"""Every effect of the proof by name.
+
+The name is the id for the effect's own law, ``id/law`` for a foreign one.
+"""
 
 from __future__ import annotations
 

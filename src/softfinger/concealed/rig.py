@@ -1,4 +1,4 @@
-"""The finger, its wire and its camera in a concealed campaign."""
+"""Finger, wire and camera of a concealed campaign."""
 
 from __future__ import annotations
 
@@ -31,7 +31,10 @@ class Rig:
 
 
 def draw_rig(rng: np.random.Generator, *, filmed: bool) -> Rig:
-    """Draw a rig near the paper's; a filmed one is the virtual rig's own."""
+    """Draw a rig near the paper's.
+
+    A filmed one is the virtual rig's own.
+    """
     draw = (lambda low, high: 0.5 * (low + high)) if filmed else rng.uniform
     return Rig(
         link_length=np.full(3, round(draw(0.022, 0.028), 4)),

@@ -1,4 +1,7 @@
-"""The score of a proof: every verdict against its truth, shares with binomial intervals."""
+"""The score of a proof.
+
+Every verdict is compared with its truth; shares have binomial intervals.
+"""
 
 from __future__ import annotations
 
@@ -44,14 +47,16 @@ def score(
     curves: Sequence[xr.Dataset | None] | None = None,
     seconds: Sequence[float] | None = None,
 ) -> xr.Dataset:
-    """Score verdicts against truths, case by case in the same order.
+    """Score verdicts against truths, case by case.
+
+    Both are in the same order.
 
     Parameters
     ----------
     verdicts, truths
         Contents of the ``verdict.json`` and truth files.
     limits : sequence of dict, optional
-        From `limit.weigh_stand_ins`; without them the oracle is held against the base model only.
+        From `limit.weigh_stand_ins`; without them the oracle is compared with the base model only.
     curves : sequence of Dataset, optional
         The artifacts ``laws.nc``; None where there is none.
     seconds : sequence of float, optional
@@ -105,7 +110,9 @@ def score(
 
 
 def compute_share(hits: int, count: int) -> tuple[float, float, float]:
-    """Share with its 95 % Clopper–Pearson interval; NaN of nothing.
+    """Share with its 95 % Clopper–Pearson interval.
+
+    It is NaN where nothing counts.
 
     Examples
     --------
@@ -132,7 +139,9 @@ def collect_benchmarks(scored: xr.Dataset) -> dict[str, float]:
 def shuffle_truths(
     verdicts: Sequence[dict], truths: Sequence[dict], rng: np.random.Generator, repeats: int = 200
 ) -> float:
-    """Mean share of right names when verdicts are dealt out at random: chance.
+    """Share of right names by chance.
+
+    It is the mean over verdicts that are dealt out at random.
 
     Only visible effects of the catalogue take part, as in the share of right names.
     """
@@ -153,7 +162,7 @@ def shuffle_truths(
 def _cover(
     cases: list[Judgement], truths: Sequence[dict], curves: Sequence[xr.Dataset | None] | None
 ) -> list[float]:
-    """Coverage of the curves of laws that were rightly named."""
+    """Coverage of the laws that were rightly named."""
     known = [None] * len(cases) if curves is None else curves
     return [
         share

@@ -1,4 +1,7 @@
-"""Seals an answer before the question is put: the digest shows that it was not changed later."""
+"""Seals an answer before the question is put.
+
+The digest shows that the answer was not changed later.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,10 @@ from pathlib import Path
 
 
 def make_salt() -> str:
-    """Sixty-four random hexadecimal digits, so that no truth can be guessed from its digest."""
+    """Sixty-four random hexadecimal digits.
+
+    With them no truth can be guessed from its digest.
+    """
     return secrets.token_hex(32)
 
 
@@ -25,14 +31,17 @@ def seal(truth: bytes, salt: str) -> str:
 
 
 def seal_file(truth_path: Path, salt_path: Path) -> str:
-    """Draw a salt, keep it beside the truth, and return the digest that may be shown."""
+    """Seal a file, and return the public digest.
+
+    The salt is drawn and kept beside the truth.
+    """
     salt = make_salt()
     salt_path.write_text(salt + "\n", encoding="utf-8")
     return seal(truth_path.read_bytes(), salt)
 
 
 def open_seal(truth_path: Path, salt_path: Path, digest: str) -> dict:
-    """The truth, if it is the one that was sealed.
+    """The truth, if its seal is intact.
 
     Raises
     ------

@@ -1,4 +1,7 @@
-"""Everything that is drawn for one concealed campaign before its finger moves."""
+"""All that is drawn before the finger moves.
+
+It is drawn for one concealed campaign.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +29,10 @@ TRACKED_SD_RAD = 0.001
 
 @dataclass(frozen=True)
 class Setting:
-    """A campaign's finger, population, trials and noise; its effects' shapes but not strengths."""
+    """A campaign's finger, population, trials and noise.
+
+    It contains its effects' shapes, but not their strengths.
+    """
 
     rig: Rig
     population: Population
@@ -92,7 +98,10 @@ def draw_setting(spec: CaseSpec) -> Setting:
 
 
 def _draw_faults(spec: CaseSpec) -> dict[str, Fault]:
-    """Draw how large each nuisance is, from random numbers that nothing else uses."""
+    """Draw how large each nuisance is.
+
+    Nothing else uses these random numbers.
+    """
     rng = np.random.default_rng([spec.seed, 3])
     return {name: NUISANCES[name].draw(rng) for name in spec.nuisances}
 
@@ -107,7 +116,7 @@ def set_strengths(doses: dict[str, Dose], strengths: dict[str, float]) -> dict[s
 
 
 def choose_trials(count: int, few: int) -> Array:
-    """Places of at most a few trials, evenly over the campaign.
+    """Places of at most a few trials, spread evenly.
 
     >>> choose_trials(10, 4)
     array([0, 3, 6, 9])
@@ -135,7 +144,10 @@ def record_cleanly(setting: Setting, doses: dict[str, Dose], chosen: Array) -> l
 
 
 def disturb(setting: Setting, recordings: list[Recording], seed: int) -> list[Recording]:
-    """The recordings with their noise; frames that show nothing are NaN."""
+    """The recordings with their noise.
+
+    Frames that show nothing are NaN.
+    """
     rng = np.random.default_rng([seed, 1])
     disturbed = []
     for recording in recordings:

@@ -1,4 +1,7 @@
-"""Recordings with their nuisances, and what an oracle that knows some of these gets."""
+"""Recordings with their nuisances.
+
+An oracle that knows some of the nuisances gets its own recordings.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +25,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Sight:
-    """One trial as it is written, and what its nuisances left in it."""
+    """One trial as written, with its nuisances' marks."""
 
     recording: Recording  # with the stated times and the load that acted; NaN where nothing shows
     rows: Array  # (row, 2) of the load log
@@ -84,7 +87,10 @@ def _spoil_trial(
 
 
 def _simulate_at(setting: Setting, doses: dict[str, Dose], clean: Recording, taken: Array) -> Array:
-    """Motion at the times at which the frames were taken, in the order of the frames."""
+    """Motion at the true times of the frames.
+
+    It is in the order of the frames.
+    """
     order = np.argsort(taken, kind="stable")
     individual = setting.individuals[clean.trial.number]
     rig, motion = setting.rig, np.empty_like(clean.angle)
@@ -106,9 +112,11 @@ def _set_scene(setting: Setting, clean: Recording, rows: Array) -> Scene:
 def recall(
     setting: Setting, sights: list[Sight], seed: int, knowing: Collection[str] | None = None
 ) -> list[Recording]:
-    """Recordings as the oracle gets them, which knows some of the nuisances, or all.
+    """Recordings as the oracle gets them.
 
-    Frames that show nothing or tell nothing are left out; the load is the one of the log.
+    The oracle knows some of the nuisances, or all.
+
+    Frames that show nothing, or are of no use, are left out; the load is the one of the log.
     """
     names = list(setting.faults) if knowing is None else [n for n in setting.faults if n in knowing]
     return [_recall_trial(setting, sight, seed, names) for sight in sights]
@@ -135,5 +143,8 @@ def _recall_trial(setting: Setting, sight: Sight, seed: int, names: list[str]) -
 
 
 def _listen(name: str, seed: int, trial: int) -> np.random.Generator:
-    """Random numbers of one nuisance in one trial, the same in each of its hooks."""
+    """Random numbers of one nuisance in one trial.
+
+    They are the same in each of its hooks.
+    """
     return np.random.default_rng([seed, 3, list(NUISANCES).index(name), trial])

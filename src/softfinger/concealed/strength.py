@@ -1,4 +1,7 @@
-"""How strong an effect must be for the oracle to gain a given evidence."""
+"""How strong an effect must be.
+
+The oracle is to gain a given evidence.
+"""
 
 from __future__ import annotations
 
@@ -17,11 +20,14 @@ LEAST_NATS, MOST_NATS = 1.0, 10_000.0
 OFFSET_NATS = 10.0  # below it, evidence may be negative: what an idle parameter costs
 CLOSE = 0.1  # relative
 EVALUATIONS = 8
-WITHIN_TRIALS, BETWEEN_TRIALS = 6, 40  # trials that stand for the whole campaign
+WITHIN_TRIALS, BETWEEN_TRIALS = 6, 40  # trials that represent the whole campaign
 
 
 def expect_effect_gain(effect: str, strength: float, setting: Setting) -> float:
-    """Evidence [nats] that the oracle is to expect from one effect of some strength alone."""
+    """Evidence [nats] to expect from one effect alone.
+
+    The oracle expects it at a given strength.
+    """
     count = len(setting.trials)
     few = BETWEEN_TRIALS if EFFECTS[effect].level == "between_trials" else WITHIN_TRIALS
     chosen = choose_trials(count, few)
@@ -37,12 +43,17 @@ def expect_effect_gain(effect: str, strength: float, setting: Setting) -> float:
 
 
 def find_reach(effect: str, setting: Setting) -> float:
-    """Largest evidence [nats] that the oracle can expect from an effect in this campaign."""
+    """Largest evidence [nats] of an effect here.
+
+    It is the most that the oracle can expect in this campaign.
+    """
     return expect_effect_gain(effect, EFFECTS[effect].largest, setting)
 
 
 def calibrate_strength(effect: str, setting: Setting, target: float, reach: float) -> float:
-    """Strength at which the oracle expects to gain `target` nats, at most the largest believable.
+    """Strength at which the oracle gains `target` nats.
+
+    The gain is the expected one. The strength is at most the largest believable.
 
     The gain grows about as the square of the strength, so a secant on doubly logarithmic scales
     closes in within a few steps.
@@ -82,7 +93,9 @@ def calibrate_strength(effect: str, setting: Setting, target: float, reach: floa
 def place_strengths(
     places: dict[str, float], setting: Setting, *, even: bool = False
 ) -> tuple[dict[str, float], dict[str, float]]:
-    """Strength of every effect, and the gain [nats] aimed at, alone.
+    """Strength of every effect, and its target gain [nats].
+
+    The target is the gain of the effect alone.
 
     Parameters
     ----------

@@ -1,4 +1,7 @@
-"""Which campaigns a proof consists of: a seeded, balanced draw."""
+"""Which campaigns a proof consists of.
+
+It is a seeded, balanced draw.
+"""
 
 from __future__ import annotations
 
@@ -77,7 +80,10 @@ class CaseSpec:
 
 
 def build_paper_case(protocol: Protocol, trials: int, seed: int) -> CaseSpec:
-    """Set the paper's own case: its wire geometry moves the finger, its analysis leaves it out."""
+    """Set the paper's own case.
+
+    Its wire geometry moves the finger, its analysis leaves it out.
+    """
     return CaseSpec(
         seed=seed,
         effects=("moment_arm",),
@@ -93,7 +99,9 @@ def build_paper_case(protocol: Protocol, trials: int, seed: int) -> CaseSpec:
 def draw_catalogue(
     seed: int, n: int, *, longest: int = max(TRIALS), catalogue: Catalogue = "first"
 ) -> list[CaseSpec]:
-    """Draw every effect of the catalogue under every protocol, and then pairs of effects.
+    """Draw effects under every protocol, then pairs.
+
+    The effects are all those of the catalogue under test.
 
     Each as strong as the upper quarter of what the oracle can reach with it, on a logarithmic
     scale; what the protocol hides stays hidden. In a pair the weaker one's reach counts for both,
@@ -180,7 +188,7 @@ def draw_suite(
 
 
 class _Draft(NamedTuple):
-    """What the draw of a suite settles of a case."""
+    """What the draw settles of a case."""
 
     effects: tuple[str, ...]
     places: tuple[float, ...]
@@ -216,13 +224,19 @@ def _build_cases(
 
 
 def take_turns[Item](items: tuple[Item, ...], n: int, rng: np.random.Generator) -> list[Item]:
-    """Every item equally often, give or take one, in random order."""
+    """Every item about equally often, in random order.
+
+    Counts differ by one at most.
+    """
     rounds = [rng.permutation(len(items)) for _ in range(math.ceil(n / len(items)))]
     return [items[k] for k in np.concatenate([*rounds, []]).astype(int)[:n]]
 
 
 def _spread(sets: list[tuple[str, ...]], rng: np.random.Generator) -> list[tuple[float, ...]]:
-    """Places on (0, 1), even over the cases that share their effects."""
+    """Places on (0, 1), spread evenly.
+
+    They are even over the cases that share their effects.
+    """
     places: list[tuple[float, ...]] = [()] * len(sets)
     for effects in dict.fromkeys(sets):
         cases = [k for k, other in enumerate(sets) if other == effects]
@@ -236,7 +250,10 @@ def _spread(sets: list[tuple[str, ...]], rng: np.random.Generator) -> list[tuple
 
 
 def _choose_filmed(sets: list[tuple[str, ...]], n: int, rng: np.random.Generator) -> set[int]:
-    """Cases that a camera can show: what alters the recorded angles afterwards it cannot."""
+    """Cases that a camera can show.
+
+    It cannot show what alters the recorded angles afterwards.
+    """
     fit = [k for k, names in enumerate(sets) if not any(EFFECTS[e].record for e in names)]
     return set(rng.choice(fit, min(n, len(fit)), replace=False).tolist())
 

@@ -1,4 +1,7 @@
-"""The proof's table: one row per campaign, with what was concealed and what was answered."""
+"""The proof's table: one row per campaign.
+
+A row contains what was concealed and what was answered.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,10 @@ def tabulate_cases(
     answers: Sequence[dict],
     limits: Sequence[dict],
 ) -> list[dict]:
-    """Rows of plain words and numbers, in the order of the suite's names."""
+    """Rows of plain words and numbers.
+
+    They are in the order of the suite's names.
+    """
     rows = zip(names, truths, answers, limits, strict=True)
     return [_tabulate(name, truth, answer, weighed) for name, truth, answer, weighed in rows]
 
@@ -47,7 +53,10 @@ def _tabulate(name: str, truth: Mapping, answer: Mapping, weighed: Mapping) -> d
 
 
 def tabulate_measured(name: str, known: str, answer: Mapping) -> dict:
-    """Row of a real recording: right if exactly what is known is named, or so decided."""
+    """Row of a real recording.
+
+    It is right if exactly what is known is named, or so decided.
+    """
     verdict = answer["verdict"]
     ids = {effect["id"] for effect in verdict["effects"]}
     expected = set(known.split(" + "))
@@ -75,7 +84,9 @@ def describe_truth(truth: Mapping) -> str:
 
 
 def describe_stand_in(weighed: Mapping[str, Mapping[str, float]]) -> str:
-    """Name what comes closest in the place of each effect, and by how many nats it is behind.
+    """Name the closest stand-in of each effect.
+
+    Its number is how many nats it is behind.
 
     >>> describe_stand_in({"camera_delay": {"inertia": 17.0, "actuator_lag": 0.6}})
     'actuator_lag 0.6'
@@ -87,7 +98,7 @@ def describe_stand_in(weighed: Mapping[str, Mapping[str, float]]) -> str:
 
 
 def describe_answer(verdict: Mapping) -> str:
-    """Give the decision, the names, and what was called equivalent.
+    """Decision, names, and equivalents of a verdict.
 
     >>> describe_answer({"decision": "adequate", "effects": [], "equivalent": []})
     'adequate'

@@ -1,4 +1,7 @@
-"""Campaigns recorded unkindly: clean ones, and pairs with and without nuisances."""
+"""Campaigns that are recorded unkindly.
+
+Clean ones, and pairs with and without nuisances.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,9 @@ TWIN_PLACES = (0.5, 1.0)  # on the scale of strengths, so that most are visible
 
 
 def draw_clean(seed: int, n: int) -> list[CaseSpec]:
-    """Draw short clean campaigns in which each nuisance acts alone, and several at once.
+    """Draw short clean campaigns with nuisances.
+
+    Each nuisance acts alone, and several act at once.
 
     Conditions, protocols, kinds of noise and lengths take turns.
 
@@ -58,7 +63,9 @@ def draw_clean(seed: int, n: int) -> list[CaseSpec]:
 
 
 def draw_twins(seed: int, n: int, catalogue: Catalogue = "first") -> list[CaseSpec]:
-    """Draw pairs of campaigns, one after the other: the same effect without and with nuisances.
+    """Draw pairs of campaigns, without and with nuisances.
+
+    The two of a pair follow each other and have the same effect.
 
     A pair has one seed, so the same finger, trials, noise and strength; two of three pairs have
     one nuisance, the others several.
@@ -93,7 +100,10 @@ def draw_twins(seed: int, n: int, catalogue: Catalogue = "first") -> list[CaseSp
 
 
 def _draw_several(rng: np.random.Generator) -> tuple[str, ...]:
-    """Draw two nuisances or more that act at once, in the order of their list."""
+    """Draw two or more nuisances that act together.
+
+    They are in the order of their list.
+    """
     count = int(rng.integers(2, MOST_AT_ONCE + 1))
     return tuple(
         np.array(list(NUISANCES))[np.sort(rng.permutation(len(NUISANCES))[:count])].tolist()

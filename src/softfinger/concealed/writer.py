@@ -1,4 +1,7 @@
-"""Writes a concealed campaign as the folder that the diagnosis gets."""
+"""Writes a concealed campaign as a folder.
+
+The diagnosis gets this folder.
+"""
 
 from __future__ import annotations
 
@@ -33,14 +36,16 @@ def write_campaign(
     film: Film | None = None,
     seed: int = 0,
 ) -> None:
-    """Write campaign.yaml, trials.csv, the load logs, and the angles or the videos.
+    """Write all files of a campaign folder.
+
+    They are campaign.yaml, trials.csv, the load logs, and the angles or the videos.
 
     Parameters
     ----------
     logs
         (row, 2) of every trial: time [s], tension [N].
     declares_noise
-        Whether campaign.yaml says the noise's standard deviation.
+        Whether campaign.yaml states the noise's standard deviation.
     film
         Makes a trial's video; without it angles are written.
     seed
