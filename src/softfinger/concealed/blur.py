@@ -86,9 +86,9 @@ class Blur:
 
 
 def _weigh_tails(residual: Array, shock: Array, freedom: float) -> float:
-    """Log density of innovations by Student's t over normal.
+    """Log density of innovations, Student's t over normal.
 
-    Student's t has the innovations' own known scales.
+    The normal density has the innovations' own known scales.
     """
     joints = residual.shape[1]
     square = (residual**2).sum(axis=1)

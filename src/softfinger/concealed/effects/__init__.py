@@ -1,4 +1,7 @@
-"""The effects of the proof: the catalogue's ids in forms of their own, and some outside it."""
+"""The effects of the proof, in their own forms.
+
+They have the catalogue's ids, and some are outside the catalogue.
+"""
 
 from __future__ import annotations
 

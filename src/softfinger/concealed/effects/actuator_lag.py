@@ -1,4 +1,7 @@
-"""Three lags in a row, seven to two to one, not one or two."""
+"""Three lags in a row, not one or two.
+
+Their times are as seven to two to one.
+"""
 
 from __future__ import annotations
 

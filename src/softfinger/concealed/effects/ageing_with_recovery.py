@@ -1,4 +1,7 @@
-"""Softening from trial to trial that a long pause between sessions undoes in part."""
+"""Softening from trial to trial, with recovery.
+
+A long pause between sessions undoes a part of it.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,10 @@ SESSIONS = 3
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """Stiffness and viscosities times 1 − s d: d grows within a session, and a pause halves it."""
+    """Stiffness and viscosities times 1 − s d.
+
+    d grows within a session, and a pause halves it.
+    """
     length = trial.count / SESSIONS
     session, done = divmod(trial.number, length)
     kept = sum(dose.shape["kept"] ** k for k in range(1, int(session) + 1))

@@ -1,4 +1,7 @@
-"""A recording that starts late, a little differently in every trial."""
+"""A recording that starts late.
+
+The delay differs a little in every trial.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +11,15 @@ from softfinger.concealed.effects.effect import Array, Circumstances, Dose, Effe
 
 
 def _delay(dose: Dose, trial: Circumstances) -> float:
-    """Delay [s]; it differs by up to 10 % between trials."""
+    """Delay [s] of a trial.
+
+    It differs by up to 10 % between trials.
+    """
     return dose.strength * (0.9 + 0.2 * trial.luck[0])
 
 
 def _clock(time: Array, dose: Dose, trial: Circumstances) -> Array:
-    """The frame at t shows what was at t − delay."""
+    """Time that a frame shows: its own less delay."""
     return time - _delay(dose, trial)
 
 

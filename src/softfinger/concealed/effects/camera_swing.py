@@ -1,4 +1,7 @@
-"""A camera that turns to and fro within a trial while the base's direction was read only once."""
+"""A camera that turns to and fro.
+
+It turns within a trial, while the base's direction was read only once.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""A joint that rubs on its support: dry friction against its own motion."""
+"""A joint that rubs on its support.
+
+Dry friction acts against its own motion.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,10 @@ from softfinger.concealed.physics import Physics
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """A torque of at most s [N m] against the joint's motion, turned round over 5 mrad."""
+    """Dry friction of at most s [N m].
+
+    The torque acts against the joint's motion and is turned round over 5 mrad.
+    """
     return physics._replace(dry=dose.spread(physics.k_v.size))
 
 

@@ -1,4 +1,7 @@
-"""What an effect of the proof is: a switch with a strength, in a physical form of its own."""
+"""What an effect of the proof is.
+
+It is a switch with a strength, in a physical form of its own.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Dose:
-    """How much of an effect a campaign has, and where."""
+    """Strength, shape and place of an effect."""
 
     strength: float  # 0: absent
     shape: dict[str, float] = field(default_factory=dict)
@@ -47,7 +50,9 @@ class Circumstances:
 
 @dataclass(frozen=True)
 class Shape:
-    """A parameter that the strength does not scale: log-uniform from `low` to `high`.
+    """A parameter that the strength does not scale.
+
+    It is log-uniform from `low` to `high`.
 
     Where it is a `choice`, it is either of the two and known to the oracle.
     """

@@ -1,4 +1,4 @@
-"""Softening as a hyperbola of the number of trials done."""
+"""Softening as a hyperbola of the trials done."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from softfinger.concealed.physics import Physics
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """Stiffness, and perhaps viscosities with it, times 1 − s m / (m + m₀) after m trials.
+    """Soften as a hyperbola of the trials done.
+
+    The stiffness is multiplied by 1 − s m / (m + m₀) after m trials, perhaps the viscosities too.
 
     m₀ is given as a share of the campaign's length.
     """

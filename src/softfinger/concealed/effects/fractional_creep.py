@@ -1,4 +1,7 @@
-"""Power-law creep as a ladder of eight retardation times over six decades."""
+"""Power-law creep as a ladder of retardation times.
+
+There are eight, over six decades.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,9 @@ TIMES_S = np.geomspace(1e-3, 1e3, 8)
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """Compliance ∝ Tᵅ per element, so that creep goes as tᵅ between the ends of the ladder.
+    """Compliance ∝ Tᵅ per element.
+
+    So creep goes as tᵅ between the ends of the ladder.
 
     A continuous spectrum J(t) = ∫ Tᵅ (1 − e^(−t/T)) d ln T is Γ(1 − α)/α · tᵅ; the strength is the
     creep at one second, as a share of the trial's elastic compliance.

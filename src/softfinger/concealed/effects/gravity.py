@@ -1,4 +1,4 @@
-"""Weight of the links in a plane that is not horizontal."""
+"""Weight of the links in a tilted plane."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ STANDARD_GRAVITY = 9.80665
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """The plane tilts about the base's direction, or about the direction across it."""
+    """Tilt of the plane about one of two directions.
+
+    They are the base's direction and the direction across it.
+    """
     along = STANDARD_GRAVITY * np.sin(dose.strength)
     if dose.shape["along_base"]:
         return physics._replace(gravity_x=physics.gravity_x + along)

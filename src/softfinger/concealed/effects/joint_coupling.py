@@ -1,4 +1,7 @@
-"""An elastic skin over two neighbouring joints: each one's deflection loads the other."""
+"""An elastic skin over two neighbouring joints.
+
+Each one's deflection loads the other.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,10 @@ from softfinger.concealed.physics import Physics
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """Add a torque s δ [N m/rad] to both joints of a pair, δ the other's deflection, saturating."""
+    """Add a torque s δ to both joints.
+
+    s [N m/rad] acts on a pair; δ is the other's deflection, and saturates.
+    """
     first, second = dose.joints
     coupling = physics.coupling.copy()
     coupling[first, second] += dose.strength * (1.0 if dose.shape["helping"] else -1.0)

@@ -1,4 +1,7 @@
-"""Play of a joint: it snaps over as soon as the wire is taut, and back when it is slack."""
+"""Play of a joint.
+
+The joint snaps over as soon as the wire is taut, and back when it is slack.
+"""
 
 from __future__ import annotations
 

@@ -13,13 +13,19 @@ AXIS_FROM_FIRST_JOINT_M = np.array([0.035, 0.012])
 
 
 def _record(angle: Array, time: Array, dose: Dose, trial: Circumstances, rig: Rig) -> Array:
-    """Markers at a distance r from the axis appear at f atan(r/f); the strength is 1/f² [1/m²]."""
+    """Markers as they appear through the lens.
+
+    At a distance r from the axis they appear at f atan(r/f); the strength is 1/f² [1/m²].
+    """
     focal = 1.0 / np.sqrt(max(dose.strength, 1e-12))
     return look_through(angle, rig, lambda place: _bend_light(place, focal))
 
 
 def look_through(angle: Array, rig: Rig, bend: Callable[[Array], Array]) -> Array:
-    """Angles as seen where the picture shows every place, counted from its axis, elsewhere."""
+    """Angles as seen in a distorted picture.
+
+    The picture shows every place, counted from its axis, elsewhere.
+    """
     heading = np.cumsum(angle, axis=1)
     unit = np.stack([np.cos(heading), np.sin(heading)], axis=-1)
     link = rig.link_length[:, None] * unit

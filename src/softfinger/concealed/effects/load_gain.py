@@ -1,4 +1,7 @@
-"""A load cell whose gain creeps from trial to trial, fast at first and then ever slower."""
+"""A load cell whose gain creeps between trials.
+
+It creeps fast at first and then ever slower.
+"""
 
 from __future__ import annotations
 
@@ -9,12 +12,15 @@ from softfinger.concealed.physics import Physics
 
 
 def scale_load(physics: Physics, gain: float) -> Physics:
-    """Physics of a load that is larger by a factor."""
+    """Physics of a load times a factor."""
     return physics._replace(load_tension=gain * physics.load_tension)
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """Gain 1 + s √(m / M) in the trial after m of M: the strength is what it gains in all."""
+    """Gain of the load in one trial.
+
+    It is 1 + s √(m / M) in the trial after m of M. The strength is what it gains in all.
+    """
     return scale_load(physics, 1.0 + dose.strength * np.sqrt(trial.number / trial.count))
 
 

@@ -1,4 +1,7 @@
-"""A drive that cannot pull harder than a limit, which it nears softly."""
+"""A drive that cannot pull harder than a limit.
+
+It nears the limit softly.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,10 @@ from softfinger.concealed.protocols import Load, refine_load
 
 
 def saturate(load: Load, limit: float, power: float) -> Load:
-    """Tension T / (1 + (T/limit)^p)^(1/p): the larger p, the harder the limit."""
+    """Tension T / (1 + (T/limit)^p)^(1/p).
+
+    The larger p, the harder the limit.
+    """
     fine = refine_load(load, 0.25)
     tension = fine.tension / (1.0 + (fine.tension / limit) ** power) ** (1.0 / power)
     return Load(fine.time, tension)
@@ -42,7 +48,10 @@ EFFECT = Effect(
 
 
 def limit_rate(load: Load, rate: float) -> Load:
-    """Tension that follows a load no faster than by `rate` [N/s]."""
+    """Tension that follows a load at limited rate.
+
+    It changes no faster than by `rate` [N/s].
+    """
     fine = refine_load(load, 0.25)
     time, wanted = [float(fine.time[0])], [0.0]
     for k in range(fine.time.size):
@@ -62,7 +71,10 @@ def _chase(
     line: tuple[float, float],
     rate: float,
 ) -> None:
-    """Follow one straight piece of a load from what was reached before it."""
+    """Follow one straight piece of a load.
+
+    It starts from what was reached before the piece.
+    """
     start, stop = ends
     gap, slope = line[0] - reached[-1], line[1]
     if stop <= start:

@@ -1,4 +1,7 @@
-"""A link's markers that slip at one moment, in every other trial."""
+"""A link's markers that slip at one moment.
+
+They slip in every other trial.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,10 @@ from softfinger.concealed.rig import Rig
 
 
 def _record(angle: Array, time: Array, dose: Dose, trial: Circumstances, rig: Rig) -> Array:
-    """The link seems to turn by the strength [rad]: its own joint gains what the next one loses."""
+    """Turn the link by the strength [rad].
+
+    It only seems to turn: its own joint gains what the next one loses.
+    """
     slipped = angle.copy()
     if trial.luck[0] < 0.5 or trial.count == 1:
         late = time >= (0.2 + 0.6 * trial.luck[1]) * trial.duration

@@ -1,4 +1,7 @@
-"""The wire's own chord between its guides instead of a constant offset."""
+"""The wire's own chord between its guides.
+
+It replaces a constant offset.
+"""
 
 from __future__ import annotations
 

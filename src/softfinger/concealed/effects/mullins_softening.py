@@ -1,4 +1,7 @@
-"""Softening within a trial where the joint was strained before (Mullins)."""
+"""Softening where the joint was strained before (Mullins).
+
+It happens within a trial.
+"""
 
 from __future__ import annotations
 

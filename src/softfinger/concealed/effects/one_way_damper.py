@@ -1,4 +1,7 @@
-"""A damper that gives way more easily as the joint bends than as it returns."""
+"""A damper that gives way more easily bending.
+
+It gives way less easily as the joint returns.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,10 @@ from softfinger.concealed.physics import Physics
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """The Voigt element's rate times 1 + s while it bends; no law of the rate's size has a side."""
+    """The Voigt element's rate, larger while it bends.
+
+    The factor is 1 + s. No law of the rate's size distinguishes the two directions.
+    """
     return physics._replace(one_way=dose.spread(physics.k_v.size))
 
 

@@ -1,4 +1,7 @@
-"""A picture that stretches to one side while its mount warms up."""
+"""A picture that stretches to one side.
+
+It stretches while its mount warms up.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,10 @@ from softfinger.concealed.rig import Rig
 
 
 def _record(angle: Array, time: Array, dose: Dose, trial: Circumstances, rig: Rig) -> Array:
-    """Directions as seen when lengths along the base grow by s (1 − cos(2π t / duration)) / 2."""
+    """Directions as seen in the stretched picture.
+
+    Lengths along the base grow by s (1 − cos(2π t / duration)) / 2.
+    """
     stretch = 1.0 + 0.5 * dose.strength * (1.0 - np.cos(2.0 * np.pi * time / trial.duration))
     heading = np.cumsum(angle, axis=1)
     seen = np.unwrap(np.arctan2(np.sin(heading), stretch[:, None] * np.cos(heading)), axis=1)

@@ -1,4 +1,7 @@
-"""A joint that is bent too far once and does not come back all the way."""
+"""A joint that keeps a set once overbent.
+
+It is bent too far once and does not come back all the way.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,10 @@ from softfinger.concealed.physics import Physics
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """The spring's rest moves by a share of what its largest strain was beyond a threshold."""
+    """Shift of the spring's rest beyond a threshold.
+
+    It is a share of what the spring's largest strain was beyond the threshold.
+    """
     return physics._replace(
         plastic=dose.spread(physics.k_v.size), plastic_from=dose.shape["from_rad"]
     )

@@ -1,4 +1,7 @@
-"""A narrow spectrum of longer retardation times, not a single one."""
+"""A narrow spectrum of longer retardation times.
+
+It is not a single time.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,9 @@ from softfinger.concealed.physics import Physics
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """Two Voigt elements around the retardation time, the slower one half as large.
+    """Two Voigt elements around the retardation time.
+
+    The slower one is half as large.
 
     Their compliance is a share of the trial's own elastic compliance, or of the typical one.
     """

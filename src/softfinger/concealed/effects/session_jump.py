@@ -1,4 +1,7 @@
-"""A second session: from one trial on, the joints are stiffer or softer at once."""
+"""A second session with other stiffness.
+
+From one trial on, the joints are stiffer or softer at once.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Stiffness or viscosity that falls while a trial runs, as a joint warms up or takes up water."""
+"""Stiffness or viscosity that falls within a trial.
+
+A joint warms up or takes up water.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,10 @@ Warming = tuple[float, float, float, float]
 
 
 def soften(physics: Physics, dose: Dose, warming: Warming) -> Physics:
-    """Let stiffness, or the viscosities, lose a share as a joint warms by a law."""
+    """Let stiffness, or the viscosities, lose a share.
+
+    They lose it as a joint warms by a law.
+    """
     share = dose.spread(physics.k_v.size)
     if dose.shape["viscosity"]:
         return physics._replace(thinning_out=share, warming=warming)
@@ -17,7 +23,10 @@ def soften(physics: Physics, dose: Dose, warming: Warming) -> Physics:
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """Warmth w with ẇ = (1 − w)^1.5 / T: slower towards the end than an exponential."""
+    """Soften as a joint warms up.
+
+    The warmth w follows ẇ = (1 − w)^1.5 / T. Towards the end it is slower than an exponential.
+    """
     return soften(physics, dose, (1.0 / dose.shape["softening_time_s"], 1.5, 0.0, 0.0))
 
 

@@ -1,4 +1,7 @@
-"""A joint that sticks to its base until it is pulled off, once in a trial."""
+"""A joint that sticks to its base.
+
+It sticks until it is pulled off, once in a trial.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,9 @@ from softfinger.concealed.rig import Rig
 
 
 def _record(angle: Array, time: Array, dose: Dose, trial: Circumstances, rig: Rig) -> Array:
-    """The joint shows no bend below the strength [rad], and all of it from the first time beyond.
+    """No bend is shown below the strength [rad].
+
+    The joint shows all of its bend from the first time beyond.
 
     What it lacked fades within a tenth of a second after it came off.
     """

@@ -1,4 +1,7 @@
-"""A spring that locks at a finite strain (Gent), not a polynomial."""
+"""A spring that locks at a finite strain.
+
+It follows Gent's law, not a polynomial.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,10 @@ from softfinger.concealed.physics import Physics
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """Stiffness k_v / (1 − β q²): β is the inverse square of the locking strain."""
+    """Stiffness k_v / (1 − β q²).
+
+    β is the inverse square of the locking strain.
+    """
     return physics._replace(stiffening=physics.stiffening + dose.spread(physics.k_v.size))
 
 

@@ -1,4 +1,7 @@
-"""Creep rate with a 1.5 power beside the proportional part."""
+"""Creep rate with an additional 1.5 power.
+
+The power is beside the proportional part.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,10 @@ from softfinger.concealed.physics import Physics
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """Rate τ/c_p (1 + (s τ)^1.5), s [1/(N m)] the inverse of the scale torque."""
+    """Rate τ/c_p (1 + (s τ)^1.5).
+
+    s [1/(N m)] is the inverse of the scale torque.
+    """
     return physics._replace(flow_scale=dose.spread(physics.k_v.size))
 
 

@@ -1,4 +1,7 @@
-"""Viscosities or stiffness over temperature by the law of Williams, Landel and Ferry."""
+"""Viscosities or stiffness that depend on temperature.
+
+They follow the law of Williams, Landel and Ferry.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,9 @@ BEND_K = 40.0
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """Shift factor exp(−s ΔT / (1 + ΔT / 40 K)) on the viscosities, or on the stiffness.
+    """Apply the shift factor of the temperature.
+
+    The factor exp(−s ΔT / (1 + ΔT / 40 K)) acts on the viscosities, or on the stiffness.
 
     The sensitivity s counts as positive where they fall with warmth.
     """

@@ -1,4 +1,7 @@
-"""A drive that turns unevenly: the tension swings around the logged one."""
+"""A drive that turns unevenly.
+
+The tension swings around the logged one.
+"""
 
 from __future__ import annotations
 

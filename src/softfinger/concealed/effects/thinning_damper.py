@@ -1,4 +1,7 @@
-"""A damper that thins: the faster the Voigt element moves, the less it resists."""
+"""A damper that thins with the rate.
+
+The faster the Voigt element moves, the less it resists.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,10 @@ from softfinger.concealed.physics import Physics
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """Rate r (1 + s |r|), r the rate of the linear element and s in s/rad."""
+    """Rate r (1 + s |r|).
+
+    r is the rate of the linear element, and s is in s/rad.
+    """
     return physics._replace(thinning=dose.spread(physics.k_v.size))
 
 

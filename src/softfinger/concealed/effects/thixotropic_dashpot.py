@@ -1,4 +1,7 @@
-"""A dashpot whose structure breaks as it flows and heals at rest."""
+"""A dashpot whose structure breaks with flow.
+
+It heals at rest.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,9 @@ HEALING_S = 20.0
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """Rate τ/c_p (1 + s b), b the broken share: ḃ = g |rate| (1 − b) − b/20 s.
+    """Rate τ/c_p (1 + s b).
+
+    b is the broken share: ḃ = g |rate| (1 − b) − b/20 s.
 
     Moore (1959), Trans. Br. Ceram. Soc. 58, 470.
     """

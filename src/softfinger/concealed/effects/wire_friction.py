@@ -1,4 +1,6 @@
-"""Friction of a soft wire over bend and guide, its direction a hysteresis of Bouc and Wen.
+"""Friction of a soft wire over bend and guide.
+
+Its direction is a hysteresis of Bouc and Wen.
 
 A polymer's friction grows with a power of its pressure between two thirds and one, so that its
 coefficient is the larger, the less the wire is pulled.

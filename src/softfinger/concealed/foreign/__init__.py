@@ -1,4 +1,7 @@
-"""Foreign laws: at least three for each effect, none of which a textbook form contains."""
+"""Foreign laws: at least three for each effect.
+
+No textbook form contains any of them.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""Foreign laws of weight and mass: where along the finger they are."""
+"""Foreign laws of weight and mass.
+
+They vary where along the finger both are.
+"""
 
 from __future__ import annotations
 

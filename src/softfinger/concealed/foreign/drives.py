@@ -1,4 +1,7 @@
-"""Foreign laws between the log and the load that acts, and of the camera's clock."""
+"""Foreign laws of the load and the clock.
+
+They act between the log and the load that acts, and on the camera's clock.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,10 @@ from softfinger.concealed.protocols import Load, refine_load
 
 
 def _lag(stages: Array, mix: Array, transport: float = 0.0) -> Move:
-    """Build lags in a row, of which each stage gives a share, after a pure delay."""
+    """Build lags in a row after a delay.
+
+    Each stage gives a share; the delay is pure.
+    """
 
     def move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
         if dose.strength == 0.0:
@@ -62,14 +68,20 @@ def _soft(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
 
 
 def _sag(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """Tension T (1 − s T t/T₀): the harder and the longer it pulls, the less it reaches."""
+    """Tension T (1 − s T t/T₀) that sags.
+
+    The harder and the longer it pulls, the less it reaches.
+    """
     fine = _fill(Load(physics.load_time, physics.load_tension), trial.duration)
     lost = dose.strength * fine.tension * fine.time / trial.duration
     return act(physics, Load(fine.time, fine.tension * np.clip(1.0 - lost, 0.1, None)))
 
 
 def _fill(load: Load, duration: float) -> Load:
-    """Give a load knots at every second, to the end of the trial."""
+    """Give a load knots at every second.
+
+    They go on to the end of the trial.
+    """
     held = Load(np.append(load.time, duration), np.append(load.tension, load.tension[-1]))
     nudged = Load(held.time, held.tension + 1e-12 * np.arange(held.time.size))
     return refine_load(nudged, 1.0)

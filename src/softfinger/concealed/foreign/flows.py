@@ -1,4 +1,7 @@
-"""Foreign laws of flow and of the damper: what a rate depends on."""
+"""Foreign laws of flow and of the damper.
+
+They vary what a rate depends on.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +36,10 @@ def _flow(curve: Curve) -> dict[str, object]:
 
 
 def _yield(share: Curve) -> Move:
-    """Build a dashpot that keeps share(torque / threshold) of its rate."""
+    """Build a dashpot that yields.
+
+    It keeps share(torque / threshold) of its rate.
+    """
 
     def move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
         if dose.strength <= 0.0:
@@ -46,7 +52,7 @@ def _yield(share: Curve) -> Move:
 
 
 def _damp(curve: Curve) -> Move:
-    """Build a Voigt element whose rate gains s · curve(rate)."""
+    """Build a damper: its rate gains s · curve(rate)."""
     row = tabulate_rate(curve)
 
     def move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:

@@ -1,4 +1,7 @@
-"""A foreign law: an effect in its own place, by a curve that no textbook form contains."""
+"""A foreign law: an effect by another curve.
+
+No textbook form contains the curve.
+"""
 
 from __future__ import annotations
 
@@ -16,22 +19,34 @@ Curve = Callable[[Array], Array]
 
 
 def build_law(effect: Effect, law: str, why: str, **changes: Any) -> Effect:  # noqa: ANN401
-    """Give an effect another law; its parameters are not those of the effect's own."""
+    """Give an effect another law.
+
+    The law's parameters are not those of the effect's own.
+    """
     return replace(effect, law=law, why=why, **{"tell": lambda dose, trials: {}} | changes)
 
 
 def show(argument: str, curve: Curve) -> dict[str, object]:
-    """Fields of an effect whose law is a factor 1 + s · curve(argument)."""
+    """Fields of an effect with a known curve.
+
+    Its law is a factor 1 + s · curve(argument).
+    """
     return {"argument": argument, "curve": lambda x, trials: curve(x)}
 
 
 def tabulate_angle(curve: Curve) -> Array:
-    """Table of a curve of an angle [rad] or a strain, to the span that the kernel reads."""
+    """Table of a curve of an angle [rad] or strain.
+
+    The table goes to the span that the kernel reads.
+    """
     return curve(np.linspace(0.0, ANGLE_SPAN_RAD, POINTS))
 
 
 def tabulate_rate(curve: Curve) -> Array:
-    """Table of a curve of a rate [rad/s] from 0 to many times the middle one."""
+    """Table of a curve of a rate [rad/s].
+
+    It goes from 0 to many times the middle one.
+    """
     return curve(_stretch(RATE_MIDDLE))
 
 
@@ -46,10 +61,16 @@ def _stretch(middle: float) -> Array:
 
 
 def act_on(dose: Dose, row: Array, joints: int) -> Array:
-    """Table (joint, point) that acts where the effect does, scaled by its strength."""
+    """Table (joint, point), scaled by the strength.
+
+    It acts where the effect does.
+    """
     return np.outer(dose.spread(joints), row)
 
 
 def bend_softly(x: Array, corner: float) -> Array:
-    """Zero below 0 and x above it, with a round corner, less its value at the far left."""
+    """Bend from 0 to x at a round corner.
+
+    It is zero below 0 and x above it; its value at the far left is taken off.
+    """
     return corner * np.logaddexp(0.0, x / corner)

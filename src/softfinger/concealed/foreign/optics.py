@@ -1,4 +1,7 @@
-"""Foreign laws of what is seen: lenses, and play of a joint."""
+"""Foreign laws of what is seen.
+
+Lenses, and play of a joint.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,10 @@ from softfinger.concealed.rig import Rig
 
 
 def _lens(bend: Callable[[Array, float], Array]) -> Record:
-    """Build a lens that shows a place at bend(place, strength), places from its axis [m]."""
+    """Build a lens that moves what it shows.
+
+    It shows a place at bend(place, strength), places from its axis [m].
+    """
 
     def record(angle: Array, time: Array, dose: Dose, trial: Circumstances, rig: Rig) -> Array:
         return look_through(angle, rig, lambda place: bend(place, dose.strength))
@@ -36,12 +42,18 @@ def _moustache(place: Array, strength: float) -> Array:
 
 
 def _keystone(place: Array, strength: float) -> Array:
-    """A picture plane that is aslant: the far side is smaller."""
+    """A picture plane that is aslant.
+
+    The far side is smaller.
+    """
     return place / (1.0 + 0.25 * strength * place[..., :1])
 
 
 def _backlash(angle: Array, time: Array, dose: Dose, trial: Circumstances, rig: Rig) -> Array:
-    """The link follows its joint only after it has moved by the strength, up and down alike."""
+    """The link follows its joint with play.
+
+    It follows only after the joint has moved by the strength, up and down alike.
+    """
     seen = angle.copy()
     half = 0.5 * dose.strength
     for j in dose.joints:
@@ -53,7 +65,10 @@ def _backlash(angle: Array, time: Array, dose: Dose, trial: Circumstances, rig: 
 
 
 def _taken_up(share: Callable[[Array], Array]) -> Record:
-    """Build play that is taken up by a share of the tension."""
+    """Build play that the tension takes up.
+
+    What is taken up is share(tension) times the strength.
+    """
 
     def record(angle: Array, time: Array, dose: Dose, trial: Circumstances, rig: Rig) -> Array:
         taken = share(trial.load.value(time))

@@ -11,7 +11,10 @@ from softfinger.concealed.physics import Physics
 
 
 def _add_spectrum(physics: Physics, dose: Dose, times: Array, weights: Array) -> Physics:
-    """Add Voigt elements whose compliances are shares of the trial's own elastic one."""
+    """Add Voigt elements to a trial.
+
+    Their compliances are shares of the trial's own elastic one.
+    """
     compliance = dose.spread(physics.k_v.size) / physics.k_v
     return physics._replace(
         compliance=np.vstack([physics.compliance, np.outer(weights, compliance)]),
@@ -30,7 +33,10 @@ def _retard(shares: Array, weights: Array) -> Move:
 
 
 def _ladder(times: Array, weights: Array) -> Move:
-    """Build a spectrum that has crept by the strength after one second."""
+    """Build a spectrum of given retardation times.
+
+    It has crept by the strength after one second.
+    """
     at_one_second = (weights * -np.expm1(-1.0 / times)).sum()
 
     def move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:

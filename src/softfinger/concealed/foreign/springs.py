@@ -29,7 +29,10 @@ def _stiffen(curve: Curve) -> dict[str, object]:
 
 
 def _stop(shape: Curve) -> Move:
-    """Build a stop of a torque [N m/rad] times shape(angle beyond the stop)."""
+    """Build a stop with its own torque law.
+
+    The torque [N m/rad] is the strength times shape(angle beyond the stop).
+    """
 
     def move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
         at = dose.shape["stop_angle_rad"]

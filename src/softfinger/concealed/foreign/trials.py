@@ -1,4 +1,7 @@
-"""Foreign laws between trials: drifts, sessions, warmth, memory; and softening within one."""
+"""Foreign laws between trials.
+
+Drifts, sessions, warmth, memory; and softening within one trial.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,10 @@ def _scale(physics: Physics, stiffness: Array | float, viscosity: Array | float)
 
 
 def _tire(progress: Size) -> dict[str, object]:
-    """Build a softening by 1 − s · progress(share of the campaign that is done)."""
+    """Build a softening by 1 − s · progress.
+
+    progress depends on the share of the campaign that is done.
+    """
 
     def move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
         done = progress(trial.number / trial.count) - progress(0.0)
@@ -44,7 +50,10 @@ def _tire(progress: Size) -> dict[str, object]:
 
 
 def _drift(progress: Size) -> dict[str, object]:
-    """Build a load cell's gain 1 + s · progress(share of the campaign that is done)."""
+    """Build a drift of a load cell's gain.
+
+    The gain is 1 + s · progress, and progress depends on the share of the campaign that is done.
+    """
 
     def move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
         gained = progress(trial.number / trial.count) - progress(0.0)
@@ -57,7 +66,10 @@ def _drift(progress: Size) -> dict[str, object]:
 
 
 def _jump(inside: Size, viscosity: float) -> Move:
-    """Build a jump where inside(trials since it, share of the campaign) is not zero."""
+    """Build a jump from one trial on.
+
+    It acts where inside(trials since it, share of the campaign) is not zero.
+    """
 
     def move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
         since = trial.number / trial.count - dose.shape["first_share"]
@@ -69,7 +81,10 @@ def _jump(inside: Size, viscosity: float) -> Move:
 
 
 def _warm(shift: Size) -> Move:
-    """Build a factor exp(−s · shift(warmth [K])) of the viscosities or the stiffness."""
+    """Build a factor exp(−s · shift(warmth)).
+
+    Warmth is in K; the factor acts on the viscosities or the stiffness.
+    """
 
     def move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
         factor = np.exp(-dose.spread(physics.k_v.size) * shift(trial.warmth))
@@ -83,7 +98,10 @@ def _warm(shift: Size) -> Move:
 
 
 def _leave(fade: Size) -> Move:
-    """Build a strain left at the start: a share of the elastic one times fade(rest [s])."""
+    """Build a strain left at the start.
+
+    It is a share of the elastic one times fade(rest [s]).
+    """
 
     def move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
         elastic = physics.load_tension.max() * physics.wire_offset / physics.k_v
@@ -94,7 +112,10 @@ def _leave(fade: Size) -> Move:
 
 
 def _worked(heat: float, power: float) -> Move:
-    """Build a softening that a joint's own motion drives and rest undoes."""
+    """Build a softening that motion drives.
+
+    A joint's own motion drives it, and rest undoes it.
+    """
 
     def move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
         cooling = 1.0 / dose.shape["softening_time_s"]

@@ -1,4 +1,7 @@
-"""Foreign laws along the wire: its arm, its friction, and what joins neighbours."""
+"""Foreign laws along the wire.
+
+Its arm, its friction, and what joins neighbours.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,10 @@ from softfinger.concealed.physics import Physics
 
 
 def _arm(curve: Curve) -> dict[str, object]:
-    """Build an arm that gains s · curve(angle), as a share of the offset."""
+    """Build an arm that gains s · curve(angle).
+
+    The gain is a share of the offset.
+    """
     row = tabulate_angle(curve)
 
     def move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
@@ -27,7 +33,10 @@ def _arm(curve: Curve) -> dict[str, object]:
 
 
 def _rub(curve: Curve, back: float = 1.0) -> Move:
-    """Build a friction by the capstan's law over curve(angle), weaker when the wire is let go."""
+    """Build a friction by the capstan's law.
+
+    It acts over curve(angle), and is weaker when the wire is let go.
+    """
     row = tabulate_angle(curve)
 
     def move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
@@ -42,7 +51,10 @@ def _rub(curve: Curve, back: float = 1.0) -> Move:
 
 
 def _join(curve: Curve) -> Move:
-    """Build a membrane between two joints: a share of their stiffness times curve(difference)."""
+    """Build a membrane between two joints.
+
+    Its torque is a share of their stiffness times curve(difference).
+    """
     row = tabulate_angle(curve)
 
     def move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:

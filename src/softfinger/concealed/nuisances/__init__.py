@@ -1,4 +1,7 @@
-"""The nuisances of the proof: faults of the measurement, drawn for clean campaigns and others."""
+"""The nuisances of the proof.
+
+They are faults of the measurement, drawn for clean campaigns and others.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""A camera that turns slowly and without aim while a trial runs."""
+"""A camera that turns slowly and without aim.
+
+It turns while a trial runs.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,9 @@ WAVES = 12  # in which the oracle describes a trial's drift
 
 
 def _mark(scene: Scene, fault: Fault, rng: Random) -> Mark:
-    """Add to the first joint's angle a drift that returns to its mean within some time.
+    """Add a drift to the first joint's angle.
+
+    It returns to its mean within some time.
 
     An Ornstein–Uhlenbeck process as its first Karhunen–Loève waves; the size is its sd over that
     of the noise.

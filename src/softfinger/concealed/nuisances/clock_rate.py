@@ -1,4 +1,7 @@
-"""A camera whose clock runs at another rate than that of the load log."""
+"""A camera whose clock has another rate.
+
+The load log's clock runs differently.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,10 @@ from softfinger.concealed.nuisances.nuisance import Array, Circumstances, Fault,
 
 
 def _clock(time: Array, fault: Fault, trial: Circumstances, rng: Random) -> Array:
-    """What is stated to be t was taken at t (1 + s); s is the size."""
+    """Frame times at another rate.
+
+    What is stated to be t was taken at t (1 + s); s is the size.
+    """
     return time * (1.0 + fault.size)
 
 

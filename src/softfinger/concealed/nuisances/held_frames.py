@@ -1,4 +1,7 @@
-"""A camera that stalls: frames repeat the one before."""
+"""A camera that stalls and repeats frames.
+
+Each repeated frame is the one before.
+"""
 
 from __future__ import annotations
 
@@ -16,11 +19,14 @@ from softfinger.concealed.nuisances.nuisance import (
 )
 
 WRITTEN_RAD = 1e-6  # last digit of the files
-USUAL = 1e-3  # share of the frames that a sound camera holds
+USUAL = 1e-3  # share of the frames that a sound camera repeats
 
 
 def _draw(fault: Fault, frames: int, rng: Random) -> Flags:
-    """Draw runs that begin by chance, as long as in the mean the size asks for."""
+    """Draw runs of repeated frames.
+
+    They begin by chance and are, on average, as long as the size asks for.
+    """
     length = max(1, round(fault.shape["frames_in_a_row"]))
     begins = rng.uniform(size=frames) < fault.size / length
     held = np.convolve(begins, np.ones(length))[:frames] > 0
@@ -29,7 +35,10 @@ def _draw(fault: Fault, frames: int, rng: Random) -> Flags:
 
 
 def _mark(scene: Scene, fault: Fault, rng: Random) -> Mark:
-    """Leave out what is equal to the last digit: its density is one over that digit."""
+    """Leave out frames equal to the last digit.
+
+    Their density is one over that digit.
+    """
     held = _draw(fault, len(scene.time), rng)
     share = max(held.mean(), USUAL)
     chance = np.where(held, np.log(share), np.log1p(-share)).sum()

@@ -1,4 +1,6 @@
-"""A mount that hums at one frequency, so that the base's direction swings.
+"""A mount that hums at one frequency.
+
+So the base's direction swings.
 
 No measurement model of the diagnosis has a line in its spectrum.
 """
@@ -11,7 +13,10 @@ from softfinger.concealed.nuisances.nuisance import Fault, Mark, Nuisance, Rando
 
 
 def _mark(scene: Scene, fault: Fault, rng: Random) -> Mark:
-    """Swing the first joint's angle by a share of the noise, with each trial's own phase."""
+    """Swing the first joint's angle.
+
+    The swing is a share of the noise, with each trial's own phase.
+    """
     size = fault.size * scene.noise.sd
     phase = 2.0 * np.pi * fault.shape["frequency_hz"] * scene.time
     columns = np.zeros((*scene.motion.shape, 2))

@@ -1,4 +1,7 @@
-"""Trials whose parameters scatter as Laplace's law, with more of them far out."""
+"""Trials whose parameters scatter as Laplace's law.
+
+More of them are far out.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,10 @@ from softfinger.concealed.population import Population
 
 
 def _people(individuals: Array, population: Population, fault: Fault, rng: Random) -> Array:
-    """Draw every parameter anew with the same mean and sd, or near it: the size is a factor."""
+    """Draw every parameter anew.
+
+    It has the same mean and sd, or near it: the size is a factor.
+    """
     far = rng.laplace(scale=1.0 / np.sqrt(2.0), size=individuals.shape)
     return population.mean + fault.size * population.sd * far
 

@@ -1,4 +1,6 @@
-"""A load cell whose gain drifts while a trial runs, anew in every trial.
+"""A load cell whose gain drifts.
+
+It drifts while a trial runs, anew in every trial.
 
 No measurement model of the diagnosis has a gain that runs with the time of a trial.
 """
@@ -20,7 +22,10 @@ from softfinger.concealed.protocols import read_rows, refine_rows
 
 
 def _log(rows: Array, fault: Fault, trial: Circumstances, rng: Random) -> Array:
-    """Scale the tension by 1 + s z t/T, z the trial's own normal number and T its duration."""
+    """Scale the tension by 1 + s z t/T.
+
+    z is the trial's own normal number and T its duration.
+    """
     rows = refine_rows(rows, 2.0, trial.duration)
     drift = fault.size * rng.normal() * rows[:, 0] / trial.duration
     return np.column_stack([rows[:, 0], rows[:, 1] * (1.0 + drift)])

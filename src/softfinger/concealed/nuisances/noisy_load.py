@@ -1,4 +1,7 @@
-"""A load log whose rows scatter about the load that acts."""
+"""A load log whose rows scatter.
+
+They scatter about the load that acts.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,9 @@ from softfinger.concealed.protocols import read_rows, refine_rows
 
 
 def _log(rows: Array, fault: Fault, trial: Circumstances, rng: Random) -> Array:
-    """Scale every row's tension by 1 + s z, z normal and s the size.
+    """Scale every row's tension by 1 + s z.
+
+    z is normal and s the size.
 
     Where the log is dense, it has rows every second; else only where the load changes.
     """
@@ -30,7 +35,10 @@ def _log(rows: Array, fault: Fault, trial: Circumstances, rng: Random) -> Array:
 
 
 def _mark(scene: Scene, fault: Fault, rng: Random) -> Mark:
-    """Describe it by what each row's error moves the three elements: one column a row."""
+    """Describe it by one column a row.
+
+    A column is how far the row's error moves the three elements.
+    """
     rows = scene.rows
     columns = []
     for k in np.flatnonzero(rows[:, 1]):

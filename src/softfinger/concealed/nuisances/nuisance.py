@@ -1,4 +1,7 @@
-"""What a nuisance of the proof is: a fault of the measurement, which is no physics."""
+"""What a nuisance of the proof is.
+
+It is a fault of the measurement, not physics.
+"""
 
 from __future__ import annotations
 
@@ -55,7 +58,9 @@ class Scene:
 
 @dataclass(frozen=True)
 class Mark:
-    """What a nuisance leaves in one trial's angles, and what the oracle knows of it.
+    """What a nuisance leaves in one trial's angles.
+
+    It also contains what the oracle knows of the nuisance.
 
     Attributes
     ----------
@@ -67,7 +72,7 @@ class Mark:
     scale, shock
         Factors of the noise (frame, joint) and of its innovations (frame,).
     left_out
-        (frame,) that tell the oracle nothing about the motion.
+        (frame,) that are of no use to the oracle.
     nats
         Log probability of all that this mark settles and the angles that are kept do not contain.
     rounding

@@ -1,4 +1,6 @@
-"""A batch of trials from another day: the camera stood elsewhere and saw worse, or better.
+"""A batch of trials from another day.
+
+The camera was elsewhere and saw worse, or better.
 
 What it saw is shifted by a constant angle, which no measurement model of the diagnosis has; a shift
 of the finger's own parameters would be the effect `session_jump`.
@@ -12,7 +14,10 @@ from softfinger.concealed.nuisances.nuisance import Fault, Mark, Nuisance, Rando
 
 
 def _mark(scene: Scene, fault: Fault, rng: Random) -> Mark:
-    """Scale the noise of the batch by the size, or by its inverse, and shift the first angle."""
+    """Scale the batch's noise, shift the first angle.
+
+    The noise is scaled by the size, or by its inverse.
+    """
     trial, shape = scene.trial, fault.shape
     first = round(shape["begins"] * trial.count)
     if not first <= trial.number < first + max(1, round(shape["share"] * trial.count)):

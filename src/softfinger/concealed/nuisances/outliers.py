@@ -1,4 +1,7 @@
-"""Frames in which the tracker took something else for a marker."""
+"""Frames with wrong markers.
+
+The tracker took something else for a marker.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,9 @@ from softfinger.concealed.nuisances.nuisance import Fault, Mark, Nuisance, Rando
 
 
 def _mark(scene: Scene, fault: Fault, rng: Random) -> Mark:
-    """Add to a share of the frames a normal error, many times the noise, on every joint.
+    """Add a normal error to some frames.
+
+    It is many times the noise, and acts on every joint.
 
     The oracle knows which frames they are and how wide the errors; what it knows costs it the
     probability of this choice of frames.

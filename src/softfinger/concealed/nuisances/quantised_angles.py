@@ -8,7 +8,10 @@ from softfinger.concealed.nuisances.nuisance import Array, Fault, Mark, Nuisance
 
 
 def _mark(scene: Scene, fault: Fault, rng: Random) -> Mark:
-    """Add an error of its own to each angle, its variance step² / 12."""
+    """Add an independent error to each angle.
+
+    Its variance is step² / 12.
+    """
     return Mark(rounding=fault.size / scene.noise.sd / np.sqrt(12.0))
 
 

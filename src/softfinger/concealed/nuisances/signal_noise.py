@@ -1,4 +1,7 @@
-"""Noise that grows as the finger bends: its markers are seen the more aslant."""
+"""Noise that grows as the finger bends.
+
+The finger's markers are then seen more aslant.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,10 @@ from softfinger.concealed.nuisances.nuisance import Fault, Mark, Nuisance, Rando
 
 
 def _mark(scene: Scene, fault: Fault, rng: Random) -> Mark:
-    """Scale the noise by √(1 + (s d)²), d the deflection from the first frame and s in 1/rad."""
+    """Scale the noise by √(1 + (s d)²).
+
+    d is the deflection from the first frame, and s is in 1/rad.
+    """
     deflection = scene.motion - scene.motion[0]
     return Mark(scale=np.sqrt(1.0 + (fault.size * deflection) ** 2))
 

@@ -1,4 +1,7 @@
-"""Noise whose innovations have heavy tails: in some frames the whole picture is worse."""
+"""Noise whose innovations have heavy tails.
+
+In some frames the whole picture is worse.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,9 @@ from softfinger.concealed.nuisances.nuisance import Fault, Mark, Nuisance, Rando
 
 
 def _mark(scene: Scene, fault: Fault, rng: Random) -> Mark:
-    """Scale each frame's innovation so that it is Student's t; the size is its freedom ν.
+    """Scale each frame's innovation to Student's t.
+
+    The size is its freedom ν.
 
     The factor √((ν − 2) / χ²_ν) is one for all joints of a frame and leaves the variance as it is.
     """

@@ -1,4 +1,6 @@
-"""A marker whose centre swims with the light, which comes and goes as clouds pass.
+"""A marker whose centre swims with the light.
+
+The light comes and goes as clouds pass.
 
 The light is one for all trials, slow, and leaves each joint by its own amount: no measurement model
 of the diagnosis has an error that follows the time since the trial began.
@@ -12,7 +14,10 @@ from softfinger.concealed.nuisances.nuisance import Fault, Mark, Nuisance, Rando
 
 
 def _mark(scene: Scene, fault: Fault, rng: Random) -> Mark:
-    """Turn one link's direction with the light: its joint gains what the next one loses."""
+    """Turn one link's direction with the light.
+
+    Its joint gains what the next one loses.
+    """
     period, link = fault.shape["period_s"], int(fault.shape["link"])
     start = rng.uniform(0.0, 2.0 * np.pi, 2)
     light = np.sin(2.0 * np.pi * scene.time / period + start[0])

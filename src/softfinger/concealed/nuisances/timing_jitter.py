@@ -1,4 +1,7 @@
-"""Frames that are taken a little before or after the time that is written beside them."""
+"""Frames taken a little off their written time.
+
+They are taken a little before or after it.
+"""
 
 from __future__ import annotations
 
@@ -19,12 +22,18 @@ LEAST = 0.02  # of the noise: what a frame's jitter must move the finger by to c
 
 
 def _clock(time: Array, fault: Fault, trial: Circumstances, rng: Random) -> Array:
-    """Add a normal error to every time; the size is its sd [s]."""
+    """Add a normal error to every time.
+
+    The size is its sd [s].
+    """
     return time + fault.size * rng.normal(size=time.size)
 
 
 def _mark(scene: Scene, fault: Fault, rng: Random) -> Mark:
-    """Describe it by one column for each frame in which the finger moves fast: speed times sd."""
+    """Describe it by columns: speed times sd.
+
+    There is one column for each frame in which the finger moves fast.
+    """
     moved = fault.size * scene.speed
     size = np.abs(moved).max(axis=1)
     fast = np.argsort(size)[::-1][:MOST]

@@ -9,7 +9,9 @@ from softfinger.concealed.nuisances.nuisance import Fault, Mark, Nuisance, Rando
 
 
 def _mark(scene: Scene, fault: Fault, rng: Random) -> Mark:
-    """Scale a trial's noise by a log-normal factor; the size is the sd of its logarithm.
+    """Scale a trial's noise by a log-normal factor.
+
+    The size is the sd of the factor's logarithm.
 
     That the factor is known costs what its integral over the prior would: its density times the
     width √(2π / 2N) that N values leave to it.
