@@ -1,1 +1,1 @@
-"""One inference for every model: its likelihood, fit, evidence and sampling."""
+"""One likelihood, fit, evidence and sampler for every model."""

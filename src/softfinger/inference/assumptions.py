@@ -1,4 +1,6 @@
-"""What the fit took for granted, asked of the data: independent parameters, and priors that matter.
+"""Test what the fit took for granted.
+
+These are two assumptions: independent parameters, and priors that matter little.
 
 Independence. With z = (η − μ)/σ of a trial, the slope of log p(y_i) by the correlation of two
 parameters, at none, is s_i = E[z_a z_b | y_i] (Fisher's identity), with mean 0 if they are
@@ -24,7 +26,7 @@ from softfinger.mechanics import LOG_PARAMETERS
 
 
 def judge_independence(posterior: xr.Dataset) -> xr.Dataset:
-    """Test whether the parameters of a trial go together over trials.
+    """Test whether parameters vary together over trials.
 
     Parameters
     ----------
@@ -70,7 +72,7 @@ def judge_independence(posterior: xr.Dataset) -> xr.Dataset:
 def measure_prior_sensitivity(
     posterior: xr.Dataset, recording: xr.DataArray, prior: PopulationPrior, effects: Effects
 ) -> xr.Dataset:
-    """Measure how much every shared parameter depends on its prior.
+    """Measure how each shared parameter depends on its prior.
 
     Parameters
     ----------

@@ -1,10 +1,12 @@
-"""Effects φ within their bounds as unbounded numbers, scaled by what a fit knows of them.
+"""Bounded effects φ as unbounded numbers.
+
+The numbers are scaled by what a fit knows of φ.
 
 With w the sd of φ by a fit, s(x) = log(1 + eˣ) and W = (high − low)/w,
 
     φ = low + w [s(u) − s(u − W)],   φ = high − w s(−u) without a lower bound,   φ = w u without any
 
-is linear away from the bounds and bends within about w of them, so that a number that may be null
+is linear away from the bounds and bends within about w of them. So a number that may be null
 is about as easy to draw as one that is not. The fit's mode and covariance then give centre and
 root, u = u* + L z, which makes z about standard normal. The formulas take numpy and PyTensor.
 """
@@ -21,7 +23,10 @@ ENDLESS = 1e30  # W where a bound is absent
 
 
 class Bounded(NamedTuple):
-    """Bounds and scale w (p,), and centre u* (p,) and root L (p, p) of the unbounded numbers."""
+    """Bounds and scale (p,) of the unbounded numbers.
+
+    Also their centre u* (p,) and root L (p, p).
+    """
 
     low: NDArray[np.float64]
     high: NDArray[np.float64]
@@ -44,7 +49,9 @@ def place_effects(
     low: NDArray[np.float64],
     high: NDArray[np.float64],
 ) -> Bounded:
-    """Place unbounded numbers by a fit's mode (p,) and covariance (p, p).
+    """Place unbounded numbers by a fit.
+
+    The fit gives the mode (p,) and the covariance (p, p).
 
     Examples
     --------
@@ -71,7 +78,7 @@ def unbind(
     high: NDArray[np.float64],
     scale: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Unbounded numbers (…, p) of effects that lie inside their bounds.
+    """Unbounded numbers (…, p) of effects within bounds.
 
     >>> one = np.ones(1)
     >>> low, high = 0 * one, np.inf * one
@@ -87,7 +94,10 @@ def unbind(
 
 
 def bind(number: Array, low: Array, high: Array, scale: Array, module: Any = np) -> Array:  # noqa: ANN401
-    """Effects (…, p) of unbounded numbers; `module` is numpy or PyTensor's tensor."""
+    """Effects (…, p) of unbounded numbers.
+
+    `module` is numpy or PyTensor's tensor.
+    """
     bottom, top, whole = _read_bounds(low, high, scale, module)
     lower = bottom + scale * (_soften(number, module) - _soften(number - whole, module))
     upper = top - scale * _soften(-number, module)

@@ -1,4 +1,7 @@
-"""Numbers that only limit the work of an inference, and how finely it computes."""
+"""Numbers that limit the work of an inference.
+
+They also set how finely it computes.
+"""
 
 from dataclasses import dataclass
 

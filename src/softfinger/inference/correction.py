@@ -1,4 +1,4 @@
-"""Draws of an expanded model, weighed by the model itself.
+"""Draws of an expanded model, weighed by the model.
 
 The sampler's target differs from the posterior by Δ = Σ_i [log p(y_i | η_i, φ) − its expansion].
 Draws with weights exp Δ, Pareto-smoothed, are draws of the posterior; within each chain they are
@@ -89,7 +89,9 @@ def correct_draws(
 
 
 def resample_in_order(weight: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.int64]:
-    """Draw places (n,) by their weights (n,), systematically: equal weights keep all as they are.
+    """Draw places (n,) by their weights (n,), systematically.
+
+    Equal weights keep all places as they are.
 
     >>> resample_in_order(np.array([1.0, 1.0, 2.0, 0.0]), np.random.default_rng(1))
     array([0, 1, 2, 2])
@@ -107,7 +109,10 @@ def _measure_change(
     chain: int,
     every: int,
 ) -> NDArray[np.float64]:
-    """Δ_i (draw, trial) [nats] of every few draws of a chain."""
+    """Δ_i (draw, trial) [nats] of some draws.
+
+    It takes every few draws of one chain.
+    """
     eta, effect = draws["eta"][chain, ::every], draws["effect"][chain, ::every]
     scale = draws["noise_scale"][chain, ::every]
     trials = eta.shape[1]

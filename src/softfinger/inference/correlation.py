@@ -1,8 +1,10 @@
-"""Which parameters of a trial may go together over trials: none, those of a joint, or all.
+"""Which parameters of a trial are correlated over trials.
+
+None, those of one joint, or all.
 
 The parameters of a trial, joint after joint, have the covariance Ω = D R D, D = diag σ. R is
-written by its canonical partial correlations (`covariance`), row by row below the diagonal; those
-between joints are 0 where only a joint's own parameters may go together, which leaves R in blocks.
+written by its canonical partial correlations (`covariance`), row by row below the diagonal. Those
+between joints are 0 where only a joint's own parameters may go together; this leaves R in blocks.
 R, or each block, has the density of LKJ(2).
 """
 
@@ -19,7 +21,9 @@ Covariance = Literal["independent", "joint", "full"]
 
 
 def mark_free_partials(joints: int, covariance: Covariance) -> NDArray[np.bool_]:
-    """Mark the partial correlations (pair,) that are free; all others are 0.
+    """Mark the partial correlations (pair,) that are free.
+
+    All others are 0.
 
     >>> [int(mark_free_partials(3, kind).sum()) for kind in ("independent", "joint", "full")]
     [0, 18, 66]
@@ -33,7 +37,9 @@ def mark_free_partials(joints: int, covariance: Covariance) -> NDArray[np.bool_]
 
 
 def shape_partials(size: int) -> NDArray[np.float64]:
-    """Shape α of the Beta(α, α) that (1 + z)/2 of each partial (pair,) has where C is LKJ(2).
+    """Beta shape α (pair,) of each partial correlation.
+
+    (1 + z)/2 of each partial is Beta(α, α) where C is LKJ(2).
 
     >>> shape_partials(3)
     array([2.5, 2.5, 2. ])
@@ -43,7 +49,7 @@ def shape_partials(size: int) -> NDArray[np.float64]:
 
 
 def shape_free_partials(joints: int, covariance: Covariance) -> NDArray[np.float64]:
-    """Shape α of the Beta(α, α) of each free partial correlation."""
+    """Beta shape α of each free partial correlation."""
     if covariance == "joint":
         return np.tile(shape_partials(OWN), joints)
     return shape_partials(OWN * joints)[mark_free_partials(joints, covariance)]
@@ -52,7 +58,10 @@ def shape_free_partials(joints: int, covariance: Covariance) -> NDArray[np.float
 def correlate_free_partials_array(
     partial: NDArray[np.float64], joints: int, covariance: Covariance
 ) -> NDArray[np.float64]:
-    """Build R (…, p, p) from the free partial correlations (…, free)."""
+    """Build R (…, p, p) from free partials.
+
+    They are (…, free).
+    """
     free = mark_free_partials(joints, covariance)
     whole = np.zeros((*partial.shape[:-1], len(free)))
     whole[..., free] = partial
@@ -62,7 +71,9 @@ def correlate_free_partials_array(
 def invert_covariance_array(
     sigma: NDArray[np.float64], correlation: NDArray[np.float64] | None
 ) -> NDArray[np.float64]:
-    """Invert Ω (p, p), of parameters with sd σ (p,) and correlation R (p, p), none for None.
+    """Invert Ω (p, p), given by σ and R.
+
+    σ (p,) are the parameters' sds; R (p, p) is their correlation, none for None.
 
     >>> invert_covariance_array(np.array([1.0, 0.5]), None)
     array([[1., 0.],

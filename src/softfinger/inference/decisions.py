@@ -1,4 +1,7 @@
-"""Numbers that decide what an inference trusts, and what a campaign is said to have."""
+"""Numbers that decide what an inference trusts.
+
+They also decide what counts as present in a campaign.
+"""
 
 from dataclasses import dataclass
 

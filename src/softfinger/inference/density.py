@@ -1,4 +1,6 @@
-"""The hierarchical model of any finger in PyMC: a textbook population of trials, and effects.
+"""The hierarchical model of any finger in PyMC.
+
+It is a textbook population of trials, and effects:
 
     μ_jk ~ normal, log σ_jk ~ normal        (joint j; k = log k_v, log c_v, log c_p, q_ini)
     η_ijk ~ normal(μ_jk, σ_jk)              (trial i; independent, or correlated: LKJ(2))
@@ -41,7 +43,7 @@ from softfinger.mechanics import LOG_PARAMETERS
 
 
 class Effects(NamedTuple):
-    """What the density needs to know of φ (p,): names, prior on the internal scale, bounds."""
+    """Names, internal prior and bounds of φ (p,)."""
 
     names: list[str]
     mean: NDArray[np.float64]
@@ -50,9 +52,9 @@ class Effects(NamedTuple):
 
 
 class Given(NamedTuple):
-    """Everything that a campaign and a model give to the density.
+    """What a campaign and a model give the density.
 
-    `value` and `variance` (p, trial): what each trial by itself says of its own parameters.
+    `value` and `variance` (p, trial): what each trial by itself shows of its own parameters.
     """
 
     expansion: Expansion
@@ -63,7 +65,9 @@ class Given(NamedTuple):
 
 
 class WhitenedSpace(Transform):
-    """The trials' parameters seen as standard normals, given the population (`whitening`).
+    """The trials' parameters as standard normals (`whitening`).
+
+    The population is given.
 
     The inputs of the distribution end in mean (p,), root (p, p) of the precision, curvature
     (p, p, trial), pull (p, trial).
@@ -91,7 +95,9 @@ class WhitenedSpace(Transform):
 
 
 class Placing(Transform):
-    """μ in units of its spread about its centre, given σ and φ (`whitening`).
+    """μ in units of its spread about its centre.
+
+    It is given σ and φ (`whitening`).
 
     The inputs of the distribution end in prior mean and sd, σ (p,), value and variance (p, trial),
     and the shift of the centre that φ makes (p,).
@@ -130,7 +136,7 @@ class Bounding(Transform):
         return bind(centre + pt.dot(root, value), *bounds, pt)
 
     def forward(self, value: Variable, *inputs: Variable) -> TensorVariable:
-        """Standard normals: only the starting point is asked for, and it is the centre."""
+        """Standard normals: the centre, for the starting point."""
         return pt.zeros_like(value)
 
     def log_jac_det(self, value: Variable, *inputs: Variable) -> TensorVariable:
@@ -141,7 +147,7 @@ class Bounding(Transform):
 
 
 def _effect_logp(phi: Variable, mean: Variable, sd: Variable, *_: Variable) -> TensorVariable:
-    """Independent normals, within bounds; the rest serves the bounding only."""
+    """Independent normals within bounds; the rest serves the bounding."""
     return pt.sum(pm.logp(pm.Normal.dist(mean, sd), phi))
 
 
@@ -158,7 +164,7 @@ def _draw_effect(
 
 
 def _mean_logp(mu: Variable, mean: Variable, sd: Variable, *_: Variable) -> TensorVariable:
-    """Independent normals; σ and what the trials say serve the placing only."""
+    """Independent normals; the rest serves the placing only."""
     return pt.sum(pm.logp(pm.Normal.dist(mean, sd), mu))
 
 
@@ -178,7 +184,7 @@ def _draw_mean(
 def _population_logp(
     eta: Variable, mean: Variable, root: Variable, curvature: Variable, pull: Variable
 ) -> TensorVariable:
-    """Normal, of precision AᵀA; the likelihood's stand-in serves the whitening only."""
+    """Normal, precision AᵀA; the rest serves the whitening."""
     z = Multiply()(root, eta - mean[:, None])
     volume = pt.log(pt.diag(root)).sum() - 0.5 * np.log(2 * np.pi) * root.shape[0]
     return volume * eta.shape[1] - 0.5 * pt.sum(z**2)
@@ -243,7 +249,7 @@ def build_pymc_model(
 
 
 def _root_precision(sigma: Variable, joints: int, covariance: Covariance) -> TensorVariable:
-    """Lower triangular A (p, p) of the precision AᵀA of a trial's parameters."""
+    """Lower triangular A (p, p) of a trial's precision."""
     if covariance == "independent":
         return pt.diag(1 / sigma)
     free = mark_free_partials(joints, covariance)
@@ -254,7 +260,7 @@ def _root_precision(sigma: Variable, joints: int, covariance: Covariance) -> Ten
 
 
 def gather_data(given: Given) -> dict[str, NDArray]:
-    """Gather everything that the compiled model reads and that another campaign replaces."""
+    """Gather the model's data that another campaign replaces."""
     expansion, prior, effects = given.expansion, given.prior, given.effects
     joints = expansion.own.shape[1] // len(LOG_PARAMETERS)
     tiled = {
@@ -284,7 +290,10 @@ def gather_data(given: Given) -> dict[str, NDArray]:
 
 
 def shift_mean(expansion: Expansion) -> NDArray[np.float64]:
-    """How μ follows φ (d, p) in the linearised posterior: Cov(μ, φ) Cov(φ)⁻¹."""
+    """How μ depends on φ (d, p).
+
+    In the linearised posterior it is Cov(μ, φ) Cov(φ)⁻¹.
+    """
     d = expansion.own.shape[1]
     covariance = expansion.shared_covariance
     return np.linalg.solve(covariance[d:, d:], covariance[d:, :d]).T

@@ -1,4 +1,6 @@
-"""A model expanded about its fit, in coordinates in which it is nearly linear.
+"""A model expanded about its fit.
+
+Its coordinates make it nearly linear.
 
 Of a trial with η = (log k_v, log c_v, log c_p, q_ini) a joint and mode η*, the coordinates
 
@@ -28,7 +30,9 @@ TURN = np.array([[-1.0, 0, 0, 0], [-1.0, 1.0, 0, 0], [0, 0, -1.0, 0], [0, 0, 0, 
 
 
 class Expansion(NamedTuple):
-    """What the likelihood of every trial needs; d = 4 joint, p numbers in φ.
+    """What the likelihood of every trial needs.
+
+    d = 4 joint; φ has p numbers.
 
     Attributes
     ----------
@@ -90,7 +94,10 @@ def expand_fit(
 
 
 def forget_trial(expansion: Expansion, trial: int) -> Expansion:
-    """Take one trial's recording away; the trial itself stays, unknown."""
+    """Remove the recording of one trial.
+
+    The trial itself remains, unknown.
+    """
     names = ("gram", "rows", "logdet")
     left = {name: getattr(expansion, name).copy() for name in names}
     for array in left.values():
@@ -118,7 +125,10 @@ def keep_trial(expansion: Expansion, trial: int) -> Expansion:
 def fill_squares(
     eta: NDArray, effect: NDArray, own: NDArray, shared: NDArray, gram: NDArray, square: NDArray
 ) -> None:
-    """Write χ² (trial,) of parameters eta (d, trial) and effects (p,) into `square`."""
+    """Write χ² (trial,) of parameters and effects.
+
+    Parameters eta (d, trial) and effects (p,); the result goes into `square`.
+    """
     size = gram.shape[1]
     v = np.empty(size)
     for i in range(gram.shape[0]):
@@ -136,7 +146,10 @@ def fill_squares(
 def slope_squares(
     eta: NDArray, effect: NDArray, own: NDArray, shared: NDArray, gram: NDArray
 ) -> tuple[float, NDArray, NDArray]:
-    """Σ χ² over trials, and its slopes by eta (d, trial) and the effects (p,)."""
+    """Σ χ² over trials, and its slopes.
+
+    The slopes are by eta (d, trial) and the effects (p,).
+    """
     d, p, size = eta.shape[0], effect.size, gram.shape[1]
     v, moved = np.empty(size), np.empty(size)
     by_eta, by_effect = np.empty(eta.shape), np.zeros(p)
@@ -163,7 +176,7 @@ def slope_squares(
 def _fill_step(
     eta: NDArray, effect: NDArray, own: NDArray, shared: NDArray, i: int, v: NDArray
 ) -> None:
-    """Write v = (−u, φ* − φ, 1) of one trial."""
+    """Write v = (−u, φ* − φ, 1)."""
     d = eta.shape[0]
     for j in range(0, d, 4):
         stiffer = eta[j, i] - own[i, j]

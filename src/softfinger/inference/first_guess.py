@@ -1,4 +1,7 @@
-"""First guesses of the base model's parameters: least squares over a grid of rates."""
+"""First guesses of the base model's parameters.
+
+They are least squares over a grid of rates.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +16,9 @@ LEAST_SHARE = 1e-3  # of the largest angle: a smaller elastic or flowing part co
 
 
 def guess_own(trials: Trials) -> NDArray[np.float64]:
-    """Guess (log k_v, log c_v, log c_p, q_ini) of each joint: medians over some trials, (joint, 4).
+    """Guess the own parameters of each joint (joint, 4).
+
+    (log k_v, log c_v, log c_p, q_ini): medians over some trials.
 
     A joint that no load moves gets parameters that move it little.
     """

@@ -1,4 +1,6 @@
-"""Draws in blocks, for campaigns of so many trials that the steps of NUTS become short.
+"""Draws in blocks, for campaigns of many trials.
+
+With so many trials the steps of NUTS become short.
 
 A sweep draws, each given the rest:
 
@@ -11,8 +13,8 @@ A sweep draws, each given the rest:
 - each population's log σ with μ integrated out, by slice sampling (Neal 2003), then μ, normal;
 - the noise's scale by a random walk: given the trials' χ² it needs nothing else.
 
-Where single trials show their own parameters, sweeps are nearly independent. Where they do not, as
-with a flow that is hardly seen, a population and its trials move slowly together: R-hat shows it,
+Where single trials show their own parameters, sweeps are nearly independent. Elsewhere, as
+with a flow that is hardly seen, a population and its trials move slowly together. R-hat shows it,
 and NUTS is the better sampler. Only for independent parameters; the density is the one that
 `density` declares, and a test compares the two samplers.
 
@@ -40,7 +42,7 @@ from softfinger.progress import follow_progress
 
 @dataclass
 class ChainState:
-    """Where a chain is: η (d, trial), χ² (trial,), μ and σ (d,), φ unbounded (p,), log s."""
+    """η (d, trial), χ² (trial,), μ, σ (d,), φ (p,), log s of a chain; φ is unbounded."""
 
     eta: NDArray[np.float64]
     square: NDArray[np.float64]
@@ -119,7 +121,10 @@ def _read_state(state: ChainState, given: Given) -> dict[str, NDArray[np.float64
 
 
 def _follow_chains(running: list[Future], done: NDArray, sweeps: int, stop: Event) -> None:
-    """Wait for all chains; after Ctrl-C they end with the sweep that they are in."""
+    """Wait for all chains.
+
+    After Ctrl-C they end with the sweep that they are in.
+    """
     try:
         with follow_progress("sampling chains", sweeps) as follow:
             while wait(running, timeout=0.1).not_done:
@@ -131,7 +136,10 @@ def _follow_chains(running: list[Future], done: NDArray, sweeps: int, stop: Even
 
 
 def start_chain(given: Given, sigma: NDArray[np.float64], rng: np.random.Generator) -> ChainState:
-    """Start dispersed; each trial where its population and the fit put it, about."""
+    """Start a chain, dispersed.
+
+    Each trial starts about where its population and the fit put it.
+    """
     expansion, bounded = given.expansion, given.effects.bounded
     trials, size = expansion.own.shape
     few = BUDGET.dispersion / np.sqrt(trials)
@@ -149,7 +157,10 @@ def start_chain(given: Given, sigma: NDArray[np.float64], rng: np.random.Generat
 def _place_trials(
     state: ChainState, given: Given, number: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Centre (d, trial) and factor (d, d, trial) of the trials' whitening."""
+    """Centre and factor of the trials' whitening.
+
+    Centre (d, trial), factor (d, d, trial).
+    """
     expansion, bounded = given.expansion, given.effects.bounded
     change = bounded.bind(number) - expansion.shared
     pull = shift_pull(expansion.pull, expansion.cross, change)
@@ -169,7 +180,10 @@ def _measure(
 
 
 def sweep_once(state: ChainState, given: Given, rng: np.random.Generator) -> float:
-    """Draw everything once, in place: the share of the trials' moves that were accepted."""
+    """Draw everything once, in place.
+
+    Returns the share of the trials' moves that were accepted.
+    """
     expansion, prior = given.expansion, given.prior
     bounded = given.effects.bounded
     accepted = 0
@@ -191,7 +205,7 @@ def sweep_once(state: ChainState, given: Given, rng: np.random.Generator) -> flo
 
 
 def _move_effects(state: ChainState, given: Given, rng: np.random.Generator) -> None:
-    """Walk φ, the trials' standard normals held."""
+    """Walk φ; the trials' standard normals are fixed."""
     effects, bounded = given.effects, given.effects.bounded
     step = BUDGET.walk / np.sqrt(len(state.number)) * bounded.root
     number = state.number + step @ rng.standard_normal(len(state.number))
@@ -212,7 +226,7 @@ def _move_effects(state: ChainState, given: Given, rng: np.random.Generator) -> 
 
 
 def _move_scale(state: ChainState, given: Given, rng: np.random.Generator) -> None:
-    """Walk log s: its density is that of the trials' χ² and the prior."""
+    """Walk log s given the trials' χ²."""
     rows, total = given.expansion.rows.sum(), state.square.sum()
     spread = given.prior.noise_log_sd
 

@@ -1,4 +1,7 @@
-"""The moves of a sweep (`gibbs`), compiled; they let other threads run."""
+"""Compiled moves of a sweep (`gibbs`).
+
+They let other threads run.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +23,9 @@ def step_trials(
     scale: float,
     expansion: tuple[NDArray, NDArray, NDArray],
 ) -> int:
-    """Move every trial's parameters `eta` (d, trial) and its χ² in place; count the moves.
+    """Move every trial's parameters in place.
+
+    `eta` (d, trial) and its χ² are moved; returns the number of moves.
 
     Parameters
     ----------
@@ -61,7 +66,10 @@ def draw_populations(
     sigma: NDArray,
     prior: tuple[NDArray, NDArray, NDArray, NDArray],
 ) -> tuple[NDArray, NDArray]:
-    """Draw μ and σ (p,) given the trials' parameters (p, trial); from σ as it was."""
+    """Draw μ and σ (p,) of the population.
+
+    Given are the trials' parameters (p, trial); σ is drawn from its present value.
+    """
     mu_mean, mu_sd, log_sigma, sigma_log_sd = prior
     size, trials = eta.shape
     mu, drawn = np.empty(size), np.empty(size)
@@ -91,7 +99,10 @@ def draw_populations(
 
 @compiled(error_model="numpy")
 def _sum_up(own: NDArray, prior: tuple[float, float, float, float]) -> tuple[float, tuple]:
-    """Mean of the trials' own parameter (trial,), and what `_weigh_log_sigma` knows of them."""
+    """Mean own parameter, and statistics for `_weigh_log_sigma`.
+
+    The own parameters are (trial,).
+    """
     mu_mean, mu_sd, log_sigma, sigma_log_sd = prior
     mean = own.mean()
     square = ((own - mean) ** 2).sum()
@@ -102,7 +113,10 @@ def _sum_up(own: NDArray, prior: tuple[float, float, float, float]) -> tuple[flo
 def _condition_mu(
     mean: float, trials: int, sigma: float, mu_mean: float, mu_sd: float
 ) -> tuple[float, float]:
-    """Mean and sd of μ given the mean of the trials' parameters and σ."""
+    """Mean and sd of μ given σ.
+
+    The mean of the trials' parameters is given as well.
+    """
     precision = trials / sigma**2 + 1 / mu_sd**2
     return (trials * mean / sigma**2 + mu_mean / mu_sd**2) / precision, 1 / np.sqrt(precision)
 

@@ -1,10 +1,10 @@
-"""The likelihood of a trial with its own parameters integrated over the population.
+"""Likelihood of a trial, own parameters integrated out.
 
     p(y_i | μ, Ω, φ, s) = ∫ p(y_i | η, φ, s) N(η; μ, Ω) dη
 
 by importance sampling from the normal that the likelihood's stand-in and the population make
-(`whitening`). The normal follows the population from draw to draw, so few points suffice; they come
-in pairs ±z, and both the points and their weights are exact for a likelihood that is normal.
+(`whitening`). The normal follows the population from draw to draw, so few points suffice. They come
+in pairs ±z; both the points and their weights are exact for a likelihood that is normal.
 """
 
 import numpy as np
@@ -22,7 +22,9 @@ from softfinger.mechanics import LOG_PARAMETERS
 def compute_integrated_log_likelihood(
     expansion: Expansion, posterior: xr.Dataset, rng: np.random.Generator
 ) -> xr.DataArray:
-    """Compute log p(y_i | population, effects, noise) [nats] for every draw and trial.
+    """Compute log p(y_i | population, effects, noise) [nats].
+
+    Of every draw and trial.
 
     Parameters
     ----------
@@ -69,7 +71,9 @@ def integrate_trials_array(
     scale: float,
     points: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Integrate out the trials' parameters: (trial,) [nats], for one draw of all else.
+    """Integrate out the trials' parameters: (trial,) [nats].
+
+    It serves one draw of all else.
 
     Parameters
     ----------
@@ -107,7 +111,10 @@ def _weigh_points(
     shared: NDArray,
     gram: NDArray,
 ) -> NDArray:
-    """Log of p(y|η) p(η) / q(η), but for noise constants: (point, trial)."""
+    """Log of p(y|η) p(η) / q(η): (point, trial).
+
+    Constants of the noise are left out.
+    """
     count, size, trials = points.shape
     half_log_det = np.log(np.diag(np.linalg.cholesky(precision))).sum()
     away = np.empty(size)

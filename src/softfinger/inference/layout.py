@@ -1,4 +1,7 @@
-"""The fit laid out as ArviZ groups with the names that everything downstream reads."""
+"""The fit laid out as ArviZ groups.
+
+The names are those that everything downstream reads.
+"""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -29,7 +32,9 @@ def name_draws(
     coords: Mapping[str, NDArray],
     recorded: Recorded,
 ) -> xr.Dataset:
-    """Name the model's variables (chain, draw, …) as the artifact does.
+    """Name the model's variables as the artifact does.
+
+    They have the dimensions (chain, draw, …).
 
     Parameters
     ----------
@@ -74,7 +79,10 @@ def name_draws(
 
 
 def _name_noise(scale: NDArray[np.float64], noise: xr.Dataset) -> dict[str, tuple]:
-    """The noise of each draw: the estimate, with its sd times the draw's scale."""
+    """The noise of each draw.
+
+    It is the estimate, with its sd times the draw's scale.
+    """
     dims, lead = ("chain", "draw"), scale.shape
     rho, correlation = (
         noise[f"noise_{name}"].values for name in ("autocorrelation", "correlation")
@@ -99,7 +107,10 @@ def build_tree(
     config: Mapping[str, Any],
     rng: np.random.Generator,
 ) -> xr.DataTree:
-    """Lay the fit out in ArviZ's groups, with predictions and the trials' scores."""
+    """Lay the fit out in ArviZ's groups.
+
+    Predictions and the trials' scores are included.
+    """
     recorded, given, coords = prepared
     angles, problem = recorded.angles, recorded.problem
     noise_sd = problem.noise["noise_sd"].values
@@ -134,7 +145,9 @@ def build_tree(
 
 
 def describe_limits(present: NDArray[np.bool_]) -> str:
-    """Say in a sentence what so few trials cannot tell; empty where there are enough.
+    """State in a sentence what few trials leave open.
+
+    It is empty where there are enough trials.
 
     >>> describe_limits(np.ones((2, 3), bool))
     '2 trials hardly tell how parameters spread over trials: sigma is mostly its prior.'

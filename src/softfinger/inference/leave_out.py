@@ -1,4 +1,6 @@
-"""Leave-one-trial-out: how well the other trials predict a trial, its own parameters integrated.
+"""Leave-one-trial-out scores of a posterior.
+
+They show how well the other trials predict a trial, its own parameters integrated:
 
     elpd_i = log p(y_i | y_-i) = log ∫ p(y_i | μ, σ, noise) p(μ, σ, noise | y_-i)
 
@@ -31,7 +33,7 @@ def leave_trials_out(
     refit: Callable[[int], tuple[xr.Dataset, np.ndarray]],
     rng: np.random.Generator,
 ) -> tuple[xr.Dataset, list[xr.Dataset]]:
-    """Score every trial by what the others say of it.
+    """Score every trial by the others' prediction of it.
 
     Parameters
     ----------
@@ -48,7 +50,7 @@ def leave_trials_out(
     -------
     scores
         elpd, pareto_k, refitted (trial); pareto_k is that of the importance sampling, whose elpd
-        was replaced where `refitted`. The worst trials first, for no more than `refits`.
+        was replaced where `refitted`. The worst trials come first, at most `refits`.
     others
         For every trial draws of hyperparameters, effects and noise (sample, …) without it.
     """
@@ -81,7 +83,10 @@ def leave_trials_out(
 
 
 def _resample(draws: xr.Dataset, weight: np.ndarray, rng: np.random.Generator) -> xr.Dataset:
-    """Draw hyperparameters and noise (sample, joint) by their weights (chain, draw)."""
+    """Draw hyperparameters and noise (sample, joint) by weight.
+
+    The weights are (chain, draw).
+    """
     names = [f"{level}_{name}" for level in ("mu", "sigma") for name in LOG_PARAMETERS]
     place = rng.choice(weight.size, BUDGET.left_out_draws, p=weight.ravel())
     chain, draw = (xr.DataArray(at, dims="sample") for at in np.unravel_index(place, weight.shape))

@@ -1,11 +1,13 @@
-"""Where each trial lies in what the others predict of it: PITs that correlated frames leave valid.
+"""PIT of each trial under the others' prediction.
+
+Correlated frames leave these PITs valid:
 
     pit = P(y_rep ≤ y | y_-i), y being a trial's angle at one moment
 
 Frames of one trial share its parameters and its noise, so PITs of frames against predictions that
 know other frames of the same trial are neither uniform nor independent. Here a moment is predicted
-by the other trials alone, its own parameters drawn from their population. Over trials, which are
-independent, the PITs of one joint and moment are uniform if the model is right, but for what n
+by the other trials alone, its own parameters drawn from their population. Trials are
+independent: the PITs of one joint and moment are uniform if the model is right, but for what n
 trials share of one another, of order 1/n.
 """
 
@@ -25,14 +27,16 @@ from softfinger.inference.predictive import Recorded, draw_own
 def compute_loo_pit(
     recorded: Recorded, others: Sequence[xr.Dataset], rng: np.random.Generator
 ) -> xr.Dataset:
-    """Compute the PIT of every trial at a few moments, and test whether they are uniform.
+    """Compute the PIT of every trial at some moments.
+
+    It also tests whether they are uniform.
 
     Parameters
     ----------
     recorded
         The trials and the model.
     others
-        For every trial, what the others make likely: draws of mu_…, sigma_…, effect_internal and
+        For every trial what the others make likely: draws of mu_…, sigma_…, effect_internal and
         noise_sd (sample, …).
     rng
         Draws a new trial from each.
@@ -77,13 +81,18 @@ def compute_loo_pit(
 
 
 def thin_samples(population: xr.Dataset) -> xr.Dataset:
-    """Keep every few draws (sample): a PIT needs no more than `pit_draws`."""
+    """Keep every few draws (sample).
+
+    A PIT needs no more than `pit_draws`.
+    """
     step = max(population.sizes["sample"] // BUDGET.pit_draws, 1)
     return population.isel(sample=slice(None, None, step))
 
 
 def choose_frames_array(time: NDArray[np.float64], used: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Choose the used frames of one trial that are nearest to `pit_shares` of its duration.
+    """Choose used frames of one trial at given shares.
+
+    They are the nearest to `pit_shares` of its duration.
 
     >>> choose_frames_array(np.arange(31.0), np.arange(31) != 10)
     array([ 0,  1,  9, 30])
@@ -101,7 +110,10 @@ def _draw_angles(
     time: NDArray[np.float64],
     rng: np.random.Generator,
 ) -> NDArray[np.float64]:
-    """Angles (sample, joint, moment) of one new trial for every draw of a population."""
+    """Angles (sample, joint, moment) of one new trial.
+
+    There is one for every draw of a population.
+    """
     ordered = population.transpose("sample", ...)
     own = draw_own(ordered, 1, rng)[:, 0]
     load = tuple(recorded.angles[name].values[trial] for name in ("load_time", "load_torque"))

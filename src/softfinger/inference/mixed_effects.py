@@ -1,4 +1,4 @@
-"""A linear mixed-effects model, solved from each trial's Gram matrix.
+"""A linear mixed-effects model, solved from Gram matrices.
 
 Trial i, whitened to unit noise, with its own parameters η_i and shared parameters φ:
 
@@ -27,7 +27,9 @@ FARTHEST = 3.0  # that an extrapolation takes the logarithm of an sd: far beyond
 
 
 class Prior(NamedTuple):
-    """Priors of a mixed-effects model with d own and p shared parameters.
+    """Priors of a mixed-effects model.
+
+    It has d own and p shared parameters.
 
     Attributes
     ----------
@@ -49,7 +51,7 @@ class Prior(NamedTuple):
 
 
 class LinearFit(NamedTuple):
-    """What a linear mixed-effects model says.
+    """Result of a linear mixed-effects model.
 
     Attributes
     ----------
@@ -79,7 +81,9 @@ def fit_linear(
     rounds: int = 30,
     tolerance: float = 1e-3,
 ) -> LinearFit:
-    """Fit the linear mixed-effects model by accelerated EM over Ω.
+    """Fit the linear mixed-effects model.
+
+    The method is accelerated EM over Ω.
 
     Parameters
     ----------
@@ -115,7 +119,10 @@ def hold_omega(gram: NDArray[np.float64], prior: Prior, omega: NDArray[np.float6
 
 
 def subtract_omega(omega: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Change (d²,) from another Ω to this: of the Cholesky factor, its diagonal's in logarithms."""
+    """Change (d²,) from another Ω to this.
+
+    It is the change of the Cholesky factor, its diagonal in logarithms.
+    """
     return _pack(np.ascontiguousarray(omega)) - _pack(np.ascontiguousarray(other))
 
 
@@ -139,7 +146,7 @@ def _solve(
     block: int,
     omega: NDArray,
 ) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray, float, NDArray]:
-    """Everything for a given Ω, and the Ω of the next EM step."""
+    """Solution for a given Ω, and EM's next Ω."""
     trials, size = gram.shape[0], gram.shape[1]
     d, m = omega.shape[0], size - 1
     inverse = np.linalg.inv(omega)
@@ -190,7 +197,7 @@ def _climb(
     rounds: int,
     tolerance: float,
 ) -> tuple[NDArray, float]:
-    """SQUAREM: two EM steps, one extrapolation along them, kept only if the evidence rises."""
+    """SQUAREM: two EM steps, one extrapolation if it gains."""
     best = -np.inf
     for _ in range(rounds):
         one = _solve(gram, mean, precision, spread, weight, block, omega)
@@ -215,7 +222,7 @@ def _climb(
 
 @compiled
 def _pack(omega: NDArray) -> NDArray:
-    """Cholesky factor of Ω with the logarithm of its diagonal."""
+    """Cholesky factor of Ω, its diagonal in logarithms."""
     factor = np.linalg.cholesky(omega)
     for a in range(factor.shape[0]):
         factor[a, a] = np.log(factor[a, a])

@@ -1,4 +1,6 @@
-"""A nonlinear mixed-effects model by repeated linearisation: FOCE with Laplace's evidence.
+"""A nonlinear mixed-effects model by repeated linearisation.
+
+This is FOCE with Laplace's evidence.
 
 y_i = F_i(η_i, φ) + ε_i is linearised at each trial's mode, the linear mixed model is solved from
 Gram matrices, and so on until nothing moves. Shared parameters may have bounds: their normal prior
@@ -26,11 +28,11 @@ from softfinger.inference.mixed_effects import (
 from softfinger.inference.mixed_effects_step import Linearise, Relaxation, take_step
 from softfinger.inference.rectangle import measure_rectangle
 
-PINNED = 1e12  # precision, over the prior's, of a parameter held at its bound
+PINNED = 1e12  # precision, over the prior's, of a parameter fixed at its bound
 
 
 class SharedBounds(NamedTuple):
-    """Bounds and longest steps of the shared parameters φ (p,)."""
+    """Bounds and longest steps of φ (p,)."""
 
     low: NDArray[np.float64]
     high: NDArray[np.float64]
@@ -74,7 +76,7 @@ class Fit(NamedTuple):
 
     @property
     def chi_square(self) -> NDArray[np.float64]:
-        """Squared whitened residual of each trial at its mode (trial,)."""
+        """Squared whitened residual at each mode (trial,)."""
         return self.gram[:, -1, -1]
 
 
@@ -157,7 +159,9 @@ def fit_nonlinear(
 
 
 def _extrapolate(path: list[float], steps: int) -> float:
-    """Log evidence that a fit would reach after so many steps, at the pace of its last ones.
+    """Log evidence that a fit would reach.
+
+    It is what so many steps would give at the pace of the last ones.
 
     >>> _extrapolate([0.0] * 5 + [1.0, 2.0, 3.0, 4.0, 5.0], 26)
     15.0
@@ -206,14 +210,16 @@ def solve_linearised(
     *,
     rounds: int = 0,
 ) -> tuple[LinearFit, float]:
-    """Solve the model linearised at (η, φ); its log evidence includes the bounds.
+    """Solve the model linearised at (η, φ).
+
+    Its log evidence includes the bounds.
 
     Parameters
     ----------
     gram
         (trial, …) of [∂F/∂η | ∂F/∂φ | residual] at `place`.
     rounds
-        Of EM for Ω; 0 holds it.
+        Of EM for Ω; 0 keeps it.
     """
     moved, near, centre = centre_gram(gram, prior, *place)
     linear = fit_linear(moved, near, omega, rounds=rounds) if rounds else None
@@ -231,7 +237,9 @@ def compute_cut_array(
     prior_sd: NDArray[np.float64],
     bounds: SharedBounds,
 ) -> float:
-    """Compute what bounds add to a log evidence: log posterior mass inside − log prior mass inside.
+    """Compute what bounds add to a log evidence.
+
+    Log posterior mass inside − log prior mass inside.
 
     >>> far = SharedBounds(np.zeros(1), np.full(1, np.inf), np.ones(1))
     >>> one = np.ones(1)
@@ -249,7 +257,9 @@ def centre_gram(
     own: NDArray[np.float64],
     shared: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], Prior, NDArray[np.float64]]:
-    """State a linearised model in differences from the mean mode and from φ.
+    """State a linearised model in differences.
+
+    They are from the mean mode and from φ.
 
     Only differences keep the digits of very precise recordings.
 
@@ -262,7 +272,7 @@ def centre_gram(
     -------
     moved, prior, centre
         Gram matrices of [A | B | z] for fits; the prior about the centre; the centre (d + p,), to
-        be added to what a fit says of μ, φ and η.
+        be added to a fit's μ, φ and η.
     """
     middle = own.mean(axis=0)
     centre = np.concatenate([middle, shared])
@@ -280,7 +290,7 @@ def _restore(linear: LinearFit, centre: NDArray) -> LinearFit:
 def _hold_bounds(
     moved: NDArray, prior: Prior, bounds: SharedBounds, linear: LinearFit, centre: NDArray
 ) -> tuple[LinearFit, NDArray]:
-    """Where φ may go: within its bounds and steps; η follows the φ that was held."""
+    """Keep φ within bounds and steps; η follows φ."""
     d = len(linear.omega)
     low = np.maximum(bounds.low - centre[d:], -bounds.step)
     high = np.minimum(bounds.high - centre[d:], bounds.step)
@@ -304,7 +314,7 @@ def _hold_bounds(
 
 
 def _scale(linear: LinearFit, moves: tuple[NDArray, NDArray]) -> NDArray:
-    """A step in units of what is uncertain."""
+    """A step in units of its uncertainty."""
     d = len(linear.omega)
     sd = np.sqrt(np.diag(linear.shared_covariance)[d:]) + 1e-12
     return np.concatenate([(moves[0] / _spread(linear)).ravel(), moves[1] / sd])

@@ -1,4 +1,6 @@
-"""Leave-one-trial-out: how well the other trials predict each one, its own parameters integrated.
+"""Leave-one-trial-out scores of a mixed-effects fit.
+
+They show how well the other trials predict each one, its own parameters integrated:
 
     log p(z_i | z_−i) = log p(z | Ω_−i) − log p(z_−i | Ω_−i)
 
@@ -19,7 +21,7 @@ from softfinger.inference.mixed_effects_laplace import Fit, centre_gram
 def compute_left_out(
     fit: Fit, prior: Prior, rows: NDArray[np.int64], logdet: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Compute the leave-one-trial-out log predictive density of each trial (trial,) [nats].
+    """Compute each trial's leave-one-out log density (trial,) [nats].
 
     Parameters
     ----------

@@ -1,9 +1,11 @@
-"""One step of a nonlinear mixed-effects fit: as far along the linear model's answer as it holds.
+"""One step of a nonlinear mixed-effects fit.
+
+It goes as far along the linear model's answer as that is valid.
 
 Precise recordings make the likelihood a narrow valley: a small change of φ moves every trial's η
 by many of its sds, along a curve that the linear model takes for straight. So where a step leads
-uphill, each trial first finds its own way back to the bottom, φ held, before the step is shortened.
-Where the answers overshoot, each step about the last one back, a part of a step is taken.
+uphill, each trial first returns to the bottom at fixed φ, before the step is shortened.
+Where each answer takes about the last step back, only a part of a step is taken.
 """
 
 from collections.abc import Callable
@@ -20,7 +22,10 @@ Place = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 class Taken(NamedTuple):
-    """η, φ and Gram matrices after a step, the fraction of it that was taken, and what it took."""
+    """Result of a step.
+
+    η, φ and Gram matrices after it, the fraction of it that was taken, and what it took.
+    """
 
     own: NDArray[np.float64]
     shared: NDArray[np.float64]
@@ -30,7 +35,9 @@ class Taken(NamedTuple):
 
 
 class Relaxation(NamedTuple):
-    """How much of what is wanted may be taken, from how the last change turned out.
+    """How much of a wanted change may be taken.
+
+    It depends on how the last change turned out.
 
     Attributes
     ----------
@@ -51,8 +58,8 @@ class Relaxation(NamedTuple):
         """Fraction of a wanted change that comes to rest.
 
         Near its end a wanted change s leaves (1 − c f) s when a fraction f of it is taken: c > 1
-        overshoots, and 1/c of the next is right. The fraction grows again, the later the slower:
-        where c itself changes, a fraction that grew freely would go round for ever.
+        overshoots, and 1/c of the next is right. The fraction grows again, but slower
+        with each change: where c itself changes, a fraction that grew freely would never settle.
 
         >>> Relaxation().take(1.0, np.array([1.0]), 1.0).limit(np.array([-0.9])).round(3)
         np.float64(0.526)
@@ -64,7 +71,10 @@ class Relaxation(NamedTuple):
         return np.clip(min(right, (1 + 1 / self.count) * self.most), BUDGET.least_fraction, 1.0)
 
     def take(self, most: float, wanted: NDArray[np.float64], fraction: float) -> "Relaxation":
-        """Remember a change of which a fraction was taken, at most so much being allowed."""
+        """Remember a change, and the fraction of it taken.
+
+        `most` is what was allowed.
+        """
         return Relaxation(most, wanted, fraction, self.count + 1)
 
 
@@ -78,7 +88,9 @@ def take_step(
     longest: NDArray[np.float64],
     most: float,
 ) -> Taken | None:
-    """Take the step, a third of it, … until the joint log posterior does not fall; None: nowhere.
+    """Take the longest step that does not lead down.
+
+    It tries the step, a third of it, … until the joint log posterior does not fall; None: nowhere.
 
     All trials and φ take the same fraction: only so is the step a way down.
 
@@ -87,7 +99,7 @@ def take_step(
     linearise
         As in `fit_nonlinear`.
     linear
-        The linear model's answer: its μ and Ω hold for the step.
+        The linear model's answer: its μ and Ω are fixed during the step.
     place, step, gram
         η (trial, d) and φ (p,) now; what is added to them; Gram matrices there.
     longest
@@ -115,7 +127,10 @@ def take_step(
 
 
 def _step_back(linear: LinearFit, own: NDArray, gram: NDArray, longest: NDArray) -> NDArray:
-    """Gauss-Newton step of every trial's η at fixed φ, μ and Ω."""
+    """Gauss-Newton step of every trial's η.
+
+    φ, μ and Ω are fixed.
+    """
     d = len(linear.omega)
     inverse = np.linalg.inv(linear.omega)
     pull = gram[:, :d, -1] - (own - linear.shared[:d]) @ inverse

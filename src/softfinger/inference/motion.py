@@ -1,4 +1,7 @@
-"""Motion of many trials at once, each with its own parameters and effects."""
+"""Motion of many trials at once.
+
+Each has its own parameters and effects.
+"""
 
 from collections.abc import Callable
 
@@ -31,7 +34,9 @@ def move_paper_joint(
     load_time: NDArray[np.float64],
     load_torque: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Move fingers of the paper's joints, each by its own parameters: a `Move`.
+    """Move fingers of the paper's joints: a `Move`.
+
+    Each finger has its own parameters.
 
     Without the gradient of `compute_joint_angle_array`, which would need four times the memory.
 
@@ -49,7 +54,7 @@ def move_paper_joint(
 def build_mover(
     constant: xr.Dataset, content: ModelFile, effect: xr.DataArray, trial: xr.DataArray
 ) -> Move:
-    """Build the function that moves new trials of a campaign.
+    """Build the function that moves a campaign's new trials.
 
     Parameters
     ----------
@@ -96,7 +101,9 @@ def move_trials(
     time: NDArray[np.float64],
     load: tuple[NDArray[np.float64], NDArray[np.float64]],
 ) -> NDArray[np.float64]:
-    """Compute the angles (m, joint, n) [rad] of m trials, each with its own draw of everything.
+    """Compute the angles (m, joint, n) [rad] of trials.
+
+    Each of the m trials has its own draw of everything.
 
     Parameters
     ----------
@@ -128,7 +135,10 @@ def move_trials(
 def fill_draw_slots(
     model: EffectModel, effect: NDArray[np.float64], like: NDArray[np.int64]
 ) -> tuple[SlotArrays, NDArray[np.bool_]]:
-    """Slots of m trials under their own φ (m, p), and which φ (m,) has none."""
+    """Slots of m trials under their own φ.
+
+    φ is (m, p). Also which φ (m,) has none.
+    """
     kinds, kind = np.unique(effect, axis=0, return_inverse=True) if effect.size else (
         effect[:1], np.zeros(len(effect), int)
     )  # fmt: skip
@@ -158,7 +168,9 @@ def measure_draws(
     own: NDArray[np.float64],
     effect: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Exact χ² (draw, trial) of draws of all trials; infinite where the model has no motion.
+    """Exact χ² (draw, trial) of draws of all trials.
+
+    It is infinite where the model has no motion.
 
     Parameters
     ----------

@@ -1,4 +1,6 @@
-"""Operations that PyMC lacks, compiled by numba: the likelihood of an expansion, and the whitening.
+"""Operations that PyMC lacks, compiled by numba.
+
+They are the likelihood of an expansion, and the whitening.
 
 They are ordinary PyTensor operations with exact derivatives, so any PyMC sampler can use them.
 """
@@ -36,7 +38,10 @@ def evaluate_likelihood(
     gram: NDArray,
     rows: NDArray,
 ) -> tuple[NDArray, NDArray, NDArray, NDArray]:
-    """Sum log p over trials but for constants; also its slopes by η, φ and the noise's log s."""
+    """Sum log p over trials, but for constants.
+
+    Also its slopes by η, φ and the noise's log s.
+    """
     square, by_eta, by_effect = slope_squares(eta, effect, mode, shared, gram)
     scale = np.exp(-2.0 * log_scale.item())
     total = rows.sum()
@@ -121,7 +126,7 @@ class _Compiled(Op):
 
 
 class Multiply(_Compiled):
-    """Product of two matrices. PyTensor's own is slow to compile, at every place anew."""
+    """Product of two matrices; PyTensor's own compiles slowly."""
 
     function = staticmethod(compiled(_run_product))
     run = staticmethod(_run_product)
@@ -143,7 +148,11 @@ class Multiply(_Compiled):
 
 
 class ExpandedLikelihood(_Compiled):
-    """Σ over trials of log p(y | η, φ, s), but for constants (`expansion`).
+    """Log likelihood summed over trials (`expansion`).
+
+    Σ log p(y | η, φ, s), without constants.
+
+    Constants are left out (`expansion`).
 
     Inputs: eta (d, trial), effect (p,), log of the noise's scale (); then the expansion's own,
     shared, gram, rows. Outputs: the sum and, for its derivatives, its slopes by the first three.
@@ -153,7 +162,7 @@ class ExpandedLikelihood(_Compiled):
     run = staticmethod(_run_likelihood)
 
     def make_node(self, *inputs: Variable) -> Apply:
-        """Build the node; the slopes have the types of what they are slopes by."""
+        """Build the node; slopes have their parameters' types."""
         variables = [pt.as_tensor_variable(x) for x in inputs]
         return Apply(self, variables, [pt.dscalar(), *(x.type() for x in variables[:3])])
 
@@ -174,7 +183,7 @@ class ExpandedLikelihood(_Compiled):
 
 
 class ShiftPull(_Compiled):
-    """Pull of the likelihood's stand-in after effects changed (`whitening`).
+    """Pull of the stand-in after effects changed (`whitening`).
 
     Inputs: pull (d, trial), cross (d, p, trial), change φ − φ* (p,). Output: pull (d, trial).
     """
@@ -219,7 +228,9 @@ class ShiftPullBack(_Compiled):
 
 
 class ColourTrials(_Compiled):
-    """Parameters of the trials from standard normals, given the population (`whitening`).
+    """The trials' parameters from standard normals (`whitening`).
+
+    The population is given.
 
     Inputs: z (p, trial), curvature, pull, mean (p,), precision (p, p). Outputs: eta (p, trial),
     log_volume (trial,), and the Cholesky factors for the way back.
@@ -256,7 +267,7 @@ class ColourTrials(_Compiled):
         return [z_bar, DisconnectedType()(), pull_bar, mean_bar, precision_bar]
 
     def connection_pattern(self, node: Apply) -> list[list[bool]]:
-        """Curvature is data; the factor serves the way back only."""
+        """Curvature is data; the factor serves `pullback` only."""
         return [[k != 1, k != 1, False] for k in range(5)]
 
 
@@ -277,7 +288,7 @@ class PullColoursBack(_Compiled):
 
 
 class FactorisePartials(_Compiled):
-    """Cholesky factor (p, p) of a correlation matrix from its partials (pair,) (`covariance`)."""
+    """Cholesky factor (p, p) from partials (pair,) (`covariance`)."""
 
     function = staticmethod(factorise_partials)
     run = staticmethod(_run_factor)

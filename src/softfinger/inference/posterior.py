@@ -1,4 +1,7 @@
-"""The hierarchical posterior of a campaign: prepare, sample, weigh, check predictions, lay out."""
+"""The hierarchical posterior of a campaign.
+
+Prepare, sample, weigh, check predictions, lay out.
+"""
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -102,13 +105,16 @@ def fit_posterior(
 def prepare_fit(
     angles: xr.Dataset, content: ModelFile | None = None, *, priors: bool = True
 ) -> Preparation:
-    """Fit the model at its mode, expand it there, and set the priors."""
+    """Fit the model at its mode, and expand it.
+
+    The priors are set as well.
+    """
     problem, fit = pose_problem(angles, content, priors=priors)
     return prepare_candidate(angles, problem, Candidate(problem.base, fit, fit.log_evidence))
 
 
 def prepare_candidate(angles: xr.Dataset, problem: Problem, candidate: Candidate) -> Preparation:
-    """Expand a model that has been fitted, and set the priors."""
+    """Expand a fitted model, and set the priors."""
     known = angles.sel(trial=problem.trials.name)
     frames = problem.noise.sel(trial=problem.trials.name)
     prior = problem.population
@@ -134,14 +140,20 @@ def prepare_candidate(angles: xr.Dataset, problem: Problem, candidate: Candidate
 
 
 def describe_effects(model: EffectModel, fit: Fit) -> Effects:
-    """Names, priors and bounds of φ, and where the fit puts it."""
+    """Names, priors and bounds of φ.
+
+    Also where the fit puts it.
+    """
     names = [f"{model.pieces[e.piece].effect.id}.{e.name}" for e in model.entries]
     bounded = place_effects(fit.shared, fit.shared_covariance, model.low, model.high)
     return Effects(names, *model.shared_prior, bounded)
 
 
 def compile_fit(prepared: Preparation, config: Mapping[str, Any]) -> Density | None:
-    """Compile the density of a model and a campaign, where the sampler needs it."""
+    """Compile the density of a model and a campaign.
+
+    Gibbs sampling needs none.
+    """
     if config["sampler"] == "gibbs":
         return None
     return compile_density(build_pymc_model(prepared.given, prepared.coords, config["covariance"]))
@@ -154,7 +166,9 @@ def draw_points(
     density: Density | None,
     given: Given | None = None,
 ) -> tuple[dict[str, NDArray[np.float64]], xr.Dataset]:
-    """Sample the expanded model: its variables (chain, draw, …) and the sampler's statistics.
+    """Sample the expanded model.
+
+    Returns its variables (chain, draw, …) and the sampler's statistics.
 
     Parameters
     ----------
@@ -184,7 +198,7 @@ def draw_points(
 
 
 def refuse_covariance(covariance: Covariance) -> None:
-    """Refuse parameters that go together, which Gibbs sampling cannot draw."""
+    """Refuse correlated parameters, which Gibbs sampling cannot draw."""
     if covariance != "independent":
         raise Fault(
             f"estimation: covariance is {covariance}, but sampler gibbs draws independent "
@@ -203,7 +217,10 @@ def correct_posterior(
 def take_draws(
     drawn: dict[str, NDArray[np.float64]], found: Correction
 ) -> dict[str, NDArray[np.float64]]:
-    """Put each draw (chain, draw, …) where weighing has put it."""
+    """Put each draw where weighing has put it.
+
+    Draws are (chain, draw, …).
+    """
     chain = np.arange(len(found.kept))[:, None]
     return {name: values[chain, found.kept] for name, values in drawn.items()}
 
@@ -214,7 +231,10 @@ def sample_posterior(
     rng: np.random.Generator,
     density: Density | None = None,
 ) -> tuple[xr.Dataset, xr.Dataset]:
-    """Sample and weigh: the named variables of the posterior and the sampler's statistics."""
+    """Sample and weigh.
+
+    Returns the posterior's named variables and the sampler's statistics.
+    """
     density = compile_fit(prepared, config) if density is None else density
     drawn, stats = draw_points(prepared, config, rng, density)
     kept = take_draws(drawn, correct_posterior(prepared, drawn, rng))
@@ -228,9 +248,11 @@ def score_trials(
     config: Mapping[str, Any],
     rng: np.random.Generator,
 ) -> tuple[xr.DataArray, xr.Dataset, list[xr.Dataset]]:
-    """Compute log p(y_i | population, effects, noise) of every draw, and leave every trial out.
+    """Score every trial, and leave each one out.
 
-    The scores of `leave_trials_out` follow, and for every trial what the others make likely.
+    Computes log p(y_i | population, effects, noise) of every draw.
+
+    The scores of `leave_trials_out` follow, then for every trial what the others make likely.
     """
     expansion: Expansion = prepared.given.expansion
     recording = compute_integrated_log_likelihood(expansion, posterior, rng)

@@ -1,4 +1,7 @@
-"""What the model expects to record: of the trials that were, of new ones, and before any data."""
+"""What the model expects to record.
+
+It predicts the recorded trials, new ones, and trials before any data.
+"""
 
 from typing import NamedTuple
 
@@ -23,7 +26,9 @@ LARGEST_LOG = 300.0  # a prior draw beyond it would leave the floating-point ran
 
 
 class Recorded(NamedTuple):
-    """The trials whose recordings are predicted: times, loads, and the model that moves them.
+    """The trials whose recordings are predicted.
+
+    Their times, loads, and the model that moves them.
 
     `frames` is what `measure` makes of `angles`, both of the problem's trials.
     """
@@ -41,7 +46,9 @@ def draw_prior(
     rng: np.random.Generator,
     covariance: Covariance = "independent",
 ) -> dict[str, NDArray]:
-    """Draw population, effects and noise (1, draw, …) from the prior, as the model's variables.
+    """Draw population, effects and noise from the prior.
+
+    They are the model's variables, (1, draw, …).
 
     Parameters
     ----------
@@ -75,7 +82,9 @@ def draw_prior(
 def predict_trials(
     recorded: Recorded, posterior: xr.Dataset, draws: int, rng: np.random.Generator
 ) -> xr.Dataset:
-    """Draw recordings of the very trials: joint_angle (chain, draw, trial, joint, moment) [rad].
+    """Draw recordings of the same trials.
+
+    joint_angle (chain, draw, trial, joint, moment) [rad].
 
     `moment` counts evenly spaced frames of each trial; their times are in `predicted_time`.
     """
@@ -94,7 +103,9 @@ def predict_trials(
 def predict_new_trials(
     recorded: Recorded, population: xr.Dataset, draws: int, rng: np.random.Generator
 ) -> xr.Dataset:
-    """Draw recordings of new trials under each load history, at most `predicted_protocols`.
+    """Draw recordings of new trials.
+
+    There is one under each load history, at most `predicted_protocols`.
 
     Returns
     -------
@@ -115,7 +126,10 @@ def predict_new_trials(
 
 
 def draw_own(population: xr.Dataset, trials: int, rng: np.random.Generator) -> NDArray[np.float64]:
-    """Draw new trials' η (…, trial, joint, 4), led by the population's sample dims."""
+    """Draw new trials' η (…, trial, joint, 4).
+
+    The population's sample dims come first.
+    """
     standard = draw_standard(population, trials, rng)
     mu, sigma = (
         np.stack([population[f"{level}_{name}"].values for name in LOG_PARAMETERS], axis=-1)
@@ -128,11 +142,13 @@ def draw_own(population: xr.Dataset, trials: int, rng: np.random.Generator) -> N
 def draw_standard(
     population: xr.Dataset, trials: int, rng: np.random.Generator
 ) -> NDArray[np.float64]:
-    """Draw new trials' (η − μ)/σ, as correlated as each draw of a population has them.
+    """Draw new trials' (η − μ)/σ.
+
+    They are as correlated as each draw of a population has them.
 
     Returns
     -------
-    (…, trial, joint, 4), led by the population's sample dims.
+    (…, trial, joint, 4), the population's sample dims first.
     """
     mean = population["mu_q_ini"]
     lead, joints = mean.shape[:-1], mean.sizes["joint"]
@@ -144,14 +160,17 @@ def draw_standard(
 
 
 def thin_draws(posterior: xr.Dataset, draws: int) -> xr.Dataset:
-    """Take about `draws` draws in all, evenly from every chain."""
+    """Take about `draws` draws, evenly from every chain."""
     each = max(draws // posterior.sizes["chain"], 1)
     kept = np.linspace(0, posterior.sizes["draw"] - 1, min(each, posterior.sizes["draw"]))
     return posterior.isel(draw=kept.astype(int))
 
 
 def _thin_times(recorded: Recorded, like: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Times (trial, moment) [s] of evenly spaced used frames; NaN behind the last."""
+    """Times (trial, moment) [s] of evenly spaced used frames.
+
+    They are NaN behind the last.
+    """
     time = recorded.angles["time"].transpose("trial", "frame").values[like]
     thinned = np.full((len(like), BUDGET.predicted_frames), np.nan)
     for i, used in enumerate(recorded.frames["used"].values[like]):
@@ -170,7 +189,10 @@ def _record(
     draws: xr.Dataset,
     rng: np.random.Generator,
 ) -> xr.Dataset:
-    """Move trials `like` recorded ones by η (chain, draw, trial, joint, 4), and add noise."""
+    """Move trials `like` recorded ones, and add noise.
+
+    η is (chain, draw, trial, joint, 4).
+    """
     finger, model = recorded.problem.finger, recorded.candidate.model
     time = _thin_times(recorded, like)
     load = tuple(

@@ -1,4 +1,6 @@
-"""Priors chosen on the scale of angles, carried to parameters by the load and the clock alone.
+"""Priors chosen on the scale of angles.
+
+The load and the clock alone carry them to parameters.
 
 With K the largest load of the campaign, T its median duration under load and Δ the median frame
 interval, a joint is expected to bend elastically by about half a radian, to take between a frame
@@ -24,7 +26,10 @@ from softfinger.faults import Fault
 
 @dataclass(frozen=True)
 class InferencePriors:
-    """What an inference assumes of a population, its noise and its disturbances."""
+    """What an inference assumes before any data.
+
+    Of a population, its noise and its disturbances.
+    """
 
     elastic_rad: float = 0.5
     """[rad] that a joint is expected to bend elastically. Why: it is seen, and does not break."""
@@ -65,7 +70,9 @@ PRIORS = InferencePriors()
 
 
 class PopulationPrior(NamedTuple):
-    """μ ~ normal(mu_mean, mu_sd) and log σ ~ normal(log sigma_median, sigma_log_sd), each (4,).
+    """Normal priors of μ and log σ.
+
+    μ ~ normal(mu_mean, mu_sd) and log σ ~ normal(log sigma_median, sigma_log_sd), each (4,).
 
     Noise: its scale over what was estimated, log s ~ normal(0, noise_log_sd).
     """
@@ -78,14 +85,14 @@ class PopulationPrior(NamedTuple):
 
 
 def build_prior(angles: xr.Dataset, frames: xr.Dataset) -> PopulationPrior:
-    """Build the priors of a campaign from its loads and its clock.
+    """Build a campaign's priors from loads and clock.
 
     Parameters
     ----------
     angles
         The `angles` artifact.
     frames
-        What `select_frames` says of it.
+        What `select_frames` gives for it.
 
     Raises
     ------
@@ -111,7 +118,10 @@ def build_prior(angles: xr.Dataset, frames: xr.Dataset) -> PopulationPrior:
 
 
 def _compute_duration(angles: xr.Dataset, used: NDArray[np.bool_]) -> float:
-    """Median time [s] from the first load to the last used frame."""
+    """Median duration [s] of the trials under load.
+
+    It runs from the first load to the last used frame.
+    """
     time = angles["time"].transpose("trial", "frame").values
     knots = angles["load_time"].transpose("trial", "knot").values
     load = angles["load_torque"].transpose("trial", "knot").values

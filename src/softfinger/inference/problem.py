@@ -1,4 +1,7 @@
-"""A campaign as a mixed-effects problem: recordings, priors, forward model; and its fits."""
+"""A campaign as a mixed-effects problem.
+
+Its recordings, priors, forward model, and fits.
+"""
 
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -34,7 +37,10 @@ LAYOUT = ("trial", "joint", "frame")
 
 
 class Candidate(NamedTuple):
-    """A model, its fit and its log evidence [nats]; `fit` is None where only its score is known."""
+    """A model, its fit and its log evidence [nats].
+
+    `fit` is None where only its score is known.
+    """
 
     model: EffectModel
     fit: Fit | None
@@ -56,7 +62,7 @@ class Problem:
 
     @property
     def base(self) -> EffectModel:
-        """The model that is diagnosed: without any effect, or as repaired before."""
+        """The model without any effect, or as repaired."""
         return EffectModel(self.setting) if self.repaired is None else self.repaired
 
     def simulate(
@@ -66,7 +72,9 @@ class Problem:
         shared: NDArray[np.float64],
         only: NDArray[np.int64] | None = None,
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Angles (trial, joint, node) and derivatives (trial, joint, node, 4 · joint + p).
+        """Angles and derivatives at the bins' nodes.
+
+        Angles (trial, joint, node), derivatives (trial, joint, node, 4 · joint + p).
 
         With `only` the derivatives are those by these places of φ alone, which is quicker.
         """
@@ -87,7 +95,10 @@ class Problem:
     def linearise(
         self, model: EffectModel, own: NDArray[np.float64], shared: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """Gram matrices (trial, …) of [∂F/∂η | ∂F/∂φ | residual]; NaN where there is no motion."""
+        """Gram matrices (trial, …) of the linearised model.
+
+        Of [∂F/∂η | ∂F/∂φ | residual]; NaN where there is no motion.
+        """
         try:
             angle, slope = self.simulate(model, own, shared)
         except (ArithmeticError, Fault):
@@ -121,7 +132,9 @@ class Problem:
         first: float = -np.inf,
         rival: float = -np.inf,
     ) -> Fit | None:
-        """Fit a model from (η, φ, Ω); None where the numbers leave the plausible range.
+        """Fit a model from (η, φ, Ω).
+
+        Returns None where the numbers leave the plausible range.
 
         `first` is the log evidence from which its gain counts: the digits asked of it follow;
         `rival` that which is worth reaching.
@@ -146,7 +159,7 @@ class Problem:
 def pose_problem(
     angles: xr.Dataset, content: ModelFile | None = None, *, priors: bool = True
 ) -> tuple[Problem, Fit]:
-    """Prepare a campaign and fit the base model to it.
+    """Prepare a campaign and fit the base model.
 
     The base model is fitted as if the noise were white; the noise is then estimated from what it
     leaves, which is smoother than the motion, so that quiet windows show nothing but noise.
@@ -222,14 +235,17 @@ def _fit_base(angles: xr.Dataset, noise: xr.Dataset, before: Fit | None) -> tupl
 def predict_frames(
     problem: Problem, candidate: Candidate, angles: xr.Dataset
 ) -> NDArray[np.float64]:
-    """Angles (trial, joint, frame) [rad] at every frame, each trial at its own mode."""
+    """Each trial's angles (trial, joint, frame) [rad] at its mode."""
     return simulate_frames(problem, candidate, angles, gradient=False)[0]
 
 
 def simulate_frames(
     problem: Problem, candidate: Candidate, angles: xr.Dataset, *, gradient: bool
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Angles at every frame, and with `gradient` ∂F/∂η (trial, joint, frame, d)."""
+    """Angles at every frame.
+
+    With `gradient` also ∂F/∂η (trial, joint, frame, d).
+    """
     trials = problem.trials
     own = candidate.fit.own.reshape(len(trials.name), trials.joints, OWN)
     time = angles.sel(trial=trials.name)["time"].transpose("trial", "frame").values
@@ -248,7 +264,10 @@ def simulate_frames(
 
 
 def compute_usual_inertia(setting: Setting) -> NDArray[np.float64]:
-    """Inertia (joint, joint) of even links with which the first joint swings once in ten frames."""
+    """Inertia (joint, joint) of even links.
+
+    With it the first joint swings once in ten frames.
+    """
     even = np.ones(setting.joints)
     shape = compute_inertia_coefficients(FingerGeometry.uniform(even, even, 1.0, 1.0))
     return shape / shape.sum() * setting.stiffness[0] * (10 * setting.interval / 2 / np.pi) ** 2

@@ -1,4 +1,6 @@
-"""Probability that a normal vector lies within bounds, by expectation propagation.
+"""Probability that a normal vector lies within bounds.
+
+The method is expectation propagation.
 
 Each bound is replaced by a normal factor that gives the right moments beside all the others. Exact
 for one number and for independent ones; for orthants of three correlated ones the tests allow 2 %.
@@ -76,7 +78,10 @@ def measure_rectangle(mean: NDArray, covariance: NDArray, low: NDArray, high: ND
 def cut_normal(
     centre: float, variance: float, low: float, high: float
 ) -> tuple[float, float, float]:
-    """Log mass of a normal between bounds, and mean and variance of what lies there."""
+    """Log mass of a normal between bounds.
+
+    Also mean and variance of what lies there.
+    """
     sd = math.sqrt(variance)
     a, b = (low - centre) / sd, (high - centre) / sd
     if a + b < 0.0:  # the side on which tails lose no digits

@@ -1,4 +1,7 @@
-"""From a model's angles and derivatives at the bins' nodes to each trial's whitened Gram matrix."""
+"""Whitened Gram matrix of each trial.
+
+It follows from a model's angles and derivatives at the bins' nodes.
+"""
 
 import numpy as np
 from numba import prange
@@ -11,7 +14,9 @@ from softfinger.measurement.trials import Trials
 def reduce_trials(
     trials: Trials, angle: NDArray[np.float64], slope: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Reduce a model to Gram matrices (trial, column + 1, column + 1) of [slope | residual].
+    """Reduce a model to Gram matrices of its trials.
+
+    Of [slope | residual]: (trial, column + 1, column + 1).
 
     Parameters
     ----------
@@ -61,9 +66,10 @@ def _reduce(
 def _collect_rows(
     angle: NDArray, slope: NDArray, seen: NDArray, bins: int, present: NDArray, scale: NDArray
 ) -> NDArray:
-    """Rows (bin · present joint, column + 1): means of each bin's two nodes, joints fastest.
+    """Rows (row, column + 1) of one trial.
 
-    Each over the scale of its noise.
+    A row is a bin and a present joint, joints fastest: the mean of the bin's two nodes,
+    over the scale of its noise.
     """
     columns = slope.shape[2]
     rows = np.empty((bins * present.sum(), columns + 1))
@@ -101,7 +107,10 @@ def _soften(white: NDArray, soft: NDArray) -> NDArray:
 
 
 def whiten_slope(trials: Trials, slope: NDArray[np.float64], trial: int) -> NDArray[np.float64]:
-    """Whitened rows (row, column) of slopes (trial, joint, bin · 2, column), in one trial."""
+    """Whitened rows (row, column) of one trial's slopes.
+
+    Slopes are (trial, joint, bin · 2, column).
+    """
     present, kind = trials.present[trial], trials.protocol[trial]
     nothing = np.zeros(slope.shape[1:3])
     slope, seen = np.ascontiguousarray(slope[trial]), np.zeros_like(trials.angle[trial])
@@ -110,7 +119,10 @@ def whiten_slope(trials: Trials, slope: NDArray[np.float64], trial: int) -> NDAr
 
 
 def whiten_residual(trials: Trials, angle: NDArray[np.float64], trial: int) -> NDArray[np.float64]:
-    """Whitened residual (bin, joint) of one trial; NaN for joints that were not seen."""
+    """Whitened residual (bin, joint) of one trial.
+
+    It is NaN for joints that were not seen.
+    """
     empty = np.zeros((*angle.shape[1:], 0))
     present, kind = trials.present[trial], trials.protocol[trial]
     seen, scale = trials.angle[trial], trials.scale[trial]

@@ -1,4 +1,6 @@
-"""NUTS by nutpie on a PyMC model whose log density PyTensor compiles, and caches, with numba.
+"""NUTS by nutpie on a PyMC model.
+
+PyTensor compiles its log density with numba, and caches it.
 
 nutpie's own compilation of a PyMC model is redone in every process and takes long with many data
 arrays, so PyTensor's compiled function is handed over as it is, free of Python's lock.
@@ -39,7 +41,10 @@ STATISTICS = ("diverging", "energy", "logp", "n_steps", "step_size", "tree_depth
 
 
 class Density(NamedTuple):
-    """A compiled log density of the unconstrained point (n,), its data, and the point's layout."""
+    """A compiled log density of the unconstrained point.
+
+    The point (n,), the data, and the point's layout.
+    """
 
     evaluate: Callable[..., tuple[NDArray, NDArray]]  # of the point and then the data
     data: dict[str, NDArray]  # in the order in which evaluate takes them
@@ -51,13 +56,18 @@ class Density(NamedTuple):
         return sum(int(np.prod(shape)) for shape in self.shapes.values())
 
     def choose_data(self, given: Given) -> dict[str, NDArray]:
-        """Choose from what another campaign gives the data that the density reads."""
+        """Choose the data that the density reads.
+
+        `given` is what another campaign gives.
+        """
         data = gather_data(given)
         return {name: data[name] for name in self.data}
 
 
 def compile_density(model: pm.Model) -> Density:
-    """Compile the log density, its slope, and the model's variables as functions of one vector.
+    """Compile a log density and its slope.
+
+    The model's variables are compiled as well; all are functions of one vector.
 
     Parameters
     ----------
@@ -85,7 +95,9 @@ def compile_density(model: pm.Model) -> Density:
 def _split(
     point: TensorVariable, model: pm.Model, shapes: Mapping[str, tuple[int, ...]]
 ) -> list[TensorVariable]:
-    """Split a point into variables; lengths that some data have stay open, and so does the last.
+    """Split a point into variables.
+
+    Lengths that some data have stay open, and so does the last.
 
     The compiled code, and so its cache, then serves any number of trials, joints and effects.
     """
@@ -103,7 +115,10 @@ def _split(
 
 
 def _release_lock(function: Callable) -> Callable:
-    """Make the twin of a compiled function that lets other threads run; cached like the first."""
+    """Make a compiled function's twin without Python's lock.
+
+    Other threads can run beside it. It is cached like the first.
+    """
     plain = function.py_func
     key = CACHED_SRC_FUNCTIONS.get(plain)
     twin = FunctionType(plain.__code__, plain.__globals__, plain.__name__, plain.__defaults__)
@@ -118,7 +133,9 @@ def expand_points(
     given: Given,
     covariance: Covariance,
 ) -> dict[str, NDArray[np.float64]]:
-    """Turn unconstrained points (chain, draw, n) into the model's variables (chain, draw, …).
+    """Turn unconstrained points into the model's variables.
+
+    From (chain, draw, n) to (chain, draw, …).
 
     Undoes PyMC's own transforms, the placing, the bounding and the whitening; partial correlations
     come back as such, from −1 to 1.
@@ -158,7 +175,9 @@ def expand_points(
 def scale_points(
     shapes: Mapping[str, tuple[int, ...]], given: Given, sigma: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Find the centre and the sd (n,), about, of the posterior in every unconstrained direction.
+    """Find the posterior's centre and sd, about.
+
+    Both are (n,), in every unconstrained direction.
 
     Parameters
     ----------
@@ -254,7 +273,9 @@ def sample_density(
 
 
 def wait_for_draws(sampler: Any) -> xr.DataTree:  # noqa: ANN401 (nutpie names no class)
-    """Wait until a sampler has drawn all; Ctrl-C ends it.
+    """Wait until a sampler has drawn all.
+
+    Ctrl-C ends it.
 
     nutpie's own waiting takes Ctrl-C for a wish to go on with the draws so far.
     """

@@ -1,4 +1,4 @@
-"""What is known of a campaign before an effect is fitted."""
+"""What is known before an effect is fitted."""
 
 import numpy as np
 import xarray as xr
@@ -14,7 +14,10 @@ from softfinger.mechanics.three_element import compute_elastic_basis_array
 
 
 def build_setting(angles: xr.Dataset, trials: Trials, own: NDArray[np.float64]) -> Setting:
-    """Describe a campaign, given the base model's parameters (trial, 4 · joint) of each trial."""
+    """Describe a campaign.
+
+    The base model's parameters (trial, 4 · joint) are given.
+    """
     chosen = angles.sel(trial=trials.name)
     kinds = set(chosen["load_kind"].values.tolist())
     largest = np.abs(trials.load_torque).max(axis=1)
@@ -56,7 +59,7 @@ def build_setting(angles: xr.Dataset, trials: Trials, own: NDArray[np.float64]) 
 
 
 def read_geometry(angles: xr.Dataset) -> FingerGeometry | None:
-    """Read the finger's geometry from the `angles` artifact; None where it is not declared."""
+    """Read the finger's geometry; None where it is not declared."""
     names = ("link_length", "link_mass", "link_centre", "link_inertia")
     values = [angles[name].values.astype(float) for name in names]
     scalars = [float(angles[name]) for name in ("joint_length", "wire_offset")]
@@ -66,14 +69,17 @@ def read_geometry(angles: xr.Dataset) -> FingerGeometry | None:
 
 
 def _falls(load: NDArray, torque: float, share: float) -> bool:
-    """Whether the load of some trial falls below a share of what it had reached."""
+    """Whether some trial's load falls below a share."""
     size = np.abs(load)
     reached = np.maximum.accumulate(size, axis=1)
     return bool(np.any((size < share * reached) & (reached > DECISIONS.resting * torque)))
 
 
 def find_step_gap(trials: Trials) -> float:
-    """Widest gap [s] between the two rows that state a step; 0 where every step has its time."""
+    """Widest gap [s] between a step's two rows.
+
+    It is 0 where every step has its time.
+    """
     gap = np.diff(trials.load_time, axis=1)
     jump = (gap == 0.0) & (np.diff(trials.load_torque, axis=1) != 0.0)
     stated = gap[:, :-1][jump[:, 1:]]
@@ -81,7 +87,7 @@ def find_step_gap(trials: Trials) -> float:
 
 
 def _elastic_end(trials: Trials, own: NDArray, stop: NDArray) -> NDArray:
-    """Elastic angle (trial, joint) of the base model when the recording ends."""
+    """Elastic angle (trial, joint) at the recording's end."""
     end = np.zeros(own.shape[:2])
     for i in range(len(own)):
         rate = np.exp(own[i, :, 0] - own[i, :, 1])
@@ -97,7 +103,7 @@ def _largest(trials: Trials, joint: int) -> float:
 
 
 def _number(angles: xr.Dataset, trials: Trials) -> NDArray:
-    """Trials done before each: its place among all recorded ones, in order of their start."""
+    """Trials recorded before each, in order of start."""
     place = {str(name): i for i, name in enumerate(angles["trial"].values)}
     return np.array([place[name] for name in trials.name], float)
 
@@ -111,6 +117,6 @@ def _covariates(chosen: xr.Dataset) -> dict[str, NDArray]:
 
 
 def load_at(trials: Trials, trial: int) -> NDArray[np.float64]:
-    """Load (bin,) [N m] of one trial at the bins' mean times."""
+    """One trial's load (bin,) [N m] at mean times."""
     time = trials.node[trial, : trials.bins[trial]].mean(axis=1)
     return evaluate_load_array(time, trials.load_time[trial], trials.load_torque[trial])

@@ -1,6 +1,6 @@
-"""What a fit knew of its campaign, as constant data.
+"""What a fit knew of its campaign, as data.
 
-With it a model file's effects move new trials without fitting anything again.
+The data are constant. With them a model file's effects move new trials without another fit.
 """
 
 from collections.abc import Sequence
@@ -69,7 +69,9 @@ def tabulate_setting(setting: Setting, finger: Finger, trial: Sequence[str]) -> 
 
 
 def read_setting(constant: xr.Dataset) -> tuple[Setting, Finger, xr.DataArray]:
-    """Read setting, finger and trials that `tabulate_setting` made.
+    """Read the setting that `tabulate_setting` made.
+
+    Returns setting, finger and trials.
 
     Raises
     ------

@@ -1,4 +1,7 @@
-"""Recordings drawn from the model itself: for predictions, calibration and design."""
+"""Recordings drawn from the model itself.
+
+They serve predictions, calibration and design.
+"""
 
 from collections.abc import Sequence
 
@@ -21,7 +24,9 @@ def build_recording(
     joints: int,
     trials: Sequence[str],
 ) -> xr.Dataset:
-    """Build the `angles` of a campaign that has times and loads but not yet any angle.
+    """Build the `angles` of a campaign without angles.
+
+    It has times and loads already.
 
     Its geometry is not declared.
 
@@ -67,7 +72,7 @@ def draw_parameters(
     recording: xr.Dataset,
     rng: np.random.Generator,
 ) -> xr.Dataset:
-    """Draw the parameters of every trial of a recording from a population.
+    """Draw every trial's parameters from a population.
 
     Parameters
     ----------
@@ -94,7 +99,10 @@ def draw_parameters(
 def describe_noise(
     sd: NDArray[np.float64], autocorrelation: NDArray[np.float64], neighbours: float = 0.0
 ) -> xr.Dataset:
-    """Describe noise for `draw_angles`: σ and ρ (joint,), correlation of neighbouring joints."""
+    """Describe noise for `draw_angles`.
+
+    σ and ρ (joint,), and the correlation of neighbouring joints.
+    """
     joints = len(sd)
     beside = np.eye(joints, k=1) + np.eye(joints, k=-1)
     return xr.Dataset(
@@ -107,7 +115,10 @@ def describe_noise(
 
 
 def compute_motion(angles: xr.Dataset, parameters: xr.Dataset) -> xr.DataArray:
-    """Compute the angles (…, trial, joint, frame) [rad] that parameters (…, trial, joint) cause."""
+    """Compute the angles (…, trial, joint, frame) [rad].
+
+    Parameters (…, trial, joint) cause them.
+    """
     order = [name for name in parameters["k_v"].dims if name not in ("trial", "joint")]
     order += ["trial", "joint"]
     values = [parameters[name].transpose(*order).values for name in PARAMETERS]
@@ -123,7 +134,9 @@ def compute_motion(angles: xr.Dataset, parameters: xr.Dataset) -> xr.DataArray:
 def draw_angles(
     angles: xr.Dataset, parameters: xr.Dataset, noise: xr.Dataset, rng: np.random.Generator
 ) -> xr.Dataset:
-    """Draw what a camera would record of trials with known parameters.
+    """Draw what a camera would record.
+
+    The trials have known parameters.
 
     Parameters
     ----------
@@ -140,7 +153,7 @@ def draw_angles(
     Returns
     -------
     Dataset
-        `angles` with joint_angle replaced; flagged frames hold angles as well.
+        `angles` with joint_angle replaced; flagged frames contain angles as well.
     """
     time = angles["time"].transpose("trial", "frame").values
     interval = float(np.nanmedian(np.diff(time, axis=1)))
@@ -154,7 +167,10 @@ def draw_angles(
 def group_clocks(
     time: NDArray[np.float64],
 ) -> list[tuple[NDArray[np.int64], NDArray[np.float64]]]:
-    """Group the trials whose times (trial, frame) are the same: their rows, and the times."""
+    """Group the trials that have the same times.
+
+    Times are (trial, frame); each group has its rows and the times.
+    """
     _, first, index = np.unique(
         np.nan_to_num(time, nan=-1.0), axis=0, return_index=True, return_inverse=True
     )
@@ -164,7 +180,9 @@ def group_clocks(
 def draw_noise_array(
     time: NDArray[np.float64], noise: xr.Dataset, trials: int, rng: np.random.Generator
 ) -> NDArray[np.float64]:
-    """Draw the noise (trial, joint, frame) [rad] of trials with the same times.
+    """Draw the noise (trial, joint, frame) [rad].
+
+    The trials have the same times.
 
     Parameters
     ----------

@@ -1,4 +1,6 @@
-"""Parameters of a trial as standard normals, given the population: the geometry NUTS likes.
+"""Parameters of a trial as standard normals.
+
+The population is given. NUTS needs this geometry.
 
 With the likelihood's normal stand-in (curvature H, pull b; `laplace`) and the population N(μ, Ω),
 the trial's parameters are about normal with precision Λ = H + Ω⁻¹ and mean Λ⁻¹(b + Ω⁻¹μ). So
@@ -29,7 +31,9 @@ Array = Any  # of numpy or of PyTensor: the formulas are the same
 def place_mean(
     prior_mean: Array, prior_sd: Array, sigma: Array, value: Array, variance: Array
 ) -> tuple[Array, Array]:
-    """Place μ, parameter by parameter, given σ and what each trial says of its own value.
+    """Place μ, parameter by parameter, given σ.
+
+    It depends on what each trial shows of its own value:
 
     1/s² = 1/s₀² + Σ 1/(σ² + v_i),   centre = s² (m₀/s₀² + Σ η̂_i/(σ² + v_i))
 
@@ -62,9 +66,11 @@ def place_mean(
 def read_trials(
     curvature: NDArray[np.float64], pull: NDArray[np.float64], prior: PopulationPrior
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Value and variance (p, trial) of each parameter that a trial's stand-in gives by itself.
+    """Value and variance (p, trial) from each trial's stand-in.
 
-    They come from a prior wide enough for any trial, which is then taken out again.
+    They are what the trial gives by itself for each parameter.
+
+    A prior wide enough for any trial is used, and then taken out again.
 
     Parameters
     ----------
@@ -85,7 +91,12 @@ def read_trials(
 
 @compiled(error_model="numpy")
 def shift_pull(pull: NDArray, cross: NDArray, change: NDArray) -> NDArray:
-    """Pull (p, trial) after effects changed by φ − φ* (e,); `cross` is C (p, e, trial)."""
+    """Pull (p, trial) after effects changed.
+
+    They changed by φ − φ* (e,); `cross` is C (p, e, trial).
+
+    The change is (e,); `cross` is C (p, e, trial).
+    """
     shifted = pull.copy()
     for a in range(pull.shape[0]):
         for k in range(change.size):
@@ -131,7 +142,10 @@ def colour_trials(
 
 @compiled(error_model="numpy")
 def factorise_trials(curvature: NDArray, precision: NDArray) -> NDArray:
-    """Factorise H + Ω⁻¹ of every trial: R (p, p, trial), its upper half 0."""
+    """Factorise H + Ω⁻¹ of every trial.
+
+    R is (p, p, trial), its upper half 0.
+    """
     size, trials = curvature.shape[0], curvature.shape[2]
     factor = np.zeros((size, size, trials))
     for a in range(size):
@@ -157,7 +171,9 @@ def pull_colours_back(
     eta_bar: NDArray,
     volume_bar: NDArray,
 ) -> tuple[NDArray, NDArray, NDArray, NDArray]:
-    """Slopes by z, b, μ and Ω⁻¹ from slopes by η (p, trial) and the log volume (trial,).
+    """Slopes by z, b, μ and Ω⁻¹.
+
+    They follow from slopes by η (p, trial) and the log volume (trial,).
 
     ȳ = R⁻¹ η̄ is also z̄; r̄ = R⁻ᵀ ȳ belongs to b + Ω⁻¹μ; R̄ = −η ȳᵀ − r̄ (y − z)ᵀ − diag(v̄ / R_aa).
     """
@@ -198,7 +214,10 @@ def whiten_trials(
 
 @compiled(error_model="numpy")
 def whiten_about(eta: NDArray, centre: NDArray, factor: NDArray) -> NDArray:
-    """Turn parameters (p, trial) into z = Rᵀ(η − centre) (p, trial)."""
+    """Turn parameters into z = Rᵀ(η − centre).
+
+    Both are (p, trial).
+    """
     z = np.zeros(eta.shape)
     for b in range(len(z)):
         for a in range(b, len(z)):
@@ -208,7 +227,10 @@ def whiten_about(eta: NDArray, centre: NDArray, factor: NDArray) -> NDArray:
 
 @compiled(error_model="numpy")
 def colour_about(z: NDArray, centre: NDArray, factor: NDArray) -> NDArray:
-    """Turn z (p, trial) into parameters (p, trial) about the centre of `colour_trials`."""
+    """Turn z (p, trial) into parameters (p, trial).
+
+    They are about the centre of `colour_trials`.
+    """
     eta = z.copy()
     _solve_transposed(factor, eta)
     return eta + centre
@@ -232,7 +254,9 @@ def _solve_transposed(factor: NDArray, x: NDArray) -> None:
 
 @compiled(error_model="numpy")
 def _pull_factor_back(factor: NDArray, factor_bar: NDArray) -> NDArray:
-    """Slope (p, p), symmetric, by Λ, summed over trials, from that by R = chol Λ.
+    """Slope (p, p) by Λ from that by R.
+
+    It is symmetric, and summed over trials; R = chol Λ.
 
     Reverse of the factorisation, entry by entry from the last; `factor_bar` is used up.
     Murray (2016), arXiv:1602.07527.

@@ -1,4 +1,6 @@
-"""A dozen curves that hold every elastic response of a trial: the basis of the exact collapse.
+"""Basis of curves for the elastic responses of trials.
+
+The exact collapse uses it; a dozen curves suffice.
 
 The elastic response e(t; x), x = log(k_v/c_v), is an integral of exp(−eˣ (t − s)) over the load, so
 over any finite set of times its curves lie, to rounding, in a space of few dimensions:
@@ -26,7 +28,7 @@ Protocol = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 
 
 class ElasticTable(NamedTuple):
-    """Coefficients c(x) and their slopes by x on an even grid of x."""
+    """Coefficients c(x) and slopes on an even grid."""
 
     place: NDArray[np.float64]  # (2,): first x, step
     value: NDArray[np.float64]  # (node, mode)
@@ -39,7 +41,7 @@ class ElasticTable(NamedTuple):
 
 
 def build_elastic_table(protocols: list[Protocol]) -> ElasticTable:
-    """Build the coefficients that serve every protocol (time, load_time, load_torque).
+    """Build the coefficients that serve every protocol.
 
     Parameters
     ----------
@@ -63,7 +65,10 @@ def build_elastic_table(protocols: list[Protocol]) -> ElasticTable:
 
 
 def build_elastic_modes(table: ElasticTable, protocol: Protocol) -> NDArray[np.float64]:
-    """Build the curves U (mode, n) [N m] of one protocol for the table's coefficients."""
+    """Build the curves of one protocol.
+
+    U (mode, n) [N m], for the table's coefficients.
+    """
     places = place_curves_array(*table.nodes[[0, -1]])
     coefficients = np.stack([interpolate_coefficients_array(table, x)[0] for x in places])
     curves, _ = _evaluate(places, protocol)
@@ -103,9 +108,11 @@ def fill_coefficients(
     value: NDArray,
     slope: NDArray,
 ) -> None:
-    """Write c(x) and dc/dx into `value` and `slope`; limits outside of the table.
+    """Write c(x) and dc/dx into `value` and `slope`.
 
-    Its nodes are those from `first` to `last`, the first of which lies at `place[0]`.
+    Outside of the table they take its limits.
+
+    The table's nodes are those from `first` to `last`; the first lies at `place[0]`.
     """
     step = place[1]
     where = (x - place[0]) / step

@@ -1,4 +1,8 @@
-"""Least squares of one joint's trial for every rate at once: linear but for x = log(k_v/c_v).
+"""Least squares of a joint for every rate.
+
+The problem of one trial is linear but for x = log(k_v/c_v).
+
+The problem of one trial is linear but for x = log(k_v/c_v).
 
 Given x, the motion a e(t; x) + b ∫u dt + q is linear in (a, b, q) = (1/k_v, 1/c_p, q_ini); what is
 left of the squares is a function of x alone (variable projection). It is searched on a grid over
@@ -19,11 +23,14 @@ from softfinger.inference.budget import BUDGET
 from softfinger.inference.collapse.basis import ElasticTable, fill_coefficients
 from softfinger.inference.collapse.table import Collapse
 
-RIDGE = 1e-13  # relative; curves that cannot be told apart share their amplitude
+RIDGE = 1e-13  # relative; curves that look alike share their amplitude
 
 
 class Profile(NamedTuple):
-    """The best rate of each trial, the linear coefficients there, and the squares left over."""
+    """Best rate of each trial.
+
+    Also the linear coefficients there, and the squares left over.
+    """
 
     log_rate: NDArray[np.float64]  # (trial,)
     linear: NDArray[np.float64]  # (trial, 3): 1/k_v, 1/c_p, q_ini
@@ -33,7 +40,11 @@ class Profile(NamedTuple):
 def build_joint_gram(
     collapse: Collapse, joint: int, sd: float = 1.0, autocorrelation: float = 0.0
 ) -> NDArray[np.float64]:
-    """Build ΨᵀR⁻¹Ψ (trial, M + 3, M + 3) of one joint alone, Ψ = [U, ∫u, 1, y].
+    """Build the Gram matrices of one joint alone.
+
+    ΨᵀR⁻¹Ψ (trial, M + 3, M + 3), with Ψ = [U, ∫u, 1, y].
+
+    Ψ = [U, ∫u, 1, y].
 
     Parameters
     ----------
@@ -114,7 +125,10 @@ def _reduce(
     value: NDArray,
     slope: NDArray,
 ) -> NDArray:
-    """Gram (trial, rate, 4, 4) of [e(x), ∫u, 1, y]."""
+    """Gram matrices of [e(x), ∫u, 1, y].
+
+    (trial, rate, 4, 4).
+    """
     modes = value.shape[1]
     reduced = np.empty((*log_rate.shape, 4, 4))
     last = value.shape[0] - 1

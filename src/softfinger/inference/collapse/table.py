@@ -1,4 +1,6 @@
-"""Every trial reduced, once and exactly, to small matrices that its likelihood is computed from.
+"""Small matrices from which the likelihood is computed.
+
+Every trial is reduced to them once and exactly.
 
 With the basis U of `basis`, the residual of joint j at frame i is linear in known rows,
 
@@ -30,7 +32,10 @@ from softfinger.mechanics.load import integrate_load_array
 
 
 class Collapse(NamedTuple):
-    """What is left of a campaign's frames; D = modes + 2 + joints."""
+    """What is left of a campaign's frames.
+
+    D = modes + 2 + joints.
+    """
 
     table: ElasticTable
     gap: NDArray[np.float64]  # (gap,) nodes of gaps between frames, in median intervals
@@ -55,7 +60,7 @@ def collapse_angles(angles: xr.Dataset, frames: xr.Dataset) -> Collapse:
     angles
         The `angles` artifact.
     frames
-        What `select_frames` says of it.
+        What `select_frames` gives for it.
     """
     series = _gather_trials(angles, frames)
     protocols = {_fingerprint(s.protocol): s.protocol for s in series if len(s.angle)}
@@ -80,7 +85,10 @@ def collapse_angles(angles: xr.Dataset, frames: xr.Dataset) -> Collapse:
 
 
 class _Series(NamedTuple):
-    """One trial: its protocol at all its times, the frames kept of it, and what they show."""
+    """One trial: protocol, kept frames and what they show.
+
+    The protocol has all its times.
+    """
 
     protocol: Protocol
     kept: NDArray
@@ -106,7 +114,10 @@ _LOAD = ("load_time", "load_torque")
 
 
 def _find_increasing(time: NDArray, used: NDArray) -> NDArray[np.bool_]:
-    """All frames with a time where they increase, so that equal clocks share one basis."""
+    """All frames at which time increases.
+
+    Trials with equal clocks then share one basis.
+    """
     known = np.isfinite(time)
     return known if (np.diff(time[known]) > 0).all() else used
 
@@ -123,7 +134,12 @@ def _build_rows(trial: _Series, modes: NDArray) -> NDArray:
 
 @compiled(error_model="numpy")
 def _sum_products(rows: NDArray, weights: NDArray) -> NDArray:
-    """Σ weight ψψᵀ of the later rows, of the earlier, and of earlier × later: (gap, 3, D, D)."""
+    """Weighted sums of ψψᵀ: (gap, 3, D, D).
+
+    Of the later rows, of the earlier, and of earlier × later.
+
+    Σ weight ψψᵀ of the later rows, of the earlier, and of earlier × later.
+    """
     size = rows.shape[1]
     products = np.zeros((weights.shape[1], 3, size, size))
     for i in range(1, rows.shape[0]):
