@@ -1,1 +1,4 @@
-"""What recordings are: frames that count, their noise, time bins, changes of load."""
+"""What recordings are, before any model.
+
+Frames that count, their noise, time bins, changes of load.
+"""

@@ -1,4 +1,6 @@
-"""Time bins that widen after each change of load, and the exact covariance of their noise.
+"""Time bins that widen after each change of load.
+
+The covariance of their noise is exact.
 
 A bin's angle is the mean of its frames. A model's bin mean is the mean of the model at the bin's
 mean time ± the sd of its frame times: exact for a quadratic, and for a cubic where the bin is
@@ -21,7 +23,10 @@ NEGLIGIBLE = 1e-9  # of a row of the whitening matrix
 
 
 class Whitening(NamedTuple):
-    """Rows of W with WᵀW = Σ⁻¹, lower triangular: row i begins in column `first[i]`."""
+    """Rows of W with WᵀW = Σ⁻¹.
+
+    W is lower triangular; row i begins in column `first[i]`.
+    """
 
     matrix: NDArray[np.float64]
     first: NDArray[np.int64]
@@ -31,7 +36,9 @@ class Whitening(NamedTuple):
 def cut_bins_array(
     time: NDArray[np.float64], changes: NDArray[np.float64], interval: float
 ) -> NDArray[np.int64]:
-    """Cut the times (n,) of a trial into bins; returns the first frame of each, and n.
+    """Cut the times (n,) of a trial into bins.
+
+    Returns the first frame of each bin, and n.
 
     Parameters
     ----------
@@ -67,7 +74,9 @@ def _cut(time: NDArray, widest: NDArray, phase: NDArray, longest_gap: float) -> 
 
 
 def place_nodes_array(time: NDArray[np.float64], starts: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Place two times in each bin whose mean and sd are those of its frames: (bin, 2) [s].
+    """Place two times in each bin: (bin, 2) [s].
+
+    Their mean and sd are those of the bin's frames.
 
     >>> place_nodes_array(np.array([0.0, 1.0, 3.0]), np.array([0, 1, 3]))
     array([[0., 0.],
@@ -87,7 +96,9 @@ def compute_bin_covariance_array(
     stationary: NDArray[np.float64],
     autocorrelation: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Compute the covariance (bin · joint, bin · joint) [rad²] of bin means, joints fastest.
+    """Compute the covariance of bin means, joints fastest.
+
+    It is (bin · joint, bin · joint) [rad²].
 
     Parameters
     ----------
@@ -139,7 +150,10 @@ def _fill_covariance(
 
 @compiled
 def _mean_pairs(time: NDArray, scale: NDArray, rate: NDArray) -> NDArray:
-    """Mean of s_a s_b exp(−rate |t_a − t_b|) over all pairs of frames, for each rate."""
+    """Mean covariance of all pairs of frames, by rate.
+
+    Mean of s_a s_b exp(−rate |t_a − t_b|).
+    """
     total = np.zeros(rate.size)
     for k in range(rate.size):
         carried = 0.0
@@ -152,7 +166,9 @@ def _mean_pairs(time: NDArray, scale: NDArray, rate: NDArray) -> NDArray:
 
 
 def build_whitening(covariance: NDArray[np.float64]) -> Whitening:
-    """Build W = L⁻¹ of Σ = L Lᵀ, without the entries of each row that do not matter.
+    """Build W = L⁻¹ of Σ = L Lᵀ.
+
+    Entries of a row that do not matter are left out.
 
     >>> build_whitening(np.array([[4.0, 0.0], [0.0, 9.0]])).matrix.round(6)
     array([[0.5     , 0.      ],

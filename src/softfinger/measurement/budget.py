@@ -1,11 +1,14 @@
-"""Numbers that only limit the work of a measurement, and the accuracy of its sums."""
+"""Numbers that limit the work of a measurement.
+
+They also set the accuracy of its sums.
+"""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class MeasurementBudget:
-    """How much is tried, and how finely frames are kept."""
+    """How much is tried, and how finely."""
 
     evaluations: int = 60
     """Evaluations that refine the sizes of components. Why: sizes to 3 %."""

@@ -1,4 +1,7 @@
-"""Which components of a measurement are there: chosen by evidence, one after the other."""
+"""Which components of a measurement are present.
+
+They are chosen by evidence, one after the other.
+"""
 
 from collections.abc import Callable, Mapping
 
@@ -63,7 +66,7 @@ def _weigh(
     name: str,
     sizes: NDArray[np.float64],
 ) -> float:
-    """Evidence [nats] for one more component, averaged over its sizes."""
+    """Evidence [nats] for one component, averaged over its sizes."""
     values = [evaluate(size | {name: float(s)}) for s in sizes]
     return float(np.logaddexp.reduce(values) - np.log(len(values)) - evaluate(size))
 

@@ -1,4 +1,4 @@
-"""The covariance of noise of neighbouring joints over any gap between frames.
+"""Covariance of neighbouring joints' noise over any gap.
 
 Over one median interval the noise of joint j keeps the share ρ_j and gets an innovation of sd
 σ_j √(1 − ρ_j²); innovations of joints j and k have correlation C_jk. Over g intervals
@@ -8,7 +8,7 @@ Over one median interval the noise of joint j keeps the share ρ_j and gets an i
     s_jk = σ_j σ_k C_jk √((1 − ρ_j²)(1 − ρ_k²)) / (1 − ρ_j ρ_k)
 
 and g = ∞ gives the stationary covariance s; σ_j is the marginal sd. Between whole numbers of
-intervals the same formula holds as an interpolation.
+intervals the same formula interpolates.
 
 C is written by its canonical partial correlations z, row by row below the diagonal:
 C = L Lᵀ, L_jk = z_jk ∏_{m<k} √(1 − z_jm²), L_jj = ∏_{m<j} √(1 − z_jm²). Any z in (−1, 1) will do.
@@ -31,7 +31,9 @@ def compute_innovation_covariance_array(
     autocorrelation: NDArray[np.float64],
     correlation: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Compute the covariance (joint, joint) [rad²] of what noise gains over a gap.
+    """Compute what the noise's covariance gains over a gap.
+
+    It is (joint, joint) [rad²].
 
     Parameters
     ----------
@@ -54,7 +56,7 @@ def compute_innovation_covariance_array(
 
 
 def correlate_partials_array(partial: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Build C (…, joint, joint) from partial correlations (…, pair).
+    """Build C (…, joint, joint) from partials (…, pair).
 
     >>> correlate_partials_array(np.array([-0.5]))
     array([[ 1. , -0.5],
@@ -72,7 +74,7 @@ def _multiply_factor(factor: NDArray) -> NDArray:
 
 @compiled(error_model="numpy")
 def factorise_partials(partial: NDArray) -> NDArray:
-    """Build the Cholesky factor L (joint, joint) from partial correlations (pair,)."""
+    """Build L (joint, joint) from partial correlations (pair,)."""
     joints = (1 + int(np.sqrt(1 + 8 * partial.size))) // 2
     factor = np.zeros((joints, joints))
     pair = 0
@@ -88,7 +90,10 @@ def factorise_partials(partial: NDArray) -> NDArray:
 
 @compiled(error_model="numpy")
 def pull_factor_back(partial: NDArray, factor: NDArray, factor_bar: NDArray) -> NDArray:
-    """Slope by the partial correlations (pair,) from the slope by L (joint, joint)."""
+    """Slope by the partials (pair,) from that by L.
+
+    The slope by L is (joint, joint).
+    """
     joints = factor.shape[0]
     bar = np.empty(partial.size)
     pair = partial.size

@@ -1,4 +1,7 @@
-"""Numbers that decide which frames inform, and what recordings are said to suffer from."""
+"""Numbers that decide which frames inform.
+
+They also decide what recordings suffer from.
+"""
 
 from dataclasses import dataclass
 

@@ -1,8 +1,10 @@
-"""Which frames of a trial enter its likelihood, and how much each of them weighs.
+"""Which frames of a trial enter its likelihood.
+
+It also gives how much each frame weighs.
 
 Neighbouring joints share links, so their noise is correlated frame by frame: a frame counts when
 every present joint of its trial was seen in it. A joint that was seen in less than half of the
-frames in which some joint was seen is not present in that trial, so that one lost marker does not
+frames in which some joint was seen is not present in that trial. One lost marker then does not
 cost the others their frames.
 """
 
@@ -15,7 +17,7 @@ from softfinger.measurement.decisions import DECISIONS
 
 
 def select_frames(angles: xr.Dataset) -> xr.Dataset:
-    """Select the frames that enter the likelihood of each trial.
+    """Select the frames that enter each trial's likelihood.
 
     A frame's scale is the sd that its recording claims over the joint's median claim,
     root-mean-squared over joints: 1 where nothing is claimed.
@@ -64,7 +66,9 @@ def select_frames(angles: xr.Dataset) -> xr.Dataset:
 
 
 def find_present_joints_array(seen: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Tell which joints (trial, joint) were seen often enough, from seen (trial, joint, frame).
+    """Find which joints were seen often enough.
+
+    From seen (trial, joint, frame) to (trial, joint).
 
     >>> find_present_joints_array(np.array([[[True, True, True], [False, False, True]]]))
     array([[ True, False]])
@@ -74,7 +78,9 @@ def find_present_joints_array(seen: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def mark_advancing_array(time: NDArray[np.float64], used: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Mark the used frames (trial, frame) whose time lies after that of every earlier used one.
+    """Mark the used frames at which time advances.
+
+    (trial, frame): the time lies after that of every earlier used frame.
 
     >>> mark_advancing_array(np.array([[0.0, 1.0, 1.0, 2.0]]), np.ones((1, 4), bool))
     array([[ True,  True, False,  True]])
@@ -86,7 +92,9 @@ def mark_advancing_array(time: NDArray[np.float64], used: NDArray[np.bool_]) -> 
 
 
 def compute_frame_interval_array(time: NDArray[np.float64], used: NDArray[np.bool_]) -> float:
-    """Compute the median interval [s] between neighbouring used frames over all trials.
+    """Compute the median interval [s] between used frames.
+
+    The frames are neighbours; the median is over all trials.
 
     >>> compute_frame_interval_array(np.array([[0.0, 0.5, 1.0, 2.0]]), np.ones((1, 4), bool))
     0.5
@@ -97,7 +105,10 @@ def compute_frame_interval_array(time: NDArray[np.float64], used: NDArray[np.boo
 
 
 def compute_frame_scale(angles: xr.Dataset, used: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Compute the claimed sd of each frame (trial, frame) over the median claim of its joints."""
+    """Compute the relative claimed sd (trial, frame).
+
+    It is the frame's claimed sd over the median claim of its joints.
+    """
     covariance = angles["joint_angle_covariance"].transpose(
         "trial", "frame", "joint", "other_joint"
     )

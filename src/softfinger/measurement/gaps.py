@@ -1,4 +1,6 @@
-"""Gaps between used frames, gathered on few nodes: AR(1) noise stays free in the likelihood.
+"""Gaps between used frames, gathered on few nodes.
+
+AR(1) noise stays free in the likelihood.
 
 The noise enters a likelihood through functions of (gap, σ, ρ, C) that are smooth in log gap.
 Few distinct gaps (even sampling with missing frames) are kept as they are; many (uneven sampling)
@@ -14,7 +16,9 @@ ROUNDING = 1e-3  # relative: gaps closer than this are one
 
 
 def place_gap_nodes_array(gap: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Place nodes for all gaps (n,) of a campaign, in median intervals.
+    """Place nodes for all gaps of a campaign.
+
+    The gaps (n,) are in median intervals.
 
     >>> place_gap_nodes_array(np.array([1.0, 1.0, 1.0001, 2.0]))
     array([1., 2.])
@@ -29,7 +33,9 @@ def place_gap_nodes_array(gap: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def spread_gaps_array(gap: NDArray[np.float64], nodes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Spread gaps (n,) over nodes: weights (n, node) with f(gap) ≈ Σ weight f(node).
+    """Spread gaps (n,) over nodes: weights (n, node).
+
+    f(gap) ≈ Σ weight f(node).
 
     >>> spread_gaps_array(np.array([1.0, 2.0]), np.array([1.0, 2.0]))
     array([[1., 0.],

@@ -1,8 +1,9 @@
-"""What the recordings of a campaign suffer from: which frames inform, and the size of their noise.
+"""What the recordings of a campaign suffer from.
 
-Everything is learnt from what a model leaves, and in ways that the model's own misfit hardly
-touches: outliers against frames as long after a change of load, sizes from quiet windows, in which
-a quartic takes up whatever moves slowly.
+It finds which frames inform, and the size of their noise.
+Everything is learnt from what a model leaves, in ways that its own misfit hardly affects.
+Outliers are compared with frames as long after a change of load. Sizes come from quiet windows,
+in which a quartic follows whatever moves slowly.
 """
 
 import numpy as np
@@ -27,7 +28,7 @@ Array = NDArray[np.float64]
 
 
 def measure(angles: xr.Dataset, motion: Array | None = None) -> xr.Dataset:
-    """Measure which frames inform and how large their noise is.
+    """Measure which frames inform, and their noise.
 
     Parameters
     ----------
@@ -45,7 +46,7 @@ def measure(angles: xr.Dataset, motion: Array | None = None) -> xr.Dataset:
         frame); noise_factor (trial, joint, frame); frame_interval [s]; noise_sd [rad],
         recorded_noise_sd [rad], which differs where an sd is declared, noise_autocorrelation,
         window_count (joint), noise_correlation (joint, other_joint);
-        noise_per_rad; component_size, component_evidence [nats] (component), of what is there.
+        noise_per_rad; component_size, component_evidence [nats] (component), of what is present.
 
     Raises
     ------
@@ -72,10 +73,10 @@ def measure(angles: xr.Dataset, motion: Array | None = None) -> xr.Dataset:
 
 
 def _scale_noise(angles: xr.Dataset, frames: xr.Dataset, moved: Array) -> tuple[Scales, xr.Dataset]:
-    """Scale the noise of every trial, joint and frame by what quiet windows show.
+    """Scale every noise by what quiet windows show.
 
-    In rounds: windows that are too lively for a campaign of one noise are calm in units of their
-    own. An sd that is declared is where the noise of a trial is expected, and no more.
+    It goes in rounds: windows that are too lively for a campaign of one noise are calm in units
+    of their own. A declared sd is only where the noise of a trial is expected.
     """
     free = angles.assign_attrs(noise_sd_rad=np.nan)
     declared = float(angles.attrs.get("noise_sd_rad", np.nan))
@@ -95,9 +96,11 @@ def _scale_noise(angles: xr.Dataset, frames: xr.Dataset, moved: Array) -> tuple[
 def add_components(
     measurement: xr.Dataset, size: dict[str, float], evidence: dict[str, float]
 ) -> xr.Dataset:
-    """Add what was found besides: component → size, and evidence [nats].
+    """Add further components: size, and evidence [nats].
 
-    More of a component adds to what is there of it.
+    Both are dictionaries by component.
+
+    A component that is present already grows.
     """
     known = measurement[["component_size", "component_evidence"]]
     size, evidence = dict(size), dict(evidence)
@@ -118,7 +121,10 @@ def add_components(
 
 
 def assume_noise(angles: xr.Dataset, known: xr.Dataset) -> xr.Dataset:
-    """Take the noise of all joints from another campaign, without what its trials suffer from."""
+    """Take the noise of all joints from another campaign.
+
+    What that campaign's trials suffer from is left out.
+    """
     names = [name for name in known.data_vars if "trial" not in known[name].dims]
     return _prepare_frames(angles).assign(
         {name: known[name] for name in names if name not in ("frame_interval",)}
@@ -126,7 +132,7 @@ def assume_noise(angles: xr.Dataset, known: xr.Dataset) -> xr.Dataset:
 
 
 def _prepare_frames(angles: xr.Dataset) -> xr.Dataset:
-    """Frames that inform before outliers are sought, all of one noise."""
+    """Frames of one noise, before outliers are sought."""
     frames = select_frames(angles)
     repeated = find_repeated_frames(angles, frames)
     shape = tuple(angles.sizes[dim] for dim in LAYOUT)
@@ -142,7 +148,7 @@ def _prepare_frames(angles: xr.Dataset) -> xr.Dataset:
 
 
 def _measure_sd(angles: xr.Dataset, frames: xr.Dataset, fit: NoiseFit) -> Array:
-    """Sd (joint,) [rad] that the recordings show, whatever is declared."""
+    """Sd (joint,) [rad] shown, whatever is declared."""
     if not np.isfinite(angles.attrs.get("noise_sd_rad", np.nan)):
         return fit.noise["noise_sd"].values
     shown = fit_noise(angles.assign_attrs(noise_sd_rad=np.nan), frames).noise["noise_sd"].values
@@ -150,7 +156,7 @@ def _measure_sd(angles: xr.Dataset, frames: xr.Dataset, fit: NoiseFit) -> Array:
 
 
 def _count_lost(angles: xr.Dataset, frames: xr.Dataset) -> float:
-    """How many frames are missing between those that were seen."""
+    """Number of frames missing between those seen."""
     time = angles["time"].transpose(*FRAMES).values
     gaps = [np.diff(t[u]) for t, u in zip(time, frames["used"].values, strict=True)]
     gap = np.round(np.concatenate(gaps) / float(frames["frame_interval"]))
@@ -169,7 +175,7 @@ def _leave_out(frames: xr.Dataset, distance: Array) -> xr.Dataset:
 
 
 def _measure_deflection(motion: Array, frames: xr.Dataset) -> Array:
-    """How far (trial, joint, frame) [rad] a joint is from where it was first seen."""
+    """Deflection (trial, joint, frame) [rad] from the start."""
     first = frames["used"].values.argmax(axis=1)
     return np.abs(motion - np.take_along_axis(motion, first[:, None, None], axis=2))
 
@@ -177,7 +183,7 @@ def _measure_deflection(motion: Array, frames: xr.Dataset) -> Array:
 def _list_variances(
     fit: NoiseFit, moved: Array, frames: xr.Dataset, declared: float
 ) -> WindowVariances:
-    """Variance of every quiet window over its joint's, or over what is declared."""
+    """Quiet windows' variances, over their joint's or declared."""
     factor = frames["noise_factor"].values
     trials, joints, count = moved.shape
     parts = [np.empty((0, 5))]
@@ -204,9 +210,11 @@ def _list_variances(
 
 
 def _measure_tail(residual: Array, start: NDArray) -> Array:
-    """Excess kurtosis of what each window leaves (window,), at least 0.
+    """Excess kurtosis (window,) of what each window leaves.
 
-    The variance of a window that holds a slip, or noise with heavy tails, is known less well.
+    It is at least 0.
+
+    The variance of a window with a slip, or noise with heavy tails, is known less well.
     """
     sizes = np.diff(start)
     square, fourth = (np.add.reduceat(residual**k, start[:-1]) / sizes for k in (2, 4))
@@ -231,7 +239,7 @@ def _list_components(
 
 
 def _weigh_outliers(frames: xr.Dataset) -> dict[str, tuple[float, float]]:
-    """Share of outliers, against noise that is normal all through: wider noise of one size."""
+    """Share of outliers, and evidence against wider noise."""
     distance = frames["outlier_distance"].values
     out, count = distance[distance > 0], frames["used"].values.sum()
     if not out.size:
@@ -246,7 +254,7 @@ def _weigh_outliers(frames: xr.Dataset) -> dict[str, tuple[float, float]]:
 
 
 def _weigh_tails(fit: NoiseFit) -> dict[str, tuple[float, float]]:
-    """Student's t in place of a normal distribution for what quiet windows leave."""
+    """Evidence for Student's t in quiet windows."""
     units = [np.empty(0)]
     for windows, rho in zip(fit.windows, fit.autocorrelation, strict=True):
         if windows.dof > 0 and np.isfinite(rho):
@@ -268,7 +276,7 @@ def _weigh_tails(fit: NoiseFit) -> dict[str, tuple[float, float]]:
 
 
 def _count_frames(name: str, count: float, frames: xr.Dataset) -> dict[str, tuple[float, float]]:
-    """Share of frames that are of no use, and what a sound recording's share says against it."""
+    """Share of useless frames, and evidence against soundness."""
     used, usual = float(frames["used"].values.sum()), DECISIONS.usual_loss
     share = count / (count + used)
     if share <= usual:

@@ -22,7 +22,10 @@ from softfinger.measurement.reml import (
 
 
 class NoiseFit(NamedTuple):
-    """Noise as `fit_noise` describes it, and each joint's quiet windows."""
+    """Noise that `fit_noise` found, and each joint's windows.
+
+    The windows are quiet.
+    """
 
     noise: xr.Dataset
     windows: list[Windows]
@@ -34,7 +37,7 @@ class NoiseFit(NamedTuple):
 
 
 def fit_noise(angles: xr.Dataset, frames: xr.Dataset) -> NoiseFit:
-    """Estimate the noise of each joint angle without a model of the motion.
+    """Estimate each joint's noise without a motion model.
 
     Parameters
     ----------
@@ -42,7 +45,7 @@ def fit_noise(angles: xr.Dataset, frames: xr.Dataset) -> NoiseFit:
         The `angles` artifact. If its attribute noise_sd_rad is finite, the sd is that number
         and only the autocorrelation is estimated.
     frames
-        What `select_frames` says.
+        What `select_frames` gives.
 
     Returns
     -------
@@ -71,7 +74,9 @@ def fit_noise(angles: xr.Dataset, frames: xr.Dataset) -> NoiseFit:
 
 
 def complete_noise(noise: xr.Dataset, angles: xr.Dataset, frames: xr.Dataset) -> xr.Dataset:
-    """Fill the gaps of a noise estimate: sd from second differences, else the other joints' sd.
+    """Fill the gaps of a noise estimate.
+
+    An sd comes from second differences, else it is the other joints' sd.
 
     No sd is smaller than that of the angles' rounding: a step over √12.
     """
@@ -97,7 +102,10 @@ def complete_noise(noise: xr.Dataset, angles: xr.Dataset, frames: xr.Dataset) ->
 def _share_autocorrelation(
     fits: list[tuple[float, float, Windows]], declared: float
 ) -> list[tuple[float, float, Windows]]:
-    """Let joints share one ρ, as what one camera sees would, unless the windows say otherwise."""
+    """Let joints share one ρ.
+
+    One camera gives one ρ, unless the windows show otherwise.
+    """
     known = [fit[2] for fit in fits if fit[2].dof > 0]
     if len(known) < 2:
         return fits
@@ -115,7 +123,10 @@ def _share_autocorrelation(
 
 
 def _correlate_joints(windows: list[Windows], autocorrelation: list[float]) -> NDArray:
-    """Correlation of the whitened leftovers of two joints over the calm frames that they share."""
+    """Correlation of two joints' whitened residuals.
+
+    It is over the calm frames that they share.
+    """
     leftover = []
     for part, rho in zip(windows, autocorrelation, strict=True):
         residual = np.empty(len(part.rows))

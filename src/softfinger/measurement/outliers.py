@@ -1,13 +1,14 @@
-"""Frames that stand out from their neighbours, found in what a model leaves.
+"""Outliers among frames, found in what a model leaves.
 
-With r what the model leaves, less its running median (which keeps steps, so that a slip is none),
-and Λ the precision of the noise, what frame i adds to all the others is t_i² = (Λr)_iᵀ (Λ_ii)⁻¹
-(Λr)_i, which is χ² with one degree of freedom a joint if the model is right. Where it is wrong,
-many trials stand out at the same time after a change of load; so t_i² counts relative to its median
-among the frames, of all trials and changes, that have as long a time since the last change of load,
-and a model's misfit is not cleaned away: where fewer than `least_alike` frames compare, none is
-judged; and no frame is compared with one before the last change. An outlier makes its neighbours
-stand out as well, so only the peaks are taken, round after round.
+Let r be what the model leaves, less its running median; the median keeps steps, so a slip is no
+outlier. Let Λ be the precision of the noise. Then frame i adds to all the others
+t_i² = (Λr)_iᵀ (Λ_ii)⁻¹ (Λr)_i, χ² with one degree of freedom a joint if the model is right.
+
+Where the model is wrong, t_i² is large in many trials at the same time after a change of load. So
+t_i² counts relative to its median among the frames that have as long a time since the last change
+of load, of all trials and changes. A model's misfit is then not cleaned away. Where fewer than
+`least_alike` frames compare, none is judged; no frame is compared with one before the last change.
+An outlier raises its neighbours' t² as well, so only the peaks are taken, round after round.
 
 ASSUME: outliers are rare. A trial that would lose more than `most_outliers` keeps all its frames.
 """
@@ -30,7 +31,9 @@ Array = NDArray[np.float64]
 def find_outliers(
     residual: Array, angles: xr.Dataset, frames: xr.Dataset, noise: xr.Dataset | None
 ) -> Array:
-    """Find the used frames that stand out: their t² (trial, frame), 0 for all others.
+    """Find the outliers among the used frames.
+
+    Their t² (trial, frame), 0 for all others.
 
     Parameters
     ----------
@@ -75,13 +78,15 @@ def find_outliers(
 
 
 def _read(noise: xr.Dataset, here: NDArray) -> tuple[Array, Array, Array]:
-    """Noise of the joints that are present: sd, autocorrelation, correlation."""
+    """Sd, autocorrelation and correlation of the present joints."""
     sd, rho = noise["noise_sd"].values[here], noise["noise_autocorrelation"].values[here]
     return sd, rho, noise["noise_correlation"].values[np.ix_(here, here)]
 
 
 def subtract_median_array(rows: Array, gap: Array) -> Array:
-    """Subtract from series (n, joint) their running median, between infinite gaps (n − 1,).
+    """Subtract from series (n, joint) their running median.
+
+    The median runs between infinite gaps (n − 1,).
 
     >>> step = np.repeat([[0.0], [1.0]], 20, axis=0)
     >>> step[7] = 5.0
@@ -95,7 +100,10 @@ def subtract_median_array(rows: Array, gap: Array) -> Array:
 
 
 def compare_usual_array(rows: Array) -> Array:
-    """Squared size (n,) of frames (n, joint), in units of each joint's usual one, summed."""
+    """Squared size (n,) of frames (n, joint).
+
+    It is in units of each joint's usual size, summed over joints.
+    """
     usual = np.median(np.abs(rows), axis=0) / 0.6745
     return ((rows / np.where(usual > 0, usual, np.inf)) ** 2).sum(axis=1)
 
@@ -124,7 +132,10 @@ def measure_distance_array(
 
 @compiled(error_model="numpy")
 def _sum_distance(residual: NDArray, kept: NDArray, precision: NDArray, index: NDArray) -> NDArray:
-    """Λ of frame i: P of its own gain plus what its share in the next frame's adds."""
+    """Λ of frame i.
+
+    P of its own gain, plus what its share in the next frame's adds.
+    """
     count, joints = residual.shape
     distance = np.empty(count)
     for i in range(count):
@@ -146,7 +157,10 @@ def _sum_distance(residual: NDArray, kept: NDArray, precision: NDArray, index: N
 
 
 def _find_peaks(distance: Array) -> NDArray[np.bool_]:
-    """Mark the frames that stand out at least as much as the used ones beside them."""
+    """Mark the frames with the largest t² around.
+
+    A frame counts if the used ones beside it have no more.
+    """
     peaks = np.zeros(distance.shape, bool)
     for row, mark in zip(distance, peaks, strict=True):
         some = np.flatnonzero(np.isfinite(row))
@@ -156,7 +170,9 @@ def _find_peaks(distance: Array) -> NDArray[np.bool_]:
 
 
 def _find_usual(excess: Array, since: Array) -> Array:
-    """How many times its due a usual frame has, at each time since a change.
+    """How far a usual frame exceeds its due.
+
+    As a multiple, at each time since a change.
 
     At least 1; infinite where too few frames compare.
     """

@@ -5,7 +5,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class MeasurementPriors:
-    """Prior sizes of what the noise may have; each of a grid is as likely."""
+    """Prior sizes of what the noise may have.
+
+    Each of a grid is as likely.
+    """
 
     freedoms: tuple[float, ...] = (3.0, 4.0, 6.0, 10.0, 20.0)
     """Degrees of freedom of heavy tails. Why: from hardly a variance to hardly a tail."""

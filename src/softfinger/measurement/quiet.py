@@ -1,4 +1,7 @@
-"""When a load changes, and when the finger has long settled since."""
+"""When a load changes, and when the finger rests.
+
+It rests long after a change.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +12,9 @@ from softfinger.measurement.decisions import DECISIONS
 def find_quiet_array(
     time: NDArray[np.float64], load_time: NDArray[np.float64], load_torque: NDArray[np.float64]
 ) -> NDArray[np.bool_]:
-    """Mark the times (n,) that lie well after the last change of load and before the next one.
+    """Mark the times (n,) far from load changes.
+
+    They lie well after the last change of load and before the next one.
 
     A change is a knot at which the load jumps, or its slope turns, by more than 5 % of its range
     (a slope counts by what it moves in the time to the next knot).
@@ -29,7 +34,9 @@ def find_quiet_array(
 def find_load_changes_array(
     load_time: NDArray[np.float64], load_torque: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Find the times [s] at which the load or its slope changes noticeably.
+    """Find the times [s] of noticeable load changes.
+
+    The load or its slope changes.
 
     >>> find_load_changes_array(np.array([0.0, 4.0, 4.0, 8.0]), np.array([0.0, 0.0, 1.0, 1.0]))
     array([4.])
@@ -50,7 +57,9 @@ def find_load_changes_array(
 def compute_time_since_array(
     time: NDArray[np.float64], load_time: NDArray[np.float64], load_torque: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Compute the time (n,) [s] since the last change of load, or since the recording began.
+    """Compute the time (n,) [s] since the last change.
+
+    Before any change of load, it counts from the beginning of the recording.
 
     >>> compute_time_since_array(np.array([1.0, 2.5, 3.0]), np.array([2.0]), np.array([1.0]))
     array([0. , 0.5, 1. ])

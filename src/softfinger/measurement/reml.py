@@ -1,4 +1,6 @@
-"""Restricted likelihood of AR(1) noise in quiet windows, whatever smooth motion they hold.
+"""Restricted likelihood of AR(1) noise in quiet windows.
+
+The windows may contain any smooth motion.
 
 In quiet zones, away from changes of load, every motion of the finger is smooth: a quartic in time
 follows it over a window of at most 200 frames. What the quartic leaves is noise, and the restricted
@@ -34,7 +36,9 @@ LEAST_SD = 1e-9  # [rad] far below any camera's noise: a frozen recording has no
 def whiten_array(
     rows: NDArray[np.float64], gap: NDArray[np.float64], autocorrelation: float
 ) -> tuple[NDArray[np.float64], float]:
-    """Whiten the rows (n, k) of a series with unit-sd AR(1) noise; W with WᵀW = R⁻¹.
+    """Whiten the rows of a series with AR(1) noise.
+
+    The rows are (n, k), the noise has unit sd; W with WᵀW = R⁻¹.
 
     Row i becomes (row_i − ρ^g_i row_{i−1}) / √(1 − ρ^{2 g_i}); the first, and any with an infinite
     gap, stays as it is.
@@ -81,7 +85,10 @@ def _whiten(rows: NDArray, gap: NDArray, rho: float, white: NDArray) -> float:
 def profile_windows(
     rho: float, rows: NDArray, gap: NDArray, start: NDArray, residual: NDArray
 ) -> tuple[NDArray, float]:
-    """RSS of each window and Σ (log|R| + log|XᵀR⁻¹X|); fills `residual` (n,), whitened."""
+    """RSS of each window, and Σ (log|R| + log|XᵀR⁻¹X|).
+
+    It fills `residual` (n,), whitened.
+    """
     rss, logdet = np.zeros(start.size - 1), 0.0
     for window in range(start.size - 1):
         part = slice(start[window], start[window + 1])
@@ -97,7 +104,10 @@ def profile_windows(
 
 
 class Windows(NamedTuple):
-    """Quiet windows of a joint, end to end: rows (n, degree + 2) hold powers and the angle."""
+    """Quiet windows of a joint, end to end.
+
+    Rows (n, degree + 2) contain powers and the angle.
+    """
 
     rows: NDArray
     gap: NDArray
@@ -118,7 +128,10 @@ class Windows(NamedTuple):
 
 
 def cut_windows(angles: xr.Dataset, frames: xr.Dataset, joint: int) -> Windows:
-    """Cut the quiet frames of a joint, of all trials, into windows."""
+    """Cut the quiet frames of a joint into windows.
+
+    The frames are those of all trials.
+    """
     time = angles["time"].transpose("trial", "frame").values
     angle = angles["joint_angle"].transpose("trial", "joint", "frame").values[:, joint]
     angle = angle / frames["frame_scale"].values
@@ -145,7 +158,10 @@ def cut_windows(angles: xr.Dataset, frames: xr.Dataset, joint: int) -> Windows:
 
 
 def _split_quiet(index: NDArray, quiet: NDArray[np.bool_]) -> list[NDArray]:
-    """Split the quiet runs of used frames into even windows of at most `window_frames`."""
+    """Split quiet runs of used frames into even windows.
+
+    Each has at most `window_frames`.
+    """
     runs = np.split(index, np.flatnonzero(np.diff(quiet)) + 1)
     first = bool(quiet[0])
     quiet_runs = runs[0 if first else 1 :: 2]
@@ -156,7 +172,10 @@ def _split_quiet(index: NDArray, quiet: NDArray[np.bool_]) -> list[NDArray]:
 
 
 def fit_joint(windows: Windows, declared: float) -> tuple[float, float, Windows]:
-    """Fit σ and ρ, then once more in the calm windows: not three times as lively as most."""
+    """Fit σ and ρ, then again in calm windows.
+
+    Calm windows are not three times as lively as most.
+    """
     if windows.dof <= 0:
         return declared, np.nan, windows
     sd, rho = _maximise_reml(windows, declared)
@@ -173,7 +192,10 @@ def _maximise_reml(windows: Windows, declared: float) -> tuple[float, float]:
 
 
 def find_autocorrelation(windows: list[Windows], declared: float) -> float:
-    """Find the most probable ρ that all joints share, each at its own best σ."""
+    """Find the most probable ρ that all joints share.
+
+    Each joint has its own best σ.
+    """
     frames = PRIORS.lasting_windows * DECISIONS.window_frames
 
     def deviance(logit: float) -> float:
@@ -185,7 +207,7 @@ def find_autocorrelation(windows: list[Windows], declared: float) -> float:
 
 
 def evaluate_reml(windows: Windows, rho: float, declared: float) -> tuple[float, float]:
-    """−2 log L at ρ and the best σ, and that σ."""
+    """−2 log L at ρ, and its best σ."""
     rss, logdet = profile_windows(rho, *windows[:3], np.empty(len(windows.rows)))
     variance = declared**2 if np.isfinite(declared) else rss.sum() / windows.dof
     variance = max(variance, LEAST_SD**2)

@@ -1,8 +1,8 @@
-"""Frames that a camera or a reader held, and angles that were rounded to a step.
+"""Repeated frames, and angles rounded to a step.
 
-A frame whose angles are all exactly those of the frame before tells nothing: it was held. Where
-angles are rounded so coarsely that equal neighbours come by chance, none is taken for held; but an
-angle rounded to a step errs by at least step/√12.
+A frame whose angles are all exactly those of the frame before gives no information: the camera or
+its reader repeated it. Where angles are rounded so coarsely that equal neighbours come by chance,
+none counts as repeated; but an angle rounded to a step errs by at least step/√12.
 """
 
 import numpy as np
@@ -13,7 +13,10 @@ from softfinger.measurement.decisions import DECISIONS
 
 
 def find_repeated_frames(angles: xr.Dataset, frames: xr.Dataset) -> NDArray[np.bool_]:
-    """Find the used frames (trial, frame) that repeat the used frame before."""
+    """Find the used frames that repeat the one before.
+
+    Both are used; the result is (trial, frame).
+    """
     angle = angles["joint_angle"].transpose("trial", "joint", "frame").values
     used, present = frames["used"].values, frames["present"].values
     found = np.zeros_like(used)
@@ -27,7 +30,10 @@ def find_repeated_frames(angles: xr.Dataset, frames: xr.Dataset) -> NDArray[np.b
 
 
 def _expect_equal(values: NDArray[np.float64]) -> float:
-    """Chance that two neighbours (n,) are equal by rounding, from the size of their differences."""
+    """Chance that two neighbours (n,) are equal by rounding.
+
+    It follows from the size of their differences.
+    """
     change = np.abs(np.diff(values))
     change = change[change > 0]
     if not change.size:
@@ -36,7 +42,10 @@ def _expect_equal(values: NDArray[np.float64]) -> float:
 
 
 def find_rounding(angles: xr.Dataset, frames: xr.Dataset) -> NDArray[np.float64]:
-    """Find the sd (joint,) [rad] of the rounding of angles: a step over √12; 0 where none shows."""
+    """Find the sd (joint,) [rad] of the angles' rounding.
+
+    A step over √12; 0 where none shows.
+    """
     angle = angles["joint_angle"].transpose("joint", "trial", "frame").values
     used = frames["used"].values
     steps = [[find_step_array(row[u & np.isfinite(row)]) for row, u in zip(rows, used, strict=True)]
@@ -45,7 +54,9 @@ def find_rounding(angles: xr.Dataset, frames: xr.Dataset) -> NDArray[np.float64]
 
 
 def find_step_array(values: NDArray[np.float64]) -> float:
-    """Find the step to which values (n,) were rounded; 0 where no step shows.
+    """Find the step to which values were rounded.
+
+    The values are (n,); it is 0 where no step shows.
 
     >>> find_step_array(0.5 * np.arange(30) // 1)
     1.0

@@ -1,11 +1,13 @@
-"""How the noise's size differs: between trials and joints, and with the deflection.
+"""How the size of the noise differs.
+
+It differs between trials and joints, and with the deflection.
 
 The noise of joint j in trial t is that of the campaign times e^{b_tj/2} √(1 + c² x²), x being how
 far the joint is from where it began. Each quiet window's variance s² (ν degrees of freedom)
 measures it: log s² is all but normal about the truth, with variance 4/ν-like ψ'(ν/2), more where
 the noise has heavy tails. The b are normal, with a part that all joints of a trial share; windows
-may scatter by more than chance. Every component must win its place: its evidence is averaged over
-sizes, and it is left out where that gains less than `present_nats`.
+may scatter by more than chance. The evidence of every component is averaged over sizes; a component
+is left out where it gains less than `present_nats`.
 
 References
 ----------
@@ -33,7 +35,7 @@ UNKNOWN = 1e6  # variance of what no window measures
 
 
 class WindowVariances(NamedTuple):
-    """What quiet windows say of the noise.
+    """What quiet windows show of the noise.
 
     Attributes
     ----------
@@ -69,7 +71,7 @@ class Scales(NamedTuple):
     per_rad
         c [1/rad]; 0 where the noise does not grow.
     size, evidence
-        Component → size, and evidence [nats]; only those that are there.
+        Component → size, and evidence [nats]; only those that are present.
     """
 
     factor: Array
@@ -79,7 +81,9 @@ class Scales(NamedTuple):
 
 
 def fit_scales(windows: WindowVariances) -> Scales:
-    """Find the components that the windows show, their sizes, and each trial's and joint's factor.
+    """Find the components that the windows show.
+
+    Also their sizes, and each trial's and joint's factor.
 
     Examples
     --------
@@ -109,13 +113,19 @@ def _is_testable(windows: WindowVariances, name: str) -> bool:
 
 
 def _evaluate(windows: WindowVariances, size: Mapping[str, float]) -> float:
-    """Log evidence at given sizes, the windows' own scatter averaged out."""
+    """Log evidence at given sizes.
+
+    The windows' own scatter is averaged out.
+    """
     values = [_solve(windows, size, scatter)[0] for scatter in PRIORS.window_scatter]
     return float(np.logaddexp.reduce(values) - np.log(len(values)))
 
 
 def _locate(windows: WindowVariances, size: Mapping[str, float]) -> Array:
-    """Posterior mean of b (trial, joint), at the most probable scatter of the windows."""
+    """Posterior mean of b (trial, joint).
+
+    The scatter of the windows is the most probable one.
+    """
     solved = [_solve(windows, size, scatter) for scatter in PRIORS.window_scatter]
     return max(solved, key=lambda one: one[0])[1]
 
@@ -123,7 +133,9 @@ def _locate(windows: WindowVariances, size: Mapping[str, float]) -> Array:
 def _solve(
     windows: WindowVariances, size: Mapping[str, float], scatter: float
 ) -> tuple[float, Array]:
-    """Log evidence, each joint's level integrated, and the posterior mean of b (trial, joint).
+    """Log evidence, and posterior mean of b (trial, joint).
+
+    Each joint's level is integrated out.
 
     Where a level is expected, b has it.
     """

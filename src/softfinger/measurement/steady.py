@@ -1,7 +1,9 @@
-"""A load log whose plateaus are steady: what it reads beside that is its own error.
+"""A load log whose plateaus are steady.
 
-A log that scatters or drifts while the load rests has read its error out itself. Held against the
-motion, that is one model of the log beside the other: the load follows every reading.
+What it reads beside that is its own error.
+
+A log that scatters or drifts while the load rests shows its error by itself. The motion decides
+between this model of the log and the other, in which the load follows every reading.
 """
 
 import numpy as np
@@ -12,7 +14,7 @@ from softfinger.measurement.decisions import DECISIONS
 
 
 def steady_load_array(torque: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Replace what a log reads on each plateau (knot,) by its mean there.
+    """Replace each plateau's readings (knot,) by their mean.
 
     A plateau is a run of rows without a jump that stays within the share of the load's range that
     counts as a change.
@@ -31,7 +33,7 @@ def steady_load_array(torque: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def steady_log(angles: xr.Dataset) -> tuple[xr.Dataset, float]:
-    """Steady the log of every trial, and measure what it read besides.
+    """Steady every trial's log, and measure its error.
 
     Returns
     -------

@@ -1,4 +1,6 @@
-"""Recordings as the diagnosis sees them: binned, with the whitening of their noise.
+"""Recordings as the diagnosis uses them.
+
+They are binned, with the whitening of their noise.
 
 All arrays are padded to the longest trial, so that one compiled loop goes through a campaign.
 """
@@ -30,7 +32,7 @@ class Trials(NamedTuple):
     interval
         Median frame interval [s].
     node
-        (trial, bin, 2) [s], the two times whose mean stands for a bin; ends repeat the last.
+        (trial, bin, 2) [s], the two times whose mean represents a bin; ends repeat the last.
     bins
         (trial,) how many bins are real.
     angle
@@ -78,17 +80,17 @@ class Trials(NamedTuple):
 
     @property
     def rows(self) -> int:
-        """The number of binned angles of the campaign."""
+        """Number of binned angles of the campaign."""
         return int(self.size[self.protocol].sum())
 
     @property
     def joints(self) -> int:
-        """The number of joints."""
+        """Number of joints."""
         return self.present.shape[1]
 
 
 def prepare_trials(angles: xr.Dataset, measurement: xr.Dataset) -> Trials:
-    """Bin every usable trial of a campaign and whiten its noise.
+    """Bin every usable trial, and whiten its noise.
 
     Parameters
     ----------
@@ -162,7 +164,10 @@ def _whiten_trial(
 
 
 def _stack_whitening(kinds: list[Whitening]) -> tuple[NDArray, NDArray, NDArray]:
-    """Keep of each row of W only what matters: band[row, c] = W[row, first + c]."""
+    """Keep of each row of W only what matters.
+
+    band[row, c] = W[row, first + c].
+    """
     size = np.array([len(kind.matrix) for kind in kinds])
     width = max(int((np.arange(len(k.first)) - k.first).max()) + 1 for k in kinds)
     band = np.zeros((len(kinds), size.max(), width))
@@ -176,5 +181,5 @@ def _stack_whitening(kinds: list[Whitening]) -> tuple[NDArray, NDArray, NDArray]
 
 
 def _pad(parts: list[NDArray], length: int) -> NDArray:
-    """Stack arrays (n, …) of different length, the last row repeated."""
+    """Stack arrays (n, …), the last row repeated."""
     return np.stack([part[np.minimum(np.arange(length), len(part) - 1)] for part in parts])

@@ -1,4 +1,4 @@
-"""The residual that trials share, before and after a repair."""
+"""Residual that trials share, before and after repair."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ WINDOWS = 24
 
 
 def average_residual(repair: xr.Dataset) -> xr.Dataset:
-    """Average the residuals of all trials in windows of time.
+    """Average all trials' residuals in windows of time.
 
     Parameters
     ----------

@@ -1,4 +1,7 @@
-"""Whether the predictive bands contain the share of recorded frames that they claim."""
+"""Whether predictive bands contain the share they claim.
+
+The share is that of recorded frames.
+"""
 
 from __future__ import annotations
 
@@ -53,7 +56,10 @@ def count_trials(bands: xr.Dataset) -> xr.DataArray:
 
 
 def pool_coverage(bands: xr.Dataset, ci_prob: float, window: str) -> xr.DataArray:
-    """Pool the posterior's coverage (joint) over protocols by their trials."""
+    """Pool the posterior's coverage (joint) over protocols.
+
+    Each protocol counts by its trials.
+    """
     chosen = bands["coverage"].sel(estimate="posterior", window=window)
     chosen = chosen.sel(ci_prob=ci_prob, method="nearest")
     trials = count_trials(bands).astype(float)
@@ -61,7 +67,9 @@ def pool_coverage(bands: xr.Dataset, ci_prob: float, window: str) -> xr.DataArra
 
 
 def bound_error(claimed: float, trials: int) -> float:
-    """Bound the standard error that the coverage of n trials has if the claim is true.
+    """Bound the standard error of n trials' coverage.
+
+    The claim is taken as true.
 
     Frames of one trial lie inside together: the variance of a trial's share is largest, p (1 − p),
     where trials lie inside as a whole or not at all.

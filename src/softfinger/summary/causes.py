@@ -1,4 +1,7 @@
-"""Which parameter causes the spread of the motion, and which go together."""
+"""Which parameter causes the spread of the motion.
+
+Also which parameters are correlated.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,7 @@ CHANCE = 0.1
 
 
 def find_causes(sobol: xr.Dataset) -> xr.Dataset:
-    """Find what causes most of the spread where it is widest.
+    """Find what causes most of the widest spread.
 
     Parameters
     ----------
@@ -40,7 +43,7 @@ def find_causes(sobol: xr.Dataset) -> xr.Dataset:
 
 
 def find_pairs(shapley: xr.Dataset) -> xr.Dataset:
-    """Find the parameters that go together from trial to trial.
+    """Find the parameters that are correlated over trials.
 
     Parameters
     ----------

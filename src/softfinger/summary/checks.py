@@ -1,4 +1,7 @@
-"""The checks that decide what the report may claim, each against a stated limit."""
+"""The checks that decide what the report may claim.
+
+Each has a stated limit.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,7 @@ PASSED, FAILED, NOT_MADE = 1, 0, -1
 
 
 class Result(NamedTuple):
-    """One check; a bound that does not count is infinite."""
+    """One check; an infinite bound does not count."""
 
     name: str
     value: float = np.nan
@@ -33,7 +36,9 @@ class Result(NamedTuple):
 
 
 def gather_checks(results: list[Result]) -> xr.Dataset:
-    """Gather checks: value, lower, upper, passed, joint, trials, remark, powered (check).
+    """Gather checks in one Dataset of dimension (check).
+
+    value, lower, upper, passed, joint, trials, remark, powered.
 
     `passed` is 1, 0, or −1 where the check could not be made, and `remark` why not; `powered` is
     whether it could have failed on either side; `joint` is the
@@ -53,7 +58,10 @@ def write_judgement(*, passed: bool) -> int:
 
 
 def check_computation(sampling: xr.Dataset | None) -> Iterator[Result]:
-    """Check that the draws represent the posterior, against the limits of the fit."""
+    """Check that the draws represent the posterior.
+
+    The limits are those of the fit.
+    """
     if sampling is None:
         names = ("r_hat", "ess_bulk", "ess_tail", "divergences")
         yield from (Result(name, remark=NOT_RUN) for name in names)
@@ -69,7 +77,9 @@ def check_computation(sampling: xr.Dataset | None) -> Iterator[Result]:
 
 
 def check_pareto(posterior: xr.DataTree | None, limit: float) -> Result:
-    """Check that leaving one trial out could be estimated, where the fit kept what that needs.
+    """Check whether leaving one trial out was possible.
+
+    It is made where the fit kept what that needs.
 
     A trial without which the fit was sampled anew needs no weights: its k counts as 0.
     """
@@ -89,7 +99,10 @@ def check_pareto(posterior: xr.DataTree | None, limit: float) -> Result:
 
 
 def check_fit(residuals: xr.Dataset | None, shared_max: float) -> Iterator[Result]:
-    """Check that what the model leaves is noise, and not shared by the trials."""
+    """Check that what the model leaves is noise.
+
+    The trials must not share it.
+    """
     names = ("shared_residual", "shared_residual_early", "ring")
     if residuals is None:
         yield from (Result(name, remark=NOT_RUN) for name in names)
@@ -109,7 +122,9 @@ def check_fit(residuals: xr.Dataset | None, shared_max: float) -> Iterator[Resul
 
 
 def find_chance_limit(residuals: xr.Dataset) -> float:
-    """Return what the shared residual exceeds by chance in at most 5 % of all campaigns.
+    """Find what the shared residual exceeds by chance.
+
+    It does so in at most 5 % of all campaigns.
 
     A ratio of one mean to its standard error follows Student's t; more moments only steady it. The
     5 % are shared among joints and changes of load. Infinite for a single trial.
@@ -120,7 +135,9 @@ def find_chance_limit(residuals: xr.Dataset) -> float:
 
 
 def measure_detectable(residuals: xr.Dataset, shared_max: float) -> float:
-    """Return the shared motion [rad] that would fail the check, at the noisiest joint.
+    """Measure the shared motion [rad] that fails the check.
+
+    It is that of the noisiest joint.
 
     NaN for a single trial.
     """
@@ -131,7 +148,9 @@ def measure_detectable(residuals: xr.Dataset, shared_max: float) -> float:
 
 
 def measure_shared_residual(residuals: xr.Dataset) -> float:
-    """Return the rms of the mean residual over its standard error's, the worst joint and change.
+    """Measure the mean residual over its standard error.
+
+    It is the rms, at the worst joint and change.
 
     Near 1 where the trials share nothing, whatever the noise's autocorrelation; NaN for a single
     trial, which has no mean.
@@ -145,7 +164,9 @@ def measure_shared_residual(residuals: xr.Dataset) -> float:
 def check_calibration(
     calibration: xr.Dataset | None, trials: int, tolerance: float
 ) -> Iterator[Result]:
-    """Check that the predictive bands contain as many recorded frames as they claim.
+    """Check that predictive bands contain what they claim.
+
+    They claim a share of the recorded frames.
 
     Two standard errors of so few trials are excused, whatever the tolerance.
     """

@@ -1,4 +1,4 @@
-"""The limits that the report holds its checks against."""
+"""The limits of the report's checks."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any
@@ -12,7 +12,7 @@ Positive = Annotated[float, Field(gt=0)]
 
 
 class ReportConfig(Settings):
-    """The report's own limits; what exceeds one turns a verdict red.
+    """The report's limits; beyond one a verdict is red.
 
     Those of the sampling come with the artifact `sampling`.
     """

@@ -1,4 +1,4 @@
-"""What the diagnosis found, as its figures and sentences show it."""
+"""What the diagnosis found, for figures and sentences."""
 
 from __future__ import annotations
 
@@ -20,7 +20,9 @@ CHANGE_QUANTILES = (0.05, 0.5, 0.95)
 
 
 def summarise_misfit(repair: xr.Dataset) -> xr.Dataset:
-    """Choose the trial to show, and average all squared residuals over their noise.
+    """Choose the trial to show, and average squared residuals.
+
+    All squared residuals are over their noise.
 
     Parameters
     ----------
@@ -49,7 +51,9 @@ def summarise_misfit(repair: xr.Dataset) -> xr.Dataset:
 
 
 def summarise_evidence(ranking: xr.Dataset, sentences: Mapping[str, str]) -> xr.Dataset:
-    """Decide which effects are drawn as needed, and what chance alone gains.
+    """Decide which effects are drawn as needed.
+
+    Also what chance alone gains.
 
     Parameters
     ----------
@@ -86,7 +90,9 @@ def _each_effect(ranking: xr.Dataset) -> list[str]:
 def summarise_location(
     angles: xr.Dataset, verdict: Mapping[str, Any], location: xr.Dataset | None
 ) -> xr.Dataset:
-    """Decide in which joints, and whether as a spectral line, the misfit shows.
+    """Decide in which joints the misfit shows.
+
+    Also whether it shows as a spectral line.
 
     Returns
     -------
@@ -102,7 +108,9 @@ def summarise_location(
 
 
 def summarise_measurement(measurement: xr.Dataset) -> xr.Dataset:
-    """Sum up what each trial suffers from, and how its noise grows.
+    """Sum up what each trial suffers from.
+
+    Also how its noise grows.
 
     Parameters
     ----------
@@ -131,7 +139,9 @@ def summarise_measurement(measurement: xr.Dataset) -> xr.Dataset:
 
 
 def summarise_assumptions(assumptions: xr.Dataset) -> xr.Dataset:
-    """Take median and 90 % of the simulated fingers' changes of their fitted parameters.
+    """Sum up the simulated fingers' changes of parameters.
+
+    Median and 90 % of the changes of their fitted parameters.
 
     Returns
     -------

@@ -1,4 +1,7 @@
-"""Everything that figures and report show, from the artifacts that are there."""
+"""Everything that figures and report show.
+
+It comes from the artifacts that are there.
+"""
 
 from __future__ import annotations
 
@@ -28,14 +31,14 @@ def judge_run(
     move: Move = move_paper_joint,
     move_prior: Move = move_paper_joint,
 ) -> xr.DataTree:
-    """Check the computation, the fit and the calibration: the artifact `checks`.
+    """Check computation, fit and calibration: the artifact `checks`.
 
     Parameters
     ----------
     artifacts
         By name; `angles` is needed.
     limits
-        What the checks are held against.
+        Limits of the checks.
     rng
         Draws new trials from the priors.
     move, move_prior
@@ -152,7 +155,10 @@ def _summarise_fit(artifacts: Artifacts, limits: ReportConfig) -> dict[str, xr.D
 
 
 def is_like_the_paper(angles: xr.Dataset) -> bool:
-    """Three joints under a torque: parameters have the paper's number and units."""
+    """Whether the finger has the paper's parameters.
+
+    Three joints under a torque give the paper's number and units.
+    """
     kinds = set(angles["load_kind"].values.astype(str).tolist())
     return kinds <= {"tension_n", "torque_nm"} and angles.sizes["joint"] == 3
 

@@ -1,4 +1,7 @@
-"""What the fit took for granted: independent parameters, one population, its priors."""
+"""What the fit took for granted.
+
+Independent parameters, one population, its priors.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,9 @@ FINE = "–"
 
 
 def list_doubtful_pairs(found: xr.Dataset) -> xr.Dataset:
-    """List the pairs of a trial's parameters, the most doubtful first.
+    """List the pairs of parameters, most doubtful first.
+
+    A pair is of one trial's parameters.
 
     Parameters
     ----------

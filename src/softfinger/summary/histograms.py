@@ -1,4 +1,4 @@
-"""Bars of the trials' estimates and curves of the fitted densities."""
+"""Bars of estimates and curves of fitted densities."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ CURVE_QUANTILES = (0.05, 0.5, 0.95)
 
 
 def compute_histograms(least_squares: xr.Dataset, population: xr.Dataset | None) -> xr.Dataset:
-    """Compute histograms and densities of every parameter at every joint.
+    """Compute every parameter's histogram and densities, by joint.
 
     Densities are per unit of the natural logarithm, of q_ini per rad.
 
@@ -93,7 +93,9 @@ def _pad(values: NDArray, length: int) -> NDArray[np.float64]:
 def choose_grid(
     values: NDArray[np.float64], normals: list[tuple[float, float]]
 ) -> NDArray[np.float64]:
-    """Choose the stretch to draw: 3.2 sd of each normal, and the middle 98 % of the trials.
+    """Choose the stretch to draw.
+
+    3.2 sd of each normal, and the middle 98 % of the trials.
 
     >>> choose_grid(np.array([]), [(1.0, 0.5)])[[0, -1]].round(2)
     array([-0.6,  2.6])
@@ -106,7 +108,10 @@ def choose_grid(
 
 
 def choose_edges(values: NDArray[np.float64], grid: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Choose edges of bars over the whole stretch, as wide as suits the kept trials."""
+    """Choose edges of bars over the whole stretch.
+
+    They are as wide as suits the kept trials.
+    """
     bars = np.clip(1.5 * np.sqrt(values.size), 6, 24)
     span = grid[-1] - grid[0]
     width = np.ptp(values) / bars if values.size > 1 else span / bars

@@ -1,4 +1,7 @@
-"""The motion of trials by the fitted model, with or without effects."""
+"""Motion of trials by the fitted model.
+
+With or without effects.
+"""
 
 from __future__ import annotations
 

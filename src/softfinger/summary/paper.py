@@ -1,4 +1,6 @@
-"""The paper's table: fitted log-normal distributions of the parameters of its finger.
+"""The paper's table of fitted log-normal distributions.
+
+They are of the parameters of its finger.
 
 Honji, Arita, Tahara, "Stochastic Approach for Modeling the Soft Finger with the Creep Behavior".
 μ and σ of ln k_v [N m/rad], ln c_v and ln c_p [N m s/rad]; its numbers for q_ini are not printed.

@@ -16,7 +16,9 @@ UNSURE = 0.5
 
 
 def stack_population(posterior: xr.Dataset) -> xr.Dataset:
-    """Gather draws of the population: mu, sigma (sample, joint, parameter).
+    """Gather draws of the population.
+
+    mu, sigma (sample, joint, parameter).
 
     Of the logarithm for k_v, c_v and c_p, natural for q_ini [rad].
     """
@@ -32,7 +34,9 @@ def stack_population(posterior: xr.Dataset) -> xr.Dataset:
 
 
 def list_quantiles(ci_prob: float) -> list[float]:
-    """List the quantiles of an equal-tailed interval, its middle half and its median.
+    """List the quantiles of an interval.
+
+    It is equal-tailed; its middle half and its median are included.
 
     >>> list_quantiles(0.9)
     [0.05, 0.25, 0.5, 0.75, 0.95]
@@ -86,14 +90,20 @@ def summarise_population(
 
 
 def take_natural(value: xr.DataArray) -> xr.DataArray:
-    """Take values from the log scale to their own; q_ini has none but its own."""
+    """Take values from log scale to their own.
+
+    q_ini has only its own.
+    """
     return xr.where(value["parameter"] == "q_ini", value, np.exp(value))
 
 
 def gather_rivals(
     least_squares: xr.Dataset | None, *, like_the_paper: bool
 ) -> dict[str, xr.DataArray]:
-    """Gather what else is known of the population (statistic, joint, parameter)."""
+    """Gather other estimates of the population.
+
+    They are (statistic, joint, parameter).
+    """
     rivals = {}
     if least_squares is not None:
         parts = [least_squares["population_mean"], least_squares["population_sd"]]
@@ -105,7 +115,7 @@ def gather_rivals(
 
 
 def summarise_effects(posterior: xr.Dataset, ci_prob: float) -> xr.Dataset:
-    """Summarise the parameters of the fitted effects, on their own scale.
+    """Summarise the effects' parameters on their own scale.
 
     Returns
     -------
@@ -123,14 +133,14 @@ def summarise_effects(posterior: xr.Dataset, ci_prob: float) -> xr.Dataset:
 
 
 def summarise_correlations(posterior: xr.Dataset, ci_prob: float) -> xr.Dataset:
-    """Summarise the fitted correlations of a trial's parameters, the surest first.
+    """Summarise a trial's fitted correlations, the surest first.
 
     Returns
     -------
     Dataset
         one, other (pair): labels; correlation (pair, quantile): low, median, high; clear (pair),
         whether the interval excludes 0; by_chance (), how many would be clear by chance. Pairs
-        that are held at one value are left out.
+        that are fixed at one value are left out.
     """
     drawn = posterior["parameter_correlation"].stack(sample=("chain", "draw"))
     tails = [round((1 - ci_prob) / 2, 12), 0.5, round((1 + ci_prob) / 2, 12)]

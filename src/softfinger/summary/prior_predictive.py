@@ -20,7 +20,9 @@ LARGEST_LOG = 300.0
 def compute_prior_predictive(
     prior: xr.Dataset, angles: xr.Dataset, rng: np.random.Generator, move: Move = move_paper_joint
 ) -> xr.Dataset:
-    """Compute the joint angle that the priors alone expect of a new trial, beside the recordings.
+    """Compute the joint angle that the priors expect.
+
+    It is that of a new trial, beside the recordings.
 
     Each draw of the population's prior gives one trial. The load is that of the trial of median
     largest load, and the recordings are those of trials with the same largest load.
@@ -67,7 +69,10 @@ def compute_prior_predictive(
 
 
 def span_recordings(angles: xr.Dataset, time: NDArray) -> tuple[NDArray, NDArray]:
-    """Return the lowest and highest recorded angle (joint, time), flagged frames left out."""
+    """Span the recorded angles (joint, time).
+
+    Returns the lowest and the highest; flagged frames are left out.
+    """
     seen = angles["joint_angle"].where(angles["angle_flag"] == 0)
     rows = np.full((seen.sizes["trial"], seen.sizes["joint"], time.size), np.nan)
     for trial, own in enumerate(angles["time"].values):

@@ -1,4 +1,4 @@
-"""How much was recorded, how finely, and how well it was tracked."""
+"""Number, resolution and tracking quality of recordings."""
 
 from __future__ import annotations
 
@@ -54,13 +54,19 @@ def summarise_recordings(angles: xr.Dataset) -> xr.Dataset:
 
 
 def find_largest_load(angles: xr.Dataset) -> NDArray[np.float64]:
-    """Find each trial's load (trial,) of the largest size, with its sign."""
+    """Find each trial's largest load (trial,).
+
+    It is of the largest size, and keeps its sign.
+    """
     load = angles["load_torque"].transpose("trial", "knot").values
     return np.take_along_axis(load, np.abs(load).argmax(axis=1)[:, None], axis=1)[:, 0]
 
 
 def has_one_load(angles: xr.Dataset) -> bool:
-    """Whether every trial is one step to a load that then stays."""
+    """Whether every trial has one step of load.
+
+    The load then stays.
+    """
     knots = zip(angles["load_time"].values, angles["load_torque"].values, strict=True)
     return all(
         len(list_load_jumps(time, load)) == 1
@@ -70,7 +76,7 @@ def has_one_load(angles: xr.Dataset) -> bool:
 
 
 def summarise_tracking(quality: xr.Dataset) -> xr.Dataset:
-    """Take each trial's worst marker from the artifact `tracking_quality`."""
+    """Take each trial's worst marker from `tracking_quality`."""
     return xr.Dataset(
         {
             "share_seen": quality["share_seen"].min("marker"),
@@ -83,7 +89,7 @@ def summarise_tracking(quality: xr.Dataset) -> xr.Dataset:
 
 
 def choose_frame(markers: xr.Dataset, picture: xr.Dataset | None) -> xr.Dataset:
-    """Choose the frame that the figure of the tracking shows.
+    """Choose the frame that the tracking figure shows.
 
     Returns
     -------

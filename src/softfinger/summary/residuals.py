@@ -1,4 +1,4 @@
-"""What the fitted model leaves, seen from each change of load."""
+"""What the fit leaves after changes of load."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ RING_CHANCE = 1e-4
 def summarise_residuals(
     angles: xr.Dataset, posterior: xr.Dataset, fitted: xr.DataArray
 ) -> xr.Dataset:
-    """Summarise what the fit leaves, beside the noise that it claims.
+    """Summarise what the fit leaves, beside claimed noise.
 
     Parameters
     ----------
@@ -56,12 +56,14 @@ def summarise_residuals(
 
 
 def select_good(angles: xr.Dataset) -> xr.DataArray:
-    """Select the angles (trial, joint, frame) that carry no flag."""
+    """Select the unflagged angles (trial, joint, frame)."""
     return angles["angle_flag"].transpose("trial", "joint", "frame") == 0
 
 
 def compute_residuals(angles: xr.Dataset, residual: xr.DataArray) -> xr.Dataset:
-    """Compute mean and spectrum of residuals since the last change of load.
+    """Compute mean and spectrum of residuals.
+
+    The time counts from the last change of load.
 
     Parameters
     ----------
@@ -96,7 +98,10 @@ def compute_residuals(angles: xr.Dataset, residual: xr.DataArray) -> xr.Dataset:
 
 
 def find_segments(angles: xr.Dataset) -> list[tuple[str, int, float, float]]:
-    """Find the stretches between changes of load: (change, trial index, start, end [s])."""
+    """Find the stretches between changes of load.
+
+    (change, trial index, start, end [s]).
+    """
     jumps = [list_load_jumps(*knots) for knots in _each_load(angles)]
     if not any(jumps):
         jumps = [[(float(time[0]), 1.0)] for time, _ in _each_load(angles)]
@@ -113,7 +118,9 @@ def _each_load(angles: xr.Dataset) -> zip[tuple[NDArray, NDArray]]:
 
 
 def list_load_jumps(load_time: NDArray, load_torque: NDArray) -> list[tuple[float, float]]:
-    """Find the jumps (time, size) of a load (knot,), the one from rest at the first knot too.
+    """Find the jumps (time, size) of a load.
+
+    The load is (knot,); the jump from rest at the first knot counts too.
 
     >>> list_load_jumps(np.array([1.0, 3.0, 3.0, 4.0]), np.array([0.2, 0.2, 0.0, 0.0]))
     [(1.0, 0.2), (3.0, -0.2)]
@@ -133,7 +140,10 @@ def bin_segment(
     start: float,
     end: float,
 ) -> NDArray[np.float64]:
-    """Average one stretch of a trial into bins of `interval` seconds: (joint, bin) [rad]."""
+    """Average one stretch into bins: (joint, bin) [rad].
+
+    A bin has `interval` seconds.
+    """
     time = angles["time"].values[trial]
     inside = (time >= start) & (time < end)
     # frames at whole multiples must not fall either way by rounding
@@ -152,7 +162,10 @@ def bin_segment(
 def summarise_segments(
     segments: list[NDArray], length: int, window: int, interval: float
 ) -> xr.Dataset:
-    """Summarise stretches (joint, bin) after one kind of change: mean, error, spectrum, ring."""
+    """Summarise stretches (joint, bin) after one change.
+
+    Mean, error, spectrum and ring, of one kind of change.
+    """
     padded = np.full((len(segments), segments[0].shape[0], length), np.nan)
     for row, segment in zip(padded, segments, strict=True):
         row[:, : segment.shape[1]] = segment
@@ -178,7 +191,9 @@ def summarise_segments(
 def compute_spectrum(
     segments: list[NDArray], length: int, interval: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Compute the mean power spectral density of stretches, and that of their mean.
+    """Compute the stretches' power spectral density.
+
+    The mean of all, and that of their mean.
 
     Stretches are cut to `length` bins, shorter ones ended with zeros, gaps bridged by straight
     lines, each freed of its straight trend and tapered (Hann).
@@ -201,7 +216,9 @@ def compute_spectrum(
 
 
 def find_ring(frequency: NDArray, power: NDArray, shared: NDArray, n_segments: int) -> float:
-    """Return the frequency [Hz] of the strongest narrow peak that the trials share, else NaN.
+    """Find the strongest ring [Hz] that trials share.
+
+    It is a narrow peak; NaN where there is none.
 
     For n normal trials that share no phase, shared / power exceeds R with probability
     (1 − R)^(n − 1); that is multiplied by the number of frequencies looked at. One trial shares

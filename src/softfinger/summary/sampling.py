@@ -7,7 +7,9 @@ import xarray as xr
 
 
 def pick_worst_quantity(sampling: xr.Dataset, posterior: xr.Dataset) -> xr.Dataset:
-    """Pick the quantity of the largest R-hat, and standardise its draws.
+    """Pick the quantity of largest R-hat.
+
+    Its draws are standardised.
 
     Parameters
     ----------
@@ -36,7 +38,9 @@ def pick_worst_quantity(sampling: xr.Dataset, posterior: xr.Dataset) -> xr.Datas
 
 
 def select_quantity(posterior: xr.Dataset, quantity: str) -> xr.DataArray:
-    """Return the draws (chain, draw) of one quantity, named as the artifact `sampling` does.
+    """Select the draws (chain, draw) of one quantity.
+
+    Its name is that in the artifact `sampling`.
 
     >>> draws = xr.DataArray(np.zeros((2, 5, 3)), {"joint": [1, 2, 3]}, ("chain", "draw", "joint"))
     >>> select_quantity(draws.to_dataset(name="mu_q_ini"), "mu_q_ini[2]").sizes["draw"]
