@@ -166,7 +166,7 @@ class Line:
             return None
 
     def worth(self, there: Array) -> float:
-        """How far a point is, in nats of this trial's own misfit."""
+        """Distance of a point, in nats of its misfit."""
         step = there - self.point
         return 0.5 * step @ self.gram @ step
 

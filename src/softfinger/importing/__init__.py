@@ -1,4 +1,7 @@
-"""Recordings of others, read into a campaign folder, with all that was guessed and dropped."""
+"""Recordings of others, read into a campaign folder.
+
+All that was guessed or dropped is listed.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,10 @@ __all__ = [
 
 
 class Found(NamedTuple):
-    """What an import found: how all was read, the trials, and what was guessed and dropped."""
+    """What an import found.
+
+    How all was read, the trials, and what was guessed and dropped.
+    """
 
     description: ImportDescription
     trials: list[ImportedTrial]

@@ -1,4 +1,7 @@
-"""Trials in the campaign's form, out of runs and a description that leaves nothing open."""
+"""Trials in the campaign's form.
+
+They are made of runs and a description that leaves nothing open.
+"""
 
 from __future__ import annotations
 
@@ -85,7 +88,10 @@ def build_trial(run: Run, description: ImportDescription) -> ImportedTrial:
 
 
 def _find_last(motion: np.ndarray) -> int:
-    """Last row (of motion (row, column)) with any number; −1 where there is none."""
+    """Last row of a motion with any number.
+
+    The motion is (row, column); −1 where there is none.
+    """
     moved = np.flatnonzero(np.isfinite(motion).any(axis=1))
     return int(moved[-1]) if moved.size else -1
 
@@ -93,7 +99,11 @@ def _find_last(motion: np.ndarray) -> int:
 def read_motion(
     run: Run, description: ImportDescription
 ) -> tuple[RawTable, np.ndarray, tuple[str, ...]]:
-    """Table, values (row, column) and names of points of the motion, with its sign and start."""
+    """Read the motion of a run.
+
+    The function returns the table, values (row, column), with their sign and start, and names of
+    points.
+    """
     asked = description.motion
     if asked.points is not None:
         table, motion, names = _read_points(run, asked.points)
@@ -136,7 +146,10 @@ def _read_points(run: Run, asked: Points) -> tuple[RawTable, np.ndarray, tuple[s
 
 
 def read_point(table: RawTable, point: Point, asked: Points) -> np.ndarray:
-    """Places (row, 2) of a point; NaN where it was lost."""
+    """Places (row, 2) of a point.
+
+    They are NaN where the point was lost.
+    """
     place = np.column_stack([table.read(point.x), table.read(point.y)])
     lost = ~np.isfinite(place).all(axis=1)
     if asked.lost == "zero":
@@ -148,18 +161,27 @@ def read_point(table: RawTable, point: Point, asked: Points) -> np.ndarray:
 
 
 def _bend(place: np.ndarray) -> np.ndarray:
-    """Bending [rad]: direction of the last segment against the first, counter-clockwise."""
+    """Bending [rad] of a chain of points.
+
+    It is the direction of the last segment against the first, counter-clockwise.
+    """
     return _unwrap(_direction(place[:, -2], place[:, -1]) - _direction(place[:, 0], place[:, 1]))
 
 
 def _turn(place: np.ndarray) -> np.ndarray:
-    """Direction [rad] of the line between two points, from its first one on."""
+    """Direction [rad] of the line between points.
+
+    It points from the first one on.
+    """
     angle = _unwrap(_direction(place[:, 0], place[:, -1]))
     return angle - angle[np.isfinite(angle).argmax()]
 
 
 def _move(place: np.ndarray) -> np.ndarray:
-    """Displacement of the last point along the direction in which it moves most."""
+    """Displacement of the last point.
+
+    It is taken along the direction in which the point moves most.
+    """
     path = place[:, -1]
     seen = np.isfinite(path).all(axis=1)
     first = path[seen][0]
@@ -183,7 +205,10 @@ def _unwrap(angle: np.ndarray) -> np.ndarray:
 def _read_clock(
     run: Run, table: RawTable, description: ImportDescription
 ) -> tuple[np.ndarray, dt.datetime | None, int]:
-    """Times (row,) [s] of a table, the moment of time 0, and rows without a time."""
+    """Read the clock of a run's table.
+
+    The function returns times (row,) [s], the moment of time 0, and rows without a time.
+    """
     asked = description.clock
     rate = asked.frames_per_second or (1.0 / asked.interval_s if asked.interval_s else None)
     column = None
@@ -222,7 +247,10 @@ def _check_times(run: Run, table: RawTable, time: np.ndarray) -> None:
 def _read_load(
     run: Run, description: ImportDescription, origin: float, first: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Rows of the load log: times [s] and values; none where no load is known."""
+    """Read the rows of the load log.
+
+    Times [s] and values; none where no load is known.
+    """
     asked, sign = description.load, description.load.sign or 1
     if asked.none:
         return np.zeros(0), np.zeros(0)
@@ -246,7 +274,7 @@ def _read_load(
 
 
 def read_stated(run: Run, key: str, unit: str = "") -> float:
-    """Number that is stated above a trial's table, in a unit.
+    """Number stated above a trial's table, in a unit.
 
     Raises
     ------

@@ -1,4 +1,7 @@
-"""Cells of a table: what is a number, a moment, a gap or a word, and numbers out of them."""
+"""Cells of a table, and numbers out of them.
+
+A cell is a number, a moment, a gap or a word.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +31,9 @@ THOUSANDS = re.compile(r"[+-]?\d{1,3}([.,]\d{3})+")
 
 
 def classify(cell: Any) -> str:  # noqa: ANN401 (a cell of a workbook is anything)
-    """Kind of a cell: ``n`` number or moment, ``t`` text, empty for a gap.
+    """Kind of a cell.
+
+    It is ``n`` for a number or moment, ``t`` for text, and empty for a gap.
 
     >>> [classify(cell) for cell in ("1,5", "12 mm", "2026-03-01 10:00", "-", "Time [s]", 3.0)]
     ['n', 'n', 'n', '', 't', 'n']
@@ -46,7 +51,9 @@ def classify(cell: Any) -> str:  # noqa: ANN401 (a cell of a workbook is anythin
 
 
 def find_decimal(cells: Collection[str]) -> str:
-    """Decimal mark of numbers that are text: a comma or a point.
+    """Decimal mark of numbers that are text.
+
+    It is a comma or a point.
 
     Where both occur in a number the last one counts; groups of three digits alone are thousands
     beside numbers that have a point.
@@ -132,7 +139,9 @@ def _read_with_unit(text: str, unit: str, decimal: str) -> float:
 
 
 def find_cell_unit(cells: pd.Series) -> str:
-    """Unit that the numbers of a column bear themselves, the first one; empty if none does.
+    """Unit that a column's numbers bear themselves.
+
+    It is the first one that occurs; empty if none does.
 
     >>> find_cell_unit(pd.Series(["12 mm", "1.3 cm"]))
     'mm'

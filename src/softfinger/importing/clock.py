@@ -1,4 +1,7 @@
-"""Times of rows in seconds, from numbers, dates, clock readings and stamps of any epoch."""
+"""Times of rows in seconds.
+
+They come from numbers, dates, clock readings and stamps of any epoch.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,10 @@ EPOCH_UNITS = ((1e17, "ns"), (1e14, "us"), (1e11, "ms"), (9e8, "s"))  # since 19
 
 
 class Times(NamedTuple):
-    """Times (row,) [s], NaN in a gap; the moment of time 0, where it is known; how it was read."""
+    """Times (row,) [s], and how they were read.
+
+    A gap is NaN. The moment of time 0 is kept where it is known.
+    """
 
     seconds: np.ndarray
     zero: dt.datetime | None
@@ -94,7 +100,10 @@ def _is_moment(cell: object) -> bool:
 
 
 def _read_moments(table: RawTable, column: str) -> Times:
-    """Dates and clock readings; these go on past midnight."""
+    """Read dates and clock readings.
+
+    Clock readings go on past midnight.
+    """
     cells = table.cells[column]
     seconds, dated = np.full(len(cells), np.nan), False
     for row, cell in enumerate(cells):
@@ -116,7 +125,7 @@ def _read_moments(table: RawTable, column: str) -> Times:
 
 
 def _to_seconds(cell: object) -> tuple[float, bool] | None:
-    """Seconds of a moment, and whether it has a date."""
+    """Seconds of a moment, and whether dated."""
     if isinstance(cell, str):
         text = cell.strip().replace(",", ".")
         if ":" in text and not any(mark in text.split(":")[0] for mark in "-/."):
@@ -145,7 +154,10 @@ def _to_seconds(cell: object) -> tuple[float, bool] | None:
 
 @lru_cache(maxsize=1024)
 def list_clocks(table: RawTable) -> tuple[tuple[str, str], ...]:
-    """Columns that may be the clock, the best first, each with its kind: ``time`` or ``frame``."""
+    """Columns that may be the clock, best first.
+
+    Each has its kind: ``time`` or ``frame``.
+    """
     found = []
     for place, column in enumerate(table.columns):
         scores = {kind: score_words(column, words) for kind, words in CLOCK.items()}
@@ -186,7 +198,7 @@ def _is_time_unit(unit: str) -> bool:
 
 
 def _is_running(values: np.ndarray) -> bool:
-    """Whether values mostly rise, and do not stand still."""
+    """Whether values mostly rise, and are not constant."""
     seen = values[np.isfinite(values)]
     if seen.size < 2 or seen.size < 0.5 * values.size or np.ptp(seen) == 0:
         return False

@@ -1,6 +1,7 @@
-"""What ``import.yaml`` may say: which column is what, which rows are one trial, units, clock, sign.
+"""What ``import.yaml`` may contain.
 
-Every key may be left out; it is then guessed, and the guess is listed.
+It states which column is what, which rows are one trial, units, clock and sign. Every key may be
+left out; it is then guessed, and the guess is listed.
 """
 
 from __future__ import annotations
@@ -49,7 +50,9 @@ class Tables(DeclaredSection):
 
 
 class TrialRows(DeclaredSection):
-    """Which rows are one trial; `column` where a column names it.
+    """Which rows are one trial.
+
+    `column` names the column that names the trial, where there is one.
 
     Attributes
     ----------
@@ -68,7 +71,9 @@ class TrialRows(DeclaredSection):
 
 
 class Clock(DeclaredSection):
-    """The time of each row: a column with its unit, or a rate.
+    """The time of each row.
+
+    It is a column with its unit, or a rate.
 
     `start`: times as recorded, or counted from the first row of each trial.
     """
@@ -100,7 +105,10 @@ class Points(DeclaredSection):
 
 
 class MotionColumns(DeclaredSection):
-    """The motion: one column (one per joint, if it is an angle), or points."""
+    """The motion: one column, or points.
+
+    An angle may have one column per joint.
+    """
 
     columns: tuple[str, ...] | None = None
     points: Points | None = None
@@ -111,7 +119,9 @@ class MotionColumns(DeclaredSection):
 
 
 class LoadColumns(DeclaredSection):
-    """The load: a column, a key stated above the table, a number, or none that is known.
+    """The load of a trial.
+
+    It is a column, a key stated above the table, a number, or none that is known.
 
     A load that is stated or a number acts from `from_s` on.
     """
@@ -134,7 +144,10 @@ class LoadColumns(DeclaredSection):
 
 
 class Covariate(DeclaredSection):
-    """A number that is noted of each trial: a key stated above the table, or a column's mean."""
+    """A number that is noted of each trial.
+
+    It is a key stated above the table, or a column's mean.
+    """
 
     name: str = Field(pattern=r"^\w+$")
     stated: str | None = None
@@ -157,7 +170,9 @@ class ImportDescription(DeclaredSection):
 
 
 def read_import_description(path: Path | None, settings: Sequence[str] = ()) -> ImportDescription:
-    """Read an import description, with single keys put over it.
+    """Read an import description.
+
+    Single keys are put over it.
 
     Parameters
     ----------
@@ -215,7 +230,10 @@ def _describe(fault: Mapping[str, Any]) -> str:
 
 
 def format_description(description: ImportDescription, guessed: Sequence[str] = ()) -> str:
-    """Write a description as YAML, what was guessed as comments above it."""
+    """Write a description as YAML.
+
+    What was guessed is written as comments above it.
+    """
     content = description.model_dump(mode="json", exclude_none=True, exclude_defaults=False)
     stream = io.StringIO()
     writer = YAML()

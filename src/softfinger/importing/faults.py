@@ -1,4 +1,7 @@
-"""Errors of an import: which file, sheet, row and column, and what to type instead."""
+"""Errors of an import.
+
+They give file, sheet, row and column, and what to type instead.
+"""
 
 from softfinger.faults import Fault, ListedFault
 

@@ -1,4 +1,7 @@
-"""What a description leaves open is guessed from the tables, and each guess is listed."""
+"""Guesses of what a description leaves open.
+
+They are made from the tables, and each is listed.
+"""
 
 from __future__ import annotations
 
@@ -21,13 +24,16 @@ from softfinger.importing.trials import Run, split_trials
 
 @dataclass
 class Guesses:
-    """A description as it fills up, and a sentence on each key that was guessed."""
+    """A description as it fills up.
+
+    It keeps a sentence on each key that was guessed.
+    """
 
     content: dict[str, Any]
     said: list[str] = field(default_factory=list)
 
     def get(self, key: str) -> Any:  # noqa: ANN401
-        """Value of a dotted key; None where it is open."""
+        """Value of a dotted key; None where open."""
         node: Any = self.content
         for part in key.split("."):
             node = node.get(part) if isinstance(node, dict) else None
@@ -136,7 +142,10 @@ def _first_with(run: Run, column: str) -> tuple[RawTable, str]:
 
 
 def _guess_start(runs: Sequence[Run], guesses: Guesses) -> None:
-    """Count times from the first row where a clock began long before the trial."""
+    """Count times from the first row, if needed.
+
+    This is so where a clock began long before the trial.
+    """
     late, column = 0, guesses.get("clock.column")
     for run in runs:
         for table in run.tables.values():

@@ -1,4 +1,7 @@
-"""Which column or stated number is the load, and what is noted of each trial."""
+"""Guesses of the load and of covariates.
+
+They decide which column or stated number is the load, and what is noted of each trial.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,10 @@ if TYPE_CHECKING:
 
 
 def guess_load(runs: Sequence[Run], guesses: Guesses) -> None:
-    """Guess the load: a column, a key stated above the table, or what the motion implies."""
+    """Guess the load.
+
+    It is a column, a key stated above the table, or what the motion implies.
+    """
     run = runs[0]
     asked = [guesses.get(f"load.{key}") for key in ("column", "stated", "value")]
     if all(value is None for value in asked) and not guesses.get("load.none"):
@@ -67,7 +73,10 @@ def _complete_load(run: Run, guesses: Guesses) -> None:
 
 
 def _find_stated_load(runs: Sequence[Run], motion_unit: str) -> list[str]:
-    """Keys above all tables that state a load, the best first."""
+    """Keys that state a load, the best first.
+
+    They must be above all tables.
+    """
     scores = {}
     for key, (value, unit) in runs[0].stated.items():
         if classify(value) != "n" or not all(key in run.stated for run in runs):
@@ -82,7 +91,10 @@ def _find_stated_load(runs: Sequence[Run], motion_unit: str) -> list[str]:
 
 
 def guess_covariates(runs: Sequence[Run], guesses: Guesses) -> None:
-    """Note temperature, humidity and payload of each trial, where they are stated and differ."""
+    """Note temperature, humidity and payload of each trial.
+
+    They are noted where they are stated and differ.
+    """
     if guesses.get("covariates") is not None:
         return
     found: dict[str, dict[str, str]] = {}
@@ -104,7 +116,9 @@ def guess_covariates(runs: Sequence[Run], guesses: Guesses) -> None:
 
 
 def _name_covariate(key: str, unit: str) -> str:
-    """Name of a column of trials.csv, with the unit as suffix.
+    """Name of a column of trials.csv.
+
+    The unit is its suffix.
 
     >>> _name_covariate("Measured Mean RH", "%"), _name_covariate("Temp", "°C")
     ('measured_mean_rh_pct', 'temp_c')

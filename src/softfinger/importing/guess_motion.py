@@ -1,4 +1,7 @@
-"""Which columns or points are the motion, in what unit, and where it begins."""
+"""Guesses of the motion.
+
+They decide which columns or points are the motion, in what unit, and where it begins.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +34,10 @@ UNITS = {
 
 
 class SignalColumn(NamedTuple):
-    """A column that may be a signal: its name, quantity, how well it fits, and its unit."""
+    """A column that may be a signal.
+
+    It has a name, a quantity, a measure of how well it fits, and a unit.
+    """
 
     column: str
     quantity: str
@@ -42,7 +48,7 @@ class SignalColumn(NamedTuple):
 def list_candidates(
     run: Run, role: dict[str, str], taken: Sequence[str] = ()
 ) -> list[SignalColumn]:
-    """Columns of numbers that may play a role, the best first."""
+    """Columns of numbers for a role, best first."""
     found = []
     for topic, table in run.tables.items():
         clocks = [column for column, _ in list_clocks(table)]
@@ -72,7 +78,9 @@ def list_candidates(
 
 
 def guess_motion(runs: Sequence[Run], guesses: Guesses) -> None:
-    """Guess the columns or points of the motion, its quantity and unit.
+    """Guess the columns or points of the motion.
+
+    Its quantity and unit are guessed too.
 
     Raises
     ------
@@ -107,7 +115,10 @@ def guess_motion(runs: Sequence[Run], guesses: Guesses) -> None:
 
 
 def _find_usual_unit(run: Run, column: str, quantity: str) -> str:
-    """Rad for angles, deg where they are larger than any joint turns; else 1."""
+    """Usual unit of a quantity.
+
+    It is rad for angles, deg where they are larger than any joint turns; else 1.
+    """
     if quantity != "angle":
         return UNITS.get(quantity, "1")
     table, name = run.find(column)
@@ -125,7 +136,10 @@ def _list_points(run: Run, guesses: Guesses) -> list[Point]:
 
 
 def _order(points: Sequence[Point]) -> list[str]:
-    """Names from base to tip: in the columns' order, unless that begins with the tip."""
+    """Names from base to tip.
+
+    They are in the columns' order, unless that begins with the tip.
+    """
     names = [point.name for point in points]
     tip = [score_words(name, "tip end spitze") > 0 for name in names]
     base = [score_words(name, "base root origin basis pivot") > 0 for name in names]
@@ -133,7 +147,10 @@ def _order(points: Sequence[Point]) -> list[str]:
 
 
 def _complete_points(run: Run, guesses: Guesses) -> None:
-    """Guess how points are read, and what a lost one looks like."""
+    """Guess how points are read.
+
+    What a lost point looks like is guessed too.
+    """
     if guesses.get("motion.points.names") is None:
         guesses.put(
             "motion.points.names", _order(_list_points(run, guesses)), "all that are logged"
@@ -177,7 +194,10 @@ def _is_zero_at_times(x: np.ndarray, y: np.ndarray) -> bool:
 
 
 def _choose_columns(candidates: Sequence[SignalColumn], guesses: Guesses) -> None:
-    """Take the best column; of numbered angles all of them, one per joint."""
+    """Choose the best column, or all angles.
+
+    Of numbered angles all are taken, one per joint.
+    """
     best = candidates[0]
     rivals = [c.column for c in candidates[1:] if c.score >= best.score - 0.6]
     columns = [best.column]
@@ -199,7 +219,10 @@ def _number(name: str) -> tuple[int, ...]:
 
 
 def _choose_only_column(run: Run, guesses: Guesses) -> None:
-    """Take the only column of numbers that moves; several are for the user to tell apart."""
+    """Take the only column of numbers that moves.
+
+    Where there are several, the user has to choose.
+    """
     moving = []
     for topic, table in run.tables.items():
         clocks = [column for column, _ in list_clocks(table)]
@@ -222,7 +245,10 @@ def _choose_only_column(run: Run, guesses: Guesses) -> None:
 
 
 def _find_start(runs: Sequence[Run], guesses: Guesses) -> tuple[str, str]:
-    """Measure a motion from its first row where that is far from 0 beside what moves."""
+    """Guess from where a motion is measured.
+
+    It is the first row, where most motions begin far from 0 compared with their range.
+    """
     columns = guesses.get("motion.columns")
     if not columns or guesses.get("motion.quantity") in ("angle", "strain", "compliance"):
         return "as recorded", "its zero is its own"

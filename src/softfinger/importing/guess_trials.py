@@ -1,4 +1,4 @@
-"""Which tables belong together, and which rows are one trial."""
+"""Which tables and rows belong to one trial."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ LEAST_ROWS = 4  # of a trial
 
 
 def guess_trials(tables: Sequence[RawTable], guesses: Guesses) -> tuple[list[RawTable], list[str]]:
-    """Choose the tables that are used, and how trials are cut from them.
+    """Choose the tables, and how trials are cut.
 
     Returns
     -------
@@ -55,7 +55,11 @@ def guess_trials(tables: Sequence[RawTable], guesses: Guesses) -> tuple[list[Raw
 
 
 def _find_topics(tables: Sequence[RawTable]) -> str | None:
-    """Whether files are topics of one recording: ``all``, of one a folder (or name), or not."""
+    """Whether files are topics of one recording.
+
+    It is ``all`` where all files are of one, ``folder`` where those of a folder (or name) are,
+    and None where they are not.
+    """
     if len(tables) < 2:
         return None
     whole = [_has_both(table) for table in tables]
@@ -68,7 +72,10 @@ def _find_topics(tables: Sequence[RawTable]) -> str | None:
 
 
 def _are_topics(tables: Sequence[RawTable]) -> bool:
-    """Whether tables overlap in time and differ in what they log."""
+    """Whether tables are topics of one recording.
+
+    They overlap in time and differ in what they log.
+    """
     if len(tables) < 2:
         return False
     roles = {_find_table_role(table) for table in tables}
@@ -106,7 +113,10 @@ def _overlap(tables: Sequence[RawTable]) -> bool:
 
 
 def _choose_tables(tables: Sequence[RawTable]) -> tuple[list[RawTable], list[str]]:
-    """Tables of the columns that most rows have and that hold a motion; the others are named."""
+    """Tables of the most usual columns with motion.
+
+    Their columns are those that most rows have. The other tables are named.
+    """
     weights: Counter[tuple[str, ...]] = Counter()
     for table in tables:
         movable = _has(table, MOTION) or len(find_points(table.columns)) > 0
@@ -135,7 +145,10 @@ def _sign(table: RawTable) -> tuple[str, ...]:
 
 
 def unify_units(tables: Sequence[RawTable]) -> tuple[list[RawTable], list[str]]:
-    """Turn columns that some tables have in another unit into the first one's."""
+    """Give columns of different tables one unit.
+
+    It is the unit of the first table that has the column.
+    """
     wanted: dict[str, str] = {}
     for table in tables:
         for column, unit in table.unit.items():
@@ -155,7 +168,10 @@ def unify_units(tables: Sequence[RawTable]) -> tuple[list[RawTable], list[str]]:
 
 
 def _find_cut(table: RawTable, tables: Sequence[RawTable]) -> tuple[str, str | None, str]:
-    """How trials are cut: what, its column if any, and why."""
+    """How trials are cut.
+
+    The function returns by what, the column if any, and why.
+    """
     column = _find_trial_column(table)
     if column:
         return "column", column, f"'{column}' names runs of rows"
@@ -196,7 +212,10 @@ def _find_trial_column(table: RawTable) -> str | None:
 
 
 def _rise_within(table: RawTable, labels: np.ndarray, clocks: list[str]) -> bool:
-    """Whether the clock runs forwards among the rows of each label, and not among all of them."""
+    """Whether labels separate runs of the clock.
+
+    The clock runs forwards among the rows of each label, and not among all of them.
+    """
     times = [c for c in table.columns if c in clocks] or pick(table.columns, "time t zeit frame")
     if not times:
         return False
@@ -206,7 +225,10 @@ def _rise_within(table: RawTable, labels: np.ndarray, clocks: list[str]) -> bool
 
 
 def _is_grouped(table: RawTable) -> bool:
-    """Whether columns are trials side by side: each group has a clock, points, or one motion."""
+    """Whether columns are trials side by side.
+
+    Each group then has a clock, points, or one motion.
+    """
     groups = list_groups(table)
     if len(groups) < 2:
         return False
@@ -225,7 +247,10 @@ def _is_grouped(table: RawTable) -> bool:
 
 
 def _restarts(table: RawTable) -> bool:
-    """Whether the clock starts anew, and each piece is long enough to be a trial."""
+    """Whether the clock starts anew.
+
+    Each piece must be long enough to be a trial.
+    """
     for column in [*pick(table.columns, "time t zeit timestamp elapsed frame"), *table.columns[:1]]:
         try:
             seconds = read_times(table, column).seconds

@@ -1,4 +1,7 @@
-"""Where a table begins in a sheet of cells: preamble, heading rows, unit row, first row of data."""
+"""Where a table begins in a sheet.
+
+The parts of a sheet of cells are preamble, heading rows, unit row and first row of data.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +34,10 @@ OF_TEMPERATURE = ("c",)  # units that are believed beside a temperature only
 
 @dataclass(frozen=True)
 class Layout:
-    """Rows of a sheet, counted from 0: the headings above the first row of data."""
+    """Rows of a sheet, counted from 0.
+
+    The headings are above the first row of data.
+    """
 
     headings: tuple[int, ...]
     units: int | None
@@ -39,9 +45,11 @@ class Layout:
 
 
 def find_layout(rows: Sequence[Row], headings: Sequence[int] | None = None) -> Layout | None:
-    """Find the headings and the first row of data among the first rows of a sheet.
+    """Find the headings and the first data row.
 
-    A column is one of numbers where most rows of the later half hold a number. Data begin at the
+    They are sought among the first rows of a sheet.
+
+    A column is one of numbers where most rows of the later half are numbers. Data begin at the
     first row that has no text in such columns and is followed by such rows.
 
     Returns
@@ -87,7 +95,10 @@ def _is_data(kinds: np.ndarray, numeric: np.ndarray) -> np.ndarray:
 
 
 def _is_followed(kinds: np.ndarray, like: np.ndarray) -> np.ndarray:
-    """Whether the next row that holds anything is one of data too; true of the last one."""
+    """Whether the next filled row is data too.
+
+    The last filled row counts as followed.
+    """
     followed = np.ones(len(kinds), bool)
     filled = np.flatnonzero((kinds != "").any(axis=1))
     followed[filled[:-1]] = like[filled[1:]]
@@ -95,7 +106,7 @@ def _is_followed(kinds: np.ndarray, like: np.ndarray) -> np.ndarray:
 
 
 def _count_filled(kinds: np.ndarray) -> np.ndarray:
-    """Rows from each one on that hold anything."""
+    """Count filled rows from each one on."""
     return (kinds != "").any(axis=1)[::-1].cumsum()[::-1]
 
 
@@ -116,7 +127,10 @@ def _find_headings(
 
 
 def _is_heading(kinds: np.ndarray, numeric: np.ndarray) -> bool:
-    """Whether most columns of numbers bear text; a heading may itself be a number."""
+    """Whether most columns of numbers bear text.
+
+    A heading may itself be a number.
+    """
     return bool((kinds == "t").any() and (kinds[numeric] != "").sum() >= 0.5 * numeric.sum())
 
 
@@ -132,7 +146,10 @@ def _strip_brackets(text: str) -> str:
 def _is_upper_heading(
     rows: Sequence[Row], kinds: np.ndarray, lower: int, numeric: np.ndarray
 ) -> bool:
-    """Whether the row above gives groups: names that repeat, or stand over names that do."""
+    """Whether the row above gives groups.
+
+    These are names that repeat, or are above names that do.
+    """
     above = [str(cell).strip() for cell in rows[lower - 1]]
     named = [cell for cell in above if cell]
     if len(named) < 2 or (kinds[lower - 1] == "t").sum() < len(named) / 2:
@@ -145,7 +162,9 @@ def _is_upper_heading(
 
 
 def split_heading(text: str) -> tuple[str, str]:
-    """Split a heading into a name and a unit; the unit is empty where there is none.
+    """Split a heading into a name and unit.
+
+    The unit is empty where there is none.
 
     >>> split_heading("Time [h]"), split_heading("Creep Compliance (1/Pa)"), split_heading("q1_deg")
     (('Time', 'h'), ('Creep Compliance', '1/Pa'), ('q1', 'deg'))
@@ -168,7 +187,10 @@ def split_heading(text: str) -> tuple[str, str]:
 
 
 def _is_suffix(name: str, unit: str, text: str) -> bool:
-    """Whether the last word is a unit, and not the letter of a specimen."""
+    """Whether the last word is a unit.
+
+    It must not be the letter of a specimen.
+    """
     if unit.lower() not in SUFFIX_UNITS:
         return False
     if unit.lower() in OF_TEMPERATURE:
@@ -179,7 +201,9 @@ def _is_suffix(name: str, unit: str, text: str) -> bool:
 
 
 def join_levels(levels: Sequence[Sequence[str]]) -> tuple[list[str], list[str]]:
-    """Names and groups of columns from heading rows, the lowest last.
+    """Names and groups of columns from heading rows.
+
+    The lowest row is the last.
 
     A blank in an upper row continues the cell to its left; an upper row that is the same all over
     is a title, and left out.
@@ -209,7 +233,9 @@ def join_levels(levels: Sequence[Sequence[str]]) -> tuple[list[str], list[str]]:
 
 
 def make_unique(names: Sequence[str], groups: Sequence[str]) -> list[str]:
-    """Give each column a name of its own: with its group, or with a number.
+    """Give each column a name of its own.
+
+    It gets its group, or a number.
 
     >>> make_unique(["x", "y", "x", "", "a", "a"], ["T1", "T1", "T2", "", "", ""])
     ['T1 x', 'T1 y', 'T2 x', 'column 4', 'a', 'a (2)']

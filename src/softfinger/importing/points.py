@@ -1,4 +1,7 @@
-"""Columns that are coordinates of points: DeepLabCut, SLEAP, tags, motion capture, hand labels."""
+"""Columns that are coordinates of points.
+
+They come from DeepLabCut, SLEAP, tags, motion capture or hand labels.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +32,10 @@ LEFT, RIGHT = ("l", "left", "cam1", "camera1"), ("r", "right", "cam2", "camera2"
 
 @dataclass(frozen=True)
 class Point:
-    """A point whose place in a picture or a plane is logged, by the columns of its coordinates."""
+    """A point whose place is logged.
+
+    The place is in a picture or a plane, by the columns of its coordinates.
+    """
 
     name: str
     x: str
@@ -81,7 +87,10 @@ def _name(column: str, match: re.Match) -> str:
 
 
 def list_point_columns(columns: Iterable[str]) -> set[str]:
-    """Columns of points and all that is logged of them, such as ``3 speed`` beside ``3 x``."""
+    """Columns of points and all logged of them.
+
+    An example is ``3 speed`` beside ``3 x``.
+    """
     columns = list(columns)
     points = find_points(columns)
     owned = {c for point in points for c in (point.x, point.y, point.z, point.trust) if c}
@@ -90,7 +99,9 @@ def list_point_columns(columns: Iterable[str]) -> set[str]:
 
 
 def choose_camera(points: list[Point]) -> tuple[list[Point], list[Point]]:
-    """Points of the first of two cameras that see the same ones, and those of the other.
+    """Points of the first of two cameras.
+
+    Both cameras see the same points. Those of the other are returned too.
 
     >>> first, other = choose_camera(find_points(["Lx1", "Ly1", "Rx1", "Ry1"]))
     >>> [p.name for p in first], [p.name for p in other]

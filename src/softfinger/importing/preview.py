@@ -1,4 +1,7 @@
-"""What was understood, in the terminal: the first rows, and motion and load as small curves."""
+"""What was understood, in the terminal.
+
+The first rows, and motion and load as small curves.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +37,7 @@ def _summarise(trial: ImportedTrial) -> str:
 
 
 def name_motion(description: ImportDescription, trial: ImportedTrial) -> list[str]:
-    """Name of each column of a trial's motion, with its unit."""
+    """Names of a trial's motion columns, with units."""
     if trial.points:
         return [f"{point} {axis} [px]" for point in trial.points for axis in "xy"]
     count = trial.motion.shape[1]
@@ -68,7 +71,10 @@ def name_load(description: ImportDescription) -> str:
 
 
 def sum_motion(trial: ImportedTrial) -> np.ndarray:
-    """One curve (frame,) of a trial's motion: angles summed, or the last point's y, upwards."""
+    """One curve (frame,) of a trial's motion.
+
+    Angles are summed; of points it is the last one's y, upwards.
+    """
     return -trial.motion[:, -1] if trial.points else trial.motion.sum(axis=1)
 
 
@@ -81,12 +87,17 @@ def _draw(description: ImportDescription, trial: ImportedTrial) -> list[str]:
 
 
 def sample_load(trial: ImportedTrial) -> np.ndarray:
-    """Load (frame,) at the times of the motion; 0 before its first row."""
+    """Load (frame,) at the times of the motion.
+
+    It is 0 before the load's first row.
+    """
     return np.interp(trial.time, trial.load_time, trial.load, left=0.0)
 
 
 def sketch_curve(time: np.ndarray, value: np.ndarray) -> str:
-    """Curve as a line of blocks, with its smallest and largest value.
+    """Curve as a line of blocks.
+
+    Its smallest and largest value follow.
 
     >>> sketch_curve(np.arange(72.0), np.arange(72.0))[-12:]
     '████ 0 to 71'
@@ -107,7 +118,9 @@ def sketch_curve(time: np.ndarray, value: np.ndarray) -> str:
 
 
 def gather_curves(description: ImportDescription, trials: Sequence[ImportedTrial]) -> xr.Dataset:
-    """Motion and load of the first three trials, for a figure.
+    """Motion and load of the first three trials.
+
+    They are for a figure.
 
     Returns
     -------

@@ -1,4 +1,7 @@
-"""Long tables made wide: one row per point, or per signal, becomes one row per time."""
+"""Long tables made wide.
+
+One row per point, or per signal, becomes one row per time.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,9 @@ MOST_POINTS, MOST_SIGNALS = 200, 60
 
 
 def widen(table: RawTable) -> RawTable:
-    """Give every point or signal columns of its own, where rows tell them apart.
+    """Give every point or signal its own columns.
+
+    This is done where rows distinguish points or signals.
 
     A table of points has an id and coordinates, and several ids at one time; a table of signals
     has a name and a value. Any other table stays as it is, but for stamps in two columns (seconds
@@ -30,7 +35,10 @@ def widen(table: RawTable) -> RawTable:
 
 
 def _join_stamps(table: RawTable) -> RawTable:
-    """One column of seconds out of two, as ROS logs its stamps."""
+    """One column of seconds out of two.
+
+    ROS logs its stamps as two.
+    """
     ends = re.compile(r"(.*?)(secs?|seconds?)$", re.IGNORECASE)
     for column in table.columns:
         found = ends.match(column)
@@ -69,7 +77,10 @@ def _widen_points(table: RawTable) -> RawTable | None:
 
 
 def _reduce_corners(table: RawTable) -> RawTable:
-    """Centre of four corners in place of them; in place of nothing where a centre is logged."""
+    """Replace four corners by their centre.
+
+    Where a centre is logged, the corners are only left out.
+    """
     corners: dict[str, list[str]] = {"x": [], "y": []}
     for column in table.columns:
         if found := CORNER.fullmatch(column.strip().lower()):
@@ -103,7 +114,10 @@ def _widen_signals(table: RawTable) -> RawTable | None:
 
 
 def _pivot(table: RawTable, moment: str, key: pd.Series) -> RawTable:
-    """One row per time; columns are named by the key and their own names."""
+    """One row per time.
+
+    Columns are named by the key and their own names.
+    """
     cells = table.cells
     first = pd.factorize(cells[moment])[0]
     count = int(first.max()) + 1
@@ -135,7 +149,9 @@ def _sort_labels(labels: list[str]) -> list[str]:
 
 
 def _to_label(cell: object) -> str:
-    """Name of an id: a whole number without its point.
+    """Name of an id, as text.
+
+    A whole number has no point.
 
     >>> _to_label(3.0), _to_label("12.0"), _to_label("tip")
     ('3', '12', 'tip')

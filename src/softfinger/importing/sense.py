@@ -1,4 +1,7 @@
-"""Whether recordings move with their load, or their sign must be turned."""
+"""Whether recordings move with their load.
+
+Otherwise their sign must be turned.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,9 @@ from softfinger.importing.build import ImportedTrial
 
 
 def find_sign(trials: Sequence[ImportedTrial]) -> int:
-    """−1 where more trials move against their load than with it, else 1.
+    """Sign that makes trials move with their load.
+
+    It is −1 where more trials move against their load than with it, else 1.
 
     Where the load changes, motion and load vary together or against each other; where it does not,
     or is not known, the late motion is compared with the first.
@@ -37,7 +42,10 @@ def _find_sense(trial: ImportedTrial) -> int:
 
 
 def _sum_motion(trial: ImportedTrial) -> np.ndarray:
-    """Whole motion (frame,): angles summed, or the bending of a chain of points."""
+    """Whole motion (frame,) of a trial.
+
+    Angles are summed; a chain of points gives its bending.
+    """
     if not trial.points:
         return trial.motion.sum(axis=1)
     place = trial.motion.reshape(len(trial.time), -1, 2)

@@ -1,4 +1,4 @@
-"""A sheet of cells, and the tables that it holds."""
+"""A sheet of cells, and its tables."""
 
 from __future__ import annotations
 
@@ -26,7 +26,10 @@ HEAD = 400  # rows that are looked at to find the layout
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """All cells of a text file, or of a sheet of a workbook; `row` numbers them from 1."""
+    """All cells of a sheet.
+
+    It is a text file, or a sheet of a workbook; `row` numbers its rows from 1.
+    """
 
     file: Path
     name: str
@@ -39,7 +42,9 @@ class Sheet:
 def split_tables(
     sheet: Sheet, headings: Collection[int] = (), missing: Collection[str] = ()
 ) -> list[RawTable]:
-    """Tables of a sheet: one, or more where its headings are repeated further down.
+    """Tables of a sheet.
+
+    There is more than one where its headings are repeated further down.
 
     Parameters
     ----------
@@ -69,7 +74,10 @@ def split_tables(
 def _cut_blocks(
     sheet: Sheet, grid: list[list[Any]], layout: Layout
 ) -> Iterator[tuple[int, int, str | None]]:
-    """First and last row of each block, and the single words above its repeated heading."""
+    """First and last row of each block.
+
+    The single words above its repeated heading are returned too.
+    """
     end = len(sheet.cells)
     if not layout.headings:
         yield layout.first, end, None
@@ -92,14 +100,20 @@ def _matches(sheet: Sheet, row: int, heading: list[str]) -> bool:
 
 
 def _find_end(sheet: Sheet, row: int) -> int:
-    """Where the block above a repeated heading ends: before blank and text rows."""
+    """End of the block above a repeated heading.
+
+    It is before blank and text rows.
+    """
     while row > 0 and "n" not in [classify(cell) for cell in sheet.cells.iloc[row - 1]]:
         row -= 1
     return int(row)
 
 
 def _find_title(sheet: Sheet, row: int) -> str:
-    """Words right above a heading, where they stand alone."""
+    """Words right above a heading.
+
+    They count where they are alone.
+    """
     if row == 0:
         return ""
     above = [str(cell).strip() for cell in sheet.cells.iloc[row - 1] if str(cell).strip()]
@@ -145,14 +159,17 @@ def _build_table(
 
 
 def _strip_comment(level: list[str]) -> list[str]:
-    """Without the mark of a comment that a heading may begin with."""
+    """Heading without its mark of a comment."""
     if level and level[0] in ("#", "%", "//"):
         return [*level[1:], ""]
     return [level[0].lstrip("#% ") or level[0], *level[1:]] if level else level
 
 
 def _drop_scorer(levels: list[list[str]]) -> tuple[list[list[str]], bool]:
-    """Heading rows of DeepLabCut without the network's name; whether they are its."""
+    """Heading rows of DeepLabCut without the network's name.
+
+    The function also returns whether the rows are DeepLabCut's.
+    """
     if not levels or levels[-1][0] != "coords":
         return levels, False
     kept = [["", *level[1:]] for level in levels if level[0] != "scorer"]
@@ -162,7 +179,10 @@ def _drop_scorer(levels: list[list[str]]) -> tuple[list[list[str]], bool]:
 def _drop_text_rows(
     cells: pd.DataFrame, row: np.ndarray, decimal: str, missing: Collection[str]
 ) -> tuple[pd.DataFrame, np.ndarray, list[str]]:
-    """Drop blank rows, and words below the last row of numbers, with what is summed up there."""
+    """Drop blank rows, and words below numbers.
+
+    Words below the last row of numbers go with what is summed up there.
+    """
     filled = (cells.astype(str).to_numpy() != "").any(axis=1)
     numbers = np.zeros(len(cells), bool)
     words = None
@@ -184,7 +204,10 @@ def _drop_text_rows(
 
 
 def _refuse_long_rows(sheet: Sheet, cells: pd.DataFrame, row: np.ndarray, names: list[str]) -> None:
-    """Refuse text of which a few rows go on beyond the headings; a workbook has remarks there."""
+    """Refuse text with rows beyond the headings.
+
+    A few rows go on beyond them. A workbook has remarks there, and is not refused.
+    """
     named = [k for k, name in enumerate(names) if name]
     if sheet.name or not named or named[-1] + 1 == len(names):
         return
@@ -206,7 +229,9 @@ def _drop_empty_columns(cells: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
 
 
 def read_preamble(rows: list[list[Any]]) -> dict[str, tuple[Any, str]]:
-    """What is stated above a table: key → (value, unit).
+    """What is stated above a table.
+
+    It is key → (value, unit).
 
     >>> read_preamble([["Area [mm^2]", 3.1, ""], ["# Sample: A12"], ["just words"]])
     {'Area': (3.1, 'mm^2'), 'Sample': ('A12', '')}

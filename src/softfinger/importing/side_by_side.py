@@ -1,4 +1,7 @@
-"""Trials side by side in one table: groups of the same columns, or a column each."""
+"""Trials side by side in one table.
+
+They are groups of the same columns, or a column each.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +15,11 @@ from softfinger.importing.table import RawTable
 
 
 def list_groups(table: RawTable) -> dict[str, dict[str, str]]:
-    """Groups of columns that are trials side by side: group → own name → column.
+    """Groups of columns that are trials.
 
-    Groups are given by an upper heading, else by what names begin or end with. Each must hold the
+    The result is group → own name → column.
+
+    Groups are given by an upper heading, else by what names begin or end with. Each must have the
     same names.
     """
     given: dict[str, dict[str, str]] = {}
@@ -30,7 +35,10 @@ def list_groups(table: RawTable) -> dict[str, dict[str, str]]:
 
 
 def _split_names(table: RawTable, end: int) -> dict[str, dict[str, str]]:
-    """Columns by their first or last part; a number at the end is such a part."""
+    """Columns by their first or last part.
+
+    A number at the end is such a part.
+    """
     groups: dict[str, dict[str, str]] = {}
     for column in table.columns:
         parts = re.split(r"[ _.:-]+", column)
@@ -44,7 +52,9 @@ def _split_names(table: RawTable, end: int) -> dict[str, dict[str, str]]:
 
 
 def split_groups(table: RawTable) -> list[tuple[str, RawTable]]:
-    """One table per group, under its name; columns of no group belong to each.
+    """One table per group, under its name.
+
+    Columns of no group belong to each.
 
     Raises
     ------
@@ -67,7 +77,9 @@ def split_groups(table: RawTable) -> list[tuple[str, RawTable]]:
 
 
 def list_single_columns(table: RawTable) -> list[str]:
-    """Columns beside the clock, where each is one trial: their names differ in a last part alone.
+    """Columns that are one trial each.
+
+    They are beside the clock, and their names differ in a last part alone.
 
     That part is a letter, a number, or a load with its unit.
     """
@@ -79,7 +91,9 @@ def list_single_columns(table: RawTable) -> list[str]:
 
 
 def split_columns(table: RawTable) -> list[tuple[str, RawTable]]:
-    """One table per column beside the clock, under its name; the column is called `value`.
+    """One table per column beside the clock.
+
+    It has the column's name, and the column is called `value`.
 
     A name that is a load with its unit is stated as the key `load`.
     """

@@ -1,4 +1,7 @@
-"""Every table of a source: a file, or a folder with files and folders in it."""
+"""Every table of a source.
+
+A source is a file, or a folder with files and folders in it.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +42,7 @@ def read_tables(source: Path, asked: Tables) -> tuple[list[RawTable], list[str]]
     tables : list of RawTable
         In the order of their paths; long tables are made wide.
     dropped : list of str
-        Sentences on files and sheets that hold no table.
+        Sentences on files and sheets that contain no table.
 
     Raises
     ------
@@ -67,7 +70,10 @@ def read_tables(source: Path, asked: Tables) -> tuple[list[RawTable], list[str]]
 
 
 def _list_files(source: Path, asked: Tables, dropped: list[str]) -> Iterator[tuple[Path, Path]]:
-    """Files to read, each with its name in messages; the others are noted."""
+    """Files to read, each with its message name.
+
+    The others are noted.
+    """
     if source.is_file():
         yield source, Path(source.name)
         return
@@ -89,7 +95,7 @@ def _list_files(source: Path, asked: Tables, dropped: list[str]) -> Iterator[tup
 
 
 def _sort_key(path: Path) -> list[tuple[int, int | str]]:
-    """Paths in the order that people expect: run 2 before run 10."""
+    """Sort key that puts run 2 before run 10."""
     parts = re.split(r"(\d+)", str(path).lower())
     return [(0, int(part)) if part.isdigit() else (1, part) for part in parts if part]
 

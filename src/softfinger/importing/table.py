@@ -1,4 +1,7 @@
-"""A table as it was found in a file: its columns, their units, and what stands above them."""
+"""A table as found in a file.
+
+It has columns, their units, and what is stated above them.
+"""
 
 from __future__ import annotations
 
@@ -85,6 +88,6 @@ class RawTable:
         return values
 
     def read_leniently(self, column: str) -> np.ndarray:
-        """Numbers of a column, NaN where a cell is none."""
+        """Numbers of a column, NaN where not numbers."""
         unit = self.unit.get(column, "")
         return read_numbers(self.cells[column], unit, self.decimal, self.missing)[0]

@@ -1,4 +1,7 @@
-"""Delimited text with any delimiter, decimal mark, preamble and heading rows."""
+"""Delimited text, whatever its form.
+
+Any delimiter, decimal mark, preamble and heading rows are read.
+"""
 
 from __future__ import annotations
 
@@ -70,14 +73,19 @@ def _decode(content: bytes, name: Path, encoding: str | None) -> str:
 
 
 def split_lines(lines: Sequence[str], delimiter: str) -> list[list[str]]:
-    """Cells of lines; blanks of any number delimit where the delimiter is one."""
+    """Cells of lines.
+
+    Where the delimiter is a blank, any number of blanks is one.
+    """
     if delimiter in (" ", SPACES):
         return [line.split() for line in lines]
     return [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=delimiter)]
 
 
 def find_delimiter(lines: Sequence[str]) -> str:
-    r"""Find the delimiter that makes numbers in rows of one width of the later lines.
+    r"""Find the delimiter of lines.
+
+    It is the one that makes numbers, in rows of one width, of the later lines.
 
     >>> find_delimiter(["Zeit;Kraft", "0,1;2,5", "0,2;2,6"]), find_delimiter(["t F", "0.1  2.5"])
     (';', ' ')

@@ -1,4 +1,7 @@
-"""Files of trackers that are no tables: SLEAP's analysis HDF5, `movement`'s NetCDF."""
+"""Files of trackers that are no tables.
+
+They are SLEAP's analysis HDF5 and `movement`'s NetCDF.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,9 @@ from softfinger.importing.table import RawTable
 
 
 def read_hdf5(path: Path, name: Path) -> list[RawTable]:
-    """Read SLEAP's analysis file: a table of points for each track.
+    """Read SLEAP's analysis file.
+
+    Each track becomes a table of points.
 
     Raises
     ------
@@ -58,7 +63,9 @@ def _decode(values: h5py.Dataset) -> list[str]:
 
 
 def read_netcdf(path: Path, name: Path) -> list[RawTable]:
-    """Read a dataset of `movement`: a table of points for each individual.
+    """Read a dataset of `movement`.
+
+    Each individual becomes a table of points.
 
     Raises
     ------
@@ -99,7 +106,10 @@ def _build(
     name: Path, sheet: str, time: np.ndarray, clock: str, position: np.ndarray,
     trust: np.ndarray | None, nodes: list[str],
 ) -> RawTable:  # fmt: skip
-    """Table of points from ``position (frame, node, axis)`` and ``trust (frame, node)``."""
+    """Table of points from positions and trust.
+
+    They are ``position (frame, node, axis)`` and ``trust (frame, node)``.
+    """
     columns: dict[str, np.ndarray] = {clock: np.asarray(time, float)}
     if position.shape[1:] == (2, len(nodes)):
         position = position.swapaxes(1, 2)

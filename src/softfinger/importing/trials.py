@@ -22,20 +22,26 @@ SEPARATOR = ": "  # between a topic and its column
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """One trial as it was found: one table, or a table for each topic, by the topic's name."""
+    """One trial as found in its tables.
+
+    It has one table, or a table for each topic, by the topic's name.
+    """
 
     name: str
     tables: dict[str, RawTable]
 
     @property
     def columns(self) -> list[str]:
-        """Columns of all tables; with the topic in front, where there are several."""
+        """Columns of all tables.
+
+        The topic is in front where there are several.
+        """
         if len(self.tables) == 1:
             return next(iter(self.tables.values())).columns
         return [f"{k}{SEPARATOR}{c}" for k, table in self.tables.items() for c in table.columns]
 
     def find(self, column: str) -> tuple[RawTable, str]:
-        """Find the table of a column, and its name there.
+        """Find a column's table and its name there.
 
         Raises
         ------
@@ -95,7 +101,10 @@ def split_trials(
 
 
 def name_tables(tables: Sequence[RawTable]) -> list[str]:
-    """Name each table by what tells it apart: file, sheet, title of its block."""
+    """Name each table by what distinguishes it.
+
+    This is its file, its sheet, or the title of its block.
+    """
     stems = [str(table.file.with_suffix("")) for table in tables]
     short = [table.file.stem for table in tables]
     stems = short if len(set(short)) == len(set(stems)) else [s.replace("/", "_") for s in stems]
@@ -139,7 +148,9 @@ def _split_by_column(table: RawTable, column: str, several: bool) -> list[Run]:
 
 
 def find_restarts(seconds: np.ndarray) -> np.ndarray:
-    """Rows at which a clock starts anew: it falls back by more than half of what it had run.
+    """Rows at which a clock starts anew.
+
+    There it falls back by more than half of what it had run.
 
     >>> find_restarts(np.array([0.0, 1, 2, 3, 0, 1, 2, 1.9, 3]))
     array([4])
@@ -177,7 +188,10 @@ def _split_sideways(
 
 
 def group_topics(tables: Sequence[RawTable]) -> dict[str, list[RawTable]]:
-    """Tables by recording: those of one folder whose names differ by a quantity's name alone."""
+    """Tables by recording.
+
+    A recording's tables are in one folder, and their names differ by a quantity's name alone.
+    """
     groups = _group_by_stem(tables)
     if groups:
         return groups
@@ -196,7 +210,10 @@ def group_topics(tables: Sequence[RawTable]) -> dict[str, list[RawTable]]:
 
 
 def _group_by_stem(tables: Sequence[RawTable]) -> dict[str, list[RawTable]]:
-    """Files of one name in folders that are named by a quantity: ``angles/a.csv, load/a.csv``."""
+    """Files of one name in folders of quantities.
+
+    An example is ``angles/a.csv, load/a.csv``.
+    """
     groups: dict[str, list[RawTable]] = {}
     for table in tables:
         groups.setdefault(table.file.stem, []).append(table)
@@ -210,7 +227,9 @@ def _strip_roles(stem: str) -> list[str]:
 
 
 def find_role(name: str) -> str | None:
-    """Role that a name alone speaks of: ``motion``, ``load`` or none.
+    """Role that a name alone implies.
+
+    It is ``motion``, ``load`` or none.
 
     >>> find_role("tendon_force"), find_role("bend angle"), find_role("run3")
     ('load', 'motion', None)
@@ -225,7 +244,10 @@ def find_role(name: str) -> str | None:
 
 
 def _name_topics(tables: Sequence[RawTable]) -> dict[str, RawTable]:
-    """Topic → table; topics are named by file (and sheet), without what all of them share."""
+    """Tables by topic.
+
+    A topic is named by file (and sheet), without what all of them share.
+    """
     if len({t.file.stem for t in tables}) == 1 and len({t.file.parent for t in tables}) > 1:
         return {t.file.parent.name: t for t in tables}
     stems = [" ".join(filter(None, [t.file.stem, t.sheet])) for t in tables]

@@ -1,4 +1,7 @@
-"""Words by which laboratories name a clock, a motion, a load and what else they log."""
+"""Words that laboratories use in column names.
+
+They name a clock, a motion, a load and what else is logged.
+"""
 
 from __future__ import annotations
 
@@ -54,7 +57,7 @@ POINT = (
 )
 SIGNAL = "signal variable channel quantity name topic field sensor parameter kanal measurement"
 VALUE = "value val wert reading data messwert"
-# Words that make a column less likely to be what the rest of its name says.
+# Words that make a column less likely to be what the rest of its name means.
 DERIVED = (
     "setpoint target desired goal limit nominal max min maximum minimum failure ultimate std sd "
     "error err raw vel velocity rate speed acc accel acceleration gyro unconstrained derivative "
@@ -80,7 +83,10 @@ def list_tokens(name: str) -> list[str]:
 
 
 def score_words(name: str, words: str) -> float:
-    """How well a name fits words: 2 for a whole word, 1 for a part of one, 0 for none."""
+    """How well a name fits words.
+
+    It is 2 for a whole word, 1 for a part of one, and 0 for none.
+    """
     tokens = list_tokens(name)
     known = words.split()
     joined = "".join(tokens)
@@ -90,12 +96,17 @@ def score_words(name: str, words: str) -> float:
 
 
 def is_derived(name: str) -> bool:
-    """Whether a name speaks of a limit, a rate or the like."""
+    """Whether a name means a derived quantity.
+
+    This is a limit, a rate or the like.
+    """
     return score_words(name, DERIVED) == 2.0
 
 
 def find_quantity(name: str, unit: str, role: Mapping[str, str]) -> tuple[str, float]:
-    """Quantity of a role that a column's name and unit fit best, and how well.
+    """Quantity of a role that a column fits best.
+
+    It is judged by the column's name and unit. How well it fits is returned too.
 
     A unit that fits adds 1.5, a unit that does not takes 3 away; what is derived loses 1.5.
 
@@ -121,7 +132,10 @@ def find_quantity(name: str, unit: str, role: Mapping[str, str]) -> tuple[str, f
 
 
 def _is_counted(unit: str, quantity: str) -> bool:
-    """Whether a unit of counts, pixels or shares may be that of such a quantity."""
+    """Whether a unit of counts fits a quantity.
+
+    The unit is one of counts, pixels or shares.
+    """
     plain = not is_unit(unit) or _is_alike(unit, "1") or _is_alike(unit, "pixel")
     return plain and quantity not in ("time", "torque", "stress")
 
@@ -141,5 +155,5 @@ def _is_alike(unit: str, other: str) -> bool:
 
 
 def pick(names: Iterable[str], words: str) -> list[str]:
-    """Names that hold one of the words as a whole."""
+    """Names that contain one of the words whole."""
     return [name for name in names if score_words(name, words) == 2.0]

@@ -1,4 +1,7 @@
-"""Workbooks: every visible sheet as cells; merged cells carry their value all over."""
+"""Workbooks: every visible sheet as cells.
+
+Merged cells carry their value all over.
+"""
 
 from __future__ import annotations
 
@@ -73,7 +76,10 @@ def _read_sheet(sheet: CalamineSheet, name: Path) -> Sheet:
 
 
 def _fill_merged(sheet: CalamineSheet, rows: list[list[Any]]) -> int:
-    """Repeat the first cell of each merged range; returns how many cells that filled."""
+    """Repeat the first cell of each merged range.
+
+    The function returns how many cells that filled.
+    """
     filled = 0
     for (top, left), (bottom, right) in sheet.merged_cell_ranges or []:
         value = rows[top][left] if top < len(rows) and left < len(rows[top]) else ""

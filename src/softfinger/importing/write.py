@@ -1,4 +1,7 @@
-"""A campaign folder out of imported trials; nothing that exists is overwritten."""
+"""A campaign folder out of imported trials.
+
+Nothing that exists is overwritten.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,7 @@ DIGITS = "%.10g"
 
 
 def refuse_existing(out: Path) -> None:
-    """Refuse a folder that holds a campaign already.
+    """Refuse a folder that contains a campaign already.
 
     Raises
     ------
@@ -45,12 +48,14 @@ def write_campaign(
     trials: Sequence[ImportedTrial],
     guessed: Sequence[str],
 ) -> None:
-    """Write a campaign folder, and beside its files the description of how it was read.
+    """Write a campaign folder and its import description.
+
+    The description, beside the folder's files, states how it was read.
 
     Raises
     ------
     ImportFault
-        The folder holds a campaign already.
+        The folder contains a campaign already.
     """
     refuse_existing(out)
     out.mkdir(parents=True, exist_ok=True)
@@ -68,7 +73,9 @@ def write_campaign(
 
 
 def name_files(names: Sequence[str]) -> list[str]:
-    """Names of files, without what a file system or a path makes something else of.
+    """Names of files for a file system.
+
+    Characters that a file system or a path reads differently are replaced.
 
     >>> name_files(["a/b", "a b", "a_b"])
     ['a_b', 'a_b_2', 'a_b_3']
@@ -84,7 +91,10 @@ def name_files(names: Sequence[str]) -> list[str]:
 def describe_campaign(
     description: ImportDescription, trials: Sequence[ImportedTrial]
 ) -> dict[str, Any]:
-    """Content of ``campaign.yaml``: a finger where the motion is of joints, else a specimen."""
+    """Content of ``campaign.yaml``.
+
+    It is a finger where the motion is of joints, else a specimen.
+    """
     head: dict[str, Any] = {
         "version": 1, "name": description.name, "source": description.source,
     }  # fmt: skip
@@ -110,7 +120,10 @@ def describe_campaign(
 
 
 def count_joints(description: ImportDescription, trials: Sequence[ImportedTrial]) -> int:
-    """Number of joints of a finger; 0 for a specimen."""
+    """Number of joints of a finger, or 0.
+
+    It is 0 for a specimen.
+    """
     if trials[0].points:
         return len(trials[0].points) - 2
     return trials[0].motion.shape[1] if description.motion.quantity == "angle" else 0
@@ -142,7 +155,9 @@ def _write_trial(
 
 
 def find_load_column(description: ImportDescription) -> tuple[str, float]:
-    """Column of a finger's load log, and the factor into its unit.
+    """Column of a finger's load log.
+
+    The factor into the column's unit is returned too.
 
     A tension needs the wire's offset; without it, and for any other quantity, the load is a
     command, in whatever unit it was logged.
@@ -167,7 +182,10 @@ def _lay_out_motion(description: ImportDescription, trial: ImportedTrial) -> pd.
 
 
 def _lay_out_markers(trial: ImportedTrial) -> pd.DataFrame:
-    """Long table of a chain: each link from one point to the next, the first one is the base."""
+    """Long table of a chain of markers.
+
+    Each link goes from one point to the next; the first one is the base.
+    """
     place = trial.motion.reshape(len(trial.time), -1, 2)
     parts = []
     for link in range(len(trial.points) - 1):

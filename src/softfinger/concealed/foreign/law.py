@@ -35,7 +35,7 @@ def show(argument: str, curve: Curve) -> dict[str, object]:
 
 
 def tabulate_angle(curve: Curve) -> Array:
-    """Table of a curve of an angle [rad] or strain.
+    """Table of a curve over angles [rad] or strains.
 
     The table goes to the span that the kernel reads.
     """
