@@ -1,1 +1,4 @@
-"""Bayesian workflow for wire-driven soft fingers, from raw rig videos to left-out physics."""
+"""Which physics a wire-driven soft finger's model leaves out.
+
+A Bayesian workflow: raw rig videos → posterior of the viscoelastic parameters → left-out physics.
+"""

@@ -1,4 +1,7 @@
-"""The configuration: defaults, then the user's file, checked against one schema."""
+"""The configuration: defaults and the user's file.
+
+One schema checks both together.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,9 @@ SCHEMA_FILE = PROJECT / "workflow/schemas/config.schema.yaml"
 
 
 def read_config(file: Path | None = None) -> dict[str, Any]:
-    """Read ``config/default.yaml`` with the keys of another file, if any, put over it.
+    """Read the configuration: defaults, overridden by a file.
+
+    The defaults are those of ``config/default.yaml``.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Whether this installation can do its work: what `softfinger doctor` looks at."""
+"""Checks of this installation, for `softfinger doctor`."""
 
 from __future__ import annotations
 
@@ -19,7 +19,10 @@ _PIN = re.compile(r"^([A-Za-z0-9_.-]+)==([^ ;\\]+)( ;[^\\]*)?", re.MULTILINE)
 
 
 class Finding(NamedTuple):
-    """One thing that was looked at; `advice` says what to do where it is not well."""
+    """Result of one check.
+
+    `advice` names what to do where it is not well.
+    """
 
     what: str
     well: bool
@@ -28,7 +31,7 @@ class Finding(NamedTuple):
 
 
 def check_setup(folder: Path) -> Iterator[Finding]:
-    """Look at the interpreter, the packages, the film codec, the sampler and the disk.
+    """Check interpreter, packages, film codec, sampler and disk.
 
     Parameters
     ----------
@@ -66,7 +69,7 @@ def check_packages() -> Finding:
 
 
 def list_other_versions(lock: str) -> list[str]:
-    """List packages that are not at the version of a lock file.
+    """Packages whose version differs from the lock file's.
 
     A package that the lock names under a condition (``; sys_platform == …``) may be missing.
 
@@ -126,7 +129,7 @@ def check_sampler() -> Finding:
 
 
 def check_folder(folder: Path) -> Finding:
-    """Results can be written, and there is room for them."""
+    """Results can be written, and the disk has room."""
     there = next(place for place in (folder, *folder.absolute().parents) if place.is_dir())
     try:
         with tempfile.TemporaryFile(dir=there):

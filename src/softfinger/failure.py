@@ -1,4 +1,7 @@
-"""What ends a program, as one sentence; the unexpected goes into a file to be sent."""
+"""The sentence that a failing program ends with.
+
+An unexpected error goes into a file that the user can send.
+"""
 
 from __future__ import annotations
 
@@ -57,7 +60,10 @@ def describe_failure(error: Exception) -> str:
 
 
 def write_failure_report(error: Exception) -> Path | None:
-    """Write what is worth sending of an unexpected error; None where no folder can be written."""
+    """Write a report of an unexpected error.
+
+    Returns None where no folder can be written.
+    """
     text = "\n".join(
         [
             "softfinger ended with an unexpected error. Please send this file to its developers,",

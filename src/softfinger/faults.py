@@ -1,4 +1,7 @@
-"""Errors that a user can cause and mend: each one is a sentence that says what to do."""
+"""Errors that a user can cause and mend.
+
+The message of each is a sentence with what to do.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ MOST_LISTED = 100
 
 
 class Fault(Exception):
-    """Base of every error that is the input's and not the program's.
+    """Base of every error that the input causes.
 
     ``str(fault)`` is one clear sentence that names file, place, value and expectation; the
     command line prints it without a traceback. Characters of the input that cannot be printed, or
@@ -20,15 +23,18 @@ class Fault(Exception):
 
 
 class TrialFault(Fault):
-    """A recording that cannot be used: its trial is set aside with this reason."""
+    """A recording that cannot be used.
+
+    Its trial is set aside with this reason.
+    """
 
 
 class Interruption(Fault):
-    """Ctrl-C where more than the usual is to be said about it."""
+    """Ctrl-C with a message of its own."""
 
 
 class ListedFault(Fault):
-    """A thing that is refused whole, with all of its faults listed at once.
+    """A refusal that lists all faults at once.
 
     Examples
     --------
@@ -50,11 +56,14 @@ class ListedFault(Fault):
 
 
 class CampaignFault(ListedFault):
-    """A campaign folder that cannot be used at all: nothing is started."""
+    """A campaign folder that cannot be used at all.
+
+    Nothing is started.
+    """
 
 
 class ArtifactFault(ListedFault):
-    """A file that is not the artifact it is opened or saved as."""
+    """A file that is not the expected artifact."""
 
 
 def make_printable(text: str) -> str:
@@ -72,7 +81,7 @@ def make_printable(text: str) -> str:
 
 
 def show(text: str, longest: int = 60) -> str:
-    """A piece of someone's text for a message: quoted, printable and short.
+    """A piece of foreign text, quoted, printable and short.
 
     >>> show("a" * 9, longest=5)
     "'aaaaa…'"
@@ -82,7 +91,7 @@ def show(text: str, longest: int = 60) -> str:
 
 
 def list_briefly(names: Sequence[str], most: int = 8) -> str:
-    """Names in one line, the first few and the number of the others.
+    """The first few names and the others' number.
 
     >>> list_briefly(["a", "b", "c", "d"], most=2)
     'a, b and 2 others'

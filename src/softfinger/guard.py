@@ -1,4 +1,6 @@
-"""A process that ends a command and all that it started when its own parent ends.
+"""Guard: ends a command when the guard's parent ends.
+
+All that the command started ends with it.
 
 ``python -m softfinger.guard FD COMMAND…`` runs the command in the guard's process group. FD is the
 reading end of a pipe whose writing end only the parent holds: when that closes, however the parent
@@ -20,7 +22,10 @@ GRACE_S = 2.0  # for a job to remove what it has half written
 
 
 def main(arguments: list[str]) -> int:
-    """Run a command to its end; its exit status, 1 where a signal ended it."""
+    """Run a command to its end; its exit status.
+
+    The status is 1 where a signal ended the command.
+    """
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, _ignore)  # a handler, for the command must not inherit an ignored one
     running = subprocess.Popen(arguments[1:])

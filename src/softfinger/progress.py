@@ -21,14 +21,14 @@ QUIET = "SOFTFINGER_QUIET"
 
 
 def silence_progress() -> None:
-    """Show no bar any more in this process and in those that it starts."""
+    """Show no more bars in this and child processes."""
     os.environ[QUIET] = "1"
 
 
 def track_progress[Item](
     items: Iterable[Item], description: str, total: int | None = None
 ) -> Iterator[Item]:
-    """Yield the items of a long loop while a bar on standard error shows how far it has come.
+    """Yield the items of a loop behind a bar.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def track_progress[Item](
 
 @contextmanager
 def follow_progress(description: str, total: int) -> Iterator[Callable[[int], None]]:
-    """Show a bar for work that tells by itself how much of it is done.
+    """Show a bar for work that reports its progress.
 
     Gives the function that takes the number of steps done so far, from any thread.
     """

@@ -1,4 +1,4 @@
-"""Whether a rerun gives what was committed: a manifest of a run, and another run held against it.
+"""Compare a rerun with a committed run's manifest.
 
 ``python -m softfinger.reproduction manifest FOLDER MANIFEST`` writes the manifest of the run in a
 folder, ``… compare FOLDER MANIFEST`` says of each file whether it is the same, and why not.
@@ -47,7 +47,10 @@ REASONS = {
 
 
 class Answer(NamedTuple):
-    """How one file compares; `good` unless it differs beyond the tolerance."""
+    """How one file compares with the manifest.
+
+    `good` unless it differs beyond the tolerance.
+    """
 
     name: str
     word: str
@@ -56,7 +59,10 @@ class Answer(NamedTuple):
 
 
 def write_manifest(folder: Path, path: Path) -> None:
-    """Describe a run: hashes, provenance and summary values of everything in its folder."""
+    """Write a manifest that describes a run.
+
+    It contains hashes, provenance and summary values of every file in the folder.
+    """
     files = {name: describe_file(folder / name) for name in list_files(folder)}
     content = {
         "version": VERSION,
@@ -68,7 +74,10 @@ def write_manifest(folder: Path, path: Path) -> None:
 
 
 def describe_machine() -> dict[str, str]:
-    """Kind of machine, and hash of the lock: what equal bytes are promised for."""
+    """Kind of machine, and hash of the lock.
+
+    Equal bytes are promised only where these are equal.
+    """
     lock = (PROJECT / "environment.lock").read_bytes()
     return {
         "processor": platform.machine(),
@@ -79,7 +88,10 @@ def describe_machine() -> dict[str, str]:
 
 
 def list_files(folder: Path) -> list[str]:
-    """Files of a run that are results: artifacts, campaign, verdict, model; no log, no page."""
+    """Result files of a run.
+
+    Artifacts, campaign, verdict and model count; logs and pages do not.
+    """
     kinds = {".nc", ".json", ".yaml", ".csv", ".avi"}
     made = [p for p in folder.rglob("*") if p.is_file() and p.suffix in kinds]
     names = [p.relative_to(folder) for p in made]
@@ -91,7 +103,10 @@ def list_files(folder: Path) -> list[str]:
 
 
 def describe_file(path: Path) -> dict[str, Any]:
-    """Hash of a file; of an artifact also hash and summary of its values, and its provenance."""
+    """Hash of a file, with a summary of values.
+
+    An artifact's provenance is added.
+    """
     described: dict[str, Any] = {"sha256": hashlib.sha256(path.read_bytes()).hexdigest()}
     if path.suffix == ".json":
         verdict = json.loads(path.read_text(encoding="utf-8"))
@@ -109,7 +124,9 @@ def describe_file(path: Path) -> dict[str, Any]:
 
 
 def describe_text(text: str) -> dict[str, Any]:
-    r"""Hash of a text without the hashes that it cites, and summary of its numbers.
+    r"""Hash of a text, and summary of its numbers.
+
+    Hashes that the text cites are left out.
 
     >>> describe_text("a: 1\nb: 3\n")["summary"]["numbers"]["median"]
     2.0
@@ -137,7 +154,7 @@ def read_first_frame(path: Path) -> np.ndarray:
 
 
 def describe_artifact(path: Path) -> dict[str, Any]:
-    """Hash of an artifact's values, their summary, and the provenance that is stamped on it."""
+    """Hash, summary and provenance of an artifact's values."""
     with xr.open_datatree(path) as tree:
         attrs = {key: _plain(tree.attrs[key]) for key in REASONS if key in tree.attrs}
         digest, summary = hashlib.sha256(), {}
@@ -155,7 +172,7 @@ def describe_artifact(path: Path) -> dict[str, Any]:
 
 
 def summarise_values(values: np.ndarray) -> dict[str, float]:
-    """Quantiles of the finite values, and the share of the others.
+    """Quantiles of finite values, and the others' share.
 
     >>> summarise_values(np.array([0.0, 1.0, 2.0, np.nan]))["median"]
     1.0
@@ -169,7 +186,7 @@ def summarise_values(values: np.ndarray) -> dict[str, float]:
 
 
 def compare_run(folder: Path, manifest: Path) -> Iterator[Answer]:
-    """Hold the run in a folder against a manifest, file by file.
+    """Compare a run with a manifest, file by file.
 
     Raises
     ------
@@ -212,7 +229,7 @@ def compare_file(name: str, was: Mapping[str, Any], now: Mapping[str, Any]) -> A
 
 
 def choose_tolerance(name: str) -> float:
-    """Share of the scale by which a file's values may differ."""
+    """Allowed difference as a share of the scale."""
     kind = "video" if name.endswith(".avi") else KINDS.get(Path(name).stem, "rounding")
     return TOLERANCE[kind]
 
@@ -220,7 +237,7 @@ def choose_tolerance(name: str) -> float:
 def list_deviations(
     was: Mapping[str, Mapping[str, float]], now: Mapping[str, Mapping[str, float]], allowed: float
 ) -> Iterator[str]:
-    """Sentences on variables whose summary moved by more than is allowed.
+    """Sentences on summaries that moved beyond the tolerance.
 
     The scale of a variable is the distance of its outer quantiles, or the largest quantile's
     size where they coincide.
@@ -239,7 +256,7 @@ def list_deviations(
 
 
 def explain(was: Mapping[str, Any], now: Mapping[str, Any]) -> str:
-    """Say in words what made a file differ, from the provenance that both carry."""
+    """The stamped reason why a file differs."""
     changed = [words for key, words in REASONS.items() if was.get(key) != now.get(key)]
     if not changed:
         return "no stamp tells why: the kind of machine, or what it was made from"
@@ -247,7 +264,7 @@ def explain(was: Mapping[str, Any], now: Mapping[str, Any]) -> str:
 
 
 def tell(answers: list[Answer]) -> str:
-    """The comparison in lines, files that are equal counted together."""
+    """The comparison in lines; equal files are counted."""
     counts = {word: sum(a.word == word for a in answers) for word in {a.word for a in answers}}
     lines = [f"{a.word}: {a.name}: {a.why}" for a in answers if a.word != "equal"]
     total = ", ".join(f"{n} {word}" for word, n in sorted(counts.items()))

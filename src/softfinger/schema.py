@@ -1,4 +1,4 @@
-"""The schema of the configuration, generated from the blocks that the packages declare.
+"""The configuration's schema, generated from the declared blocks.
 
 ``python -m softfinger.schema workflow/schemas/config.schema.yaml`` renews the file, from which the
 workflow is checked before it starts, without importing the packages; a test finds drift.

@@ -1,4 +1,7 @@
-"""Blocks of the configuration: declared with units and ranges, refused with every fault listed."""
+"""Blocks of the configuration, with units and ranges.
+
+A refused block lists every fault.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,9 @@ from softfinger.faults import ListedFault
 
 
 class Settings(BaseModel):
-    """Base of every block; no defaults of its own, so that ``config/default.yaml`` tells all.
+    """Base of every block of the configuration.
+
+    It has no defaults, so that ``config/default.yaml`` shows every value.
 
     An unknown or missing key is a fault.
     """
@@ -22,7 +27,7 @@ class Settings(BaseModel):
 def read_settings[Block: Settings](
     block: type[Block], values: Mapping[str, Any], name: str, whole: type[Settings] | None = None
 ) -> Block:
-    """Validate one block of the configuration, or the part of it that a stage reads.
+    """Validate one block, or the part a stage reads.
 
     Parameters
     ----------

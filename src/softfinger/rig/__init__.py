@@ -1,4 +1,4 @@
-"""The rig: a serial motor controller and a camera record a campaign folder.
+"""The rig: motor controller and camera record a campaign.
 
 The recorder never trusts the cable: every line carries a checksum, every request is answered, and
 the controller lets the wire go by itself when the recorder falls silent.

@@ -1,4 +1,7 @@
-"""Cameras, real and virtual, behind one thread that stamps, measures the light and compresses."""
+"""Cameras, real and virtual, behind one thread.
+
+The thread stamps the pictures, measures the sync light and compresses.
+"""
 
 import os
 import threading
@@ -21,14 +24,17 @@ class PictureSource(Protocol):
     """What takes pictures."""
 
     def read(self) -> tuple[float, NDArray[np.uint8]]:
-        """Wait for the next frame: its stamp on the camera's clock [s], and the picture."""
+        """Next frame: stamp on the camera's clock [s], picture.
+
+        Waits for it.
+        """
 
     def close(self) -> None:
         """End it."""
 
 
 class StampedPicture(NamedTuple):
-    """A frame: stamp [s], mean grey of the sync light's place, picture as JPEG."""
+    """Stamp [s], sync light's mean grey, picture as JPEG."""
 
     stamp: float
     brightness: float
@@ -36,7 +42,7 @@ class StampedPicture(NamedTuple):
 
 
 class OpenCvCamera:
-    """A camera that OpenCV opens, by its number or device path.
+    """A camera that OpenCV opens, by number or path.
 
     The stamp is the driver's where the first frame has one, else the moment of arrival: either will
     do, because the sync light ties it to the controller's clock, but never a mixture.
@@ -55,7 +61,9 @@ class OpenCvCamera:
         self._stamped: bool | None = None
 
     def read(self) -> tuple[float, NDArray[np.uint8]]:
-        """Wait for the next frame: stamp [s] and picture (row, column, channel).
+        """Next frame: stamp [s], picture (row, column, channel).
+
+        Waits for it.
 
         Raises
         ------
@@ -77,7 +85,9 @@ class OpenCvCamera:
 
 
 def open_camera(name: str, plan: Plan) -> PictureSource:
-    """Open a camera: a number or path for OpenCV, or ``virtual:PORT`` of a simulator.
+    """Open a camera, real or virtual.
+
+    A number or path is for OpenCV, ``virtual:PORT`` for a simulator.
 
     Raises
     ------
@@ -91,7 +101,7 @@ def open_camera(name: str, plan: Plan) -> PictureSource:
 
 
 class FrameGrabber:
-    """Takes every frame of a camera from the moment it is entered until it is left."""
+    """Takes every frame of a camera inside its context."""
 
     def __init__(self, camera: PictureSource, plan: Plan) -> None:
         self._camera = camera

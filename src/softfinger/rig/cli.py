@@ -1,4 +1,4 @@
-"""`softfinger rig`: record a campaign, or simulate the rig that it is recorded from."""
+"""`softfinger rig`: record a campaign, or simulate a rig."""
 
 import contextlib
 import signal
@@ -24,7 +24,9 @@ def simulate(
     watchdog_s: Annotated[float, typer.Option(help="Silence after which it lets go.")] = 1.0,
     transcript: Annotated[Path | None, typer.Option(help="File for all that is said.")] = None,
 ) -> None:
-    """Simulate the controller on a pseudo-terminal, the finger behind it and the camera before it.
+    """Simulate a rig: controller, finger and camera.
+
+    The controller is on a pseudo-terminal.
 
     Prints port and camera, then serves until interrupted.
     """
@@ -48,7 +50,10 @@ def record(
         typer.Option(help="Column for trials.csv, as in temperature_c=23.5; may be repeated."),
     ] = None,
 ) -> None:
-    """Record the trials of PLAN that OUT does not hold yet. Ctrl-C lets the wire go and ends."""
+    """Record the trials that PLAN still misses in OUT.
+
+    Ctrl-C releases the wire and ends.
+    """
     from softfinger.rig.recorder import record_campaign
 
     noted = dict(_read_environment(text) for text in environment or [])
@@ -70,6 +75,6 @@ def _read_environment(text: str) -> tuple[str, float]:
 
 
 def _end_by_interrupt() -> None:
-    """Let a closed terminal and a polite kill end the program as Ctrl-C does."""
+    """Let closed terminals and SIGTERM end as Ctrl-C does."""
     for ending in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(ending, signal.default_int_handler)

@@ -1,4 +1,6 @@
-"""Two clocks, one time: the camera's stamps and the controller's microseconds.
+"""Two clocks, one time: camera's and controller's.
+
+The camera stamps its frames; the controller counts microseconds.
 
 Nothing is assumed of how late a frame is stamped: a light that the controller switches is seen in
 the frames, so the offset is between what a frame shows and what it is stamped with.
@@ -19,14 +21,14 @@ _SETTLED_FRAMES = 3  # a flash and a pause last so many frames and a bit
 
 
 class ClockOffset(NamedTuple):
-    """Camera time minus controller time [s], and by how much it may be off."""
+    """Camera time minus controller time [s], with its uncertainty."""
 
     offset: float
     uncertainty: float
 
 
 class FrameClock(NamedTuple):
-    """A camera's regular beat, freed from the jitter of its stamps.
+    """A camera's regular beat without the stamps' jitter.
 
     Frame ``slot[i]`` of the beat is the one with stamp i; it was taken at start + slot / rate.
     """
@@ -38,7 +40,7 @@ class FrameClock(NamedTuple):
 
 
 def compute_flash_duration(fps: float) -> float:
-    """Compute how long each flash and each pause last [s].
+    """Duration of each flash and each pause [s].
 
     Three frames and 1/8: the eight edges of four flashes then fall on eight evenly spread places
     within the frame interval, which pins the offset to ± 1/16 of it.
@@ -50,7 +52,9 @@ def compute_flash_duration(fps: float) -> float:
 
 
 def find_light_changes(brightness: NDArray[np.float64]) -> NDArray[np.int_]:
-    """Find the frames at which a light is seen to have changed; none without contrast.
+    """Frames at which the light changes visibly.
+
+    None without contrast.
 
     >>> find_light_changes(np.array([9, 8, 99, 98, 9]))
     array([2, 4])
@@ -64,7 +68,7 @@ def find_light_changes(brightness: NDArray[np.float64]) -> NDArray[np.int_]:
 def estimate_clock_offset(
     stamp: NDArray[np.float64], brightness: NDArray[np.float64], edges: Sequence[float]
 ) -> ClockOffset:
-    """Estimate camera minus controller time from a light seen to go on and off.
+    """Estimate camera minus controller time from a flashing light.
 
     An edge at controller time t is seen between two frames: stamp[k − 1] < t + offset ≤ stamp[k].
     The offset lies where all these intervals overlap, in whose middle it is put. Where jitter of
@@ -112,7 +116,9 @@ def estimate_clock_offset(
 
 
 def fit_frame_clock(stamp: NDArray[np.float64], fps: float) -> FrameClock:
-    """Fit a regular beat to the stamps of frames, some of which were dropped.
+    """Fit a regular beat to the stamps of frames.
+
+    Some frames may have been dropped.
 
     Gaps are counted in whole frames of the declared rate; then stamp = start + slot / rate by least
     squares.

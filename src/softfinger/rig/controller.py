@@ -1,4 +1,7 @@
-"""The controller as the recorder sees it: identified, limited, and let go whatever happens."""
+"""The controller as the recorder sees it.
+
+It is identified and limited, and it releases the wire whatever happens.
+"""
 
 import time
 from collections.abc import Iterator
@@ -18,7 +21,10 @@ _HELLO_EVERY_S = 0.5
 
 @dataclass(frozen=True)
 class Identity:
-    """What the controller says that it is; `zero` is when its clock stood at 0."""
+    """What the controller reports of itself.
+
+    `zero` is the time at which its clock was at 0.
+    """
 
     device: str
     firmware: str
@@ -33,7 +39,7 @@ class Identity:
 
 @dataclass(frozen=True)
 class Sample:
-    """One measurement: controller time [s], tension [N], motor current [A]."""
+    """Controller time [s], tension [N], motor current [A]."""
 
     time: float
     tension: float
@@ -41,7 +47,9 @@ class Sample:
 
 
 class Controller:
-    """A controller that is connected, identified and limited. Made by `connect_controller`.
+    """A controller that is connected, identified and limited.
+
+    `connect_controller` makes it.
 
     Attributes
     ----------
@@ -61,7 +69,7 @@ class Controller:
         self._may_pull = False
 
     def read_environment(self) -> dict[str, float]:
-        """Read the controller's own sensors of the room: column → value."""
+        """Read the controller's room sensors: column → value."""
         answer = self._request("environment")
         fields = {key: value for key, value in answer.fields.items() if key != "t_us"}
         try:
@@ -70,12 +78,18 @@ class Controller:
             raise Fault(f"the controller's environment {fields} holds what is no number") from None
 
     def flash(self, half_period: float) -> None:
-        """Let the sync light flash; an event ``light`` tells when it went on or off."""
+        """Let the sync light flash.
+
+        An event ``light`` gives the time of each change.
+        """
         self.take_events()
         self._request("sync", flashes=FLASHES, half_us=round(half_period * 1e6))
 
     def arm(self, knots: Knots, rate_hz: int) -> None:
-        """Send a profile, start the samples and switch the motor on, without tension."""
+        """Send a profile and arm, without tension.
+
+        The samples start and the motor is switched on.
+        """
         self._request("clear")
         for i, (moment, tension) in enumerate(zip(*knots, strict=True)):
             t_us, tension_mn = round(moment * 1e6), round(tension * 1e3)
@@ -92,7 +106,9 @@ class Controller:
         return self._request("start").get_integer("t_us") / 1e6
 
     def watch(self) -> None:
-        """Listen, keep the watchdog fed, and refuse what is unsafe. To be called all the time.
+        """Listen, feed the watchdog, and refuse what is unsafe.
+
+        Must be called all the time.
 
         Raises
         ------
@@ -116,7 +132,7 @@ class Controller:
         return taken
 
     def take_events(self) -> list[tuple[str, float]]:
-        """Return the events since the last time: name and controller time [s]."""
+        """New events: name and controller time [s]."""
         taken, self._events = self._events, []
         return taken
 
@@ -134,7 +150,9 @@ class Controller:
         self._take(self._link.poll())  # so that no later pull is blamed for this release
 
     def release_for_certain(self) -> str:
-        """Let the wire go though anything may be broken; return a clause that says what is known.
+        """Release the wire, though anything may be broken.
+
+        Returns a clause with what is known.
 
         The line is not trusted any more: garbage is skipped, and the request repeated.
         """
@@ -202,7 +220,9 @@ class Controller:
 
 @contextmanager
 def connect_controller(port: str, plan: Plan) -> Iterator[Controller]:
-    """Connect to the controller; whatever happens inside, the wire is let go at the end.
+    """Connect to the controller.
+
+    At the end the wire is released, whatever happens inside.
 
     Raises
     ------

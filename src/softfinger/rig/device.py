@@ -1,4 +1,6 @@
-"""The motor controller without port or clock: the simulator runs it, a firmware does the same.
+"""The motor controller without port or clock.
+
+The simulator runs it; a firmware does the same.
 
 Two times come from outside: `now` [s], which the motor, the samples and the sync light follow (it
 may be accelerated), and `wall` [s], real time, which the watchdog follows: a silent recorder is as
@@ -91,7 +93,7 @@ class Device:
         }
 
     def receive(self, line: bytes, now: float, wall: float) -> list[Message]:
-        """Carry out a request line; return the answer and what else there is to say."""
+        """Carry out a request line; answer and further lines."""
         try:
             message = parse_line(line)
         except LineFault:
@@ -112,7 +114,10 @@ class Device:
         return [*said, Message(message.number, "ok", answer)]
 
     def advance(self, now: float, wall: float) -> list[Message]:
-        """Go on to a later time; return the samples and events that it brings, in their order."""
+        """Advance to a time; samples and events until then.
+
+        They are in their order.
+        """
         said: list[tuple[float, Message]] = []
         while self._edges_told < len(self.edges) and self.edges[self._edges_told] <= now:
             time, on = self.edges[self._edges_told], 1 - self._edges_told % 2

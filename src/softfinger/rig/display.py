@@ -1,4 +1,7 @@
-"""What the person at the rig sees: trial, tension, frame rate, lost frames, and a picture."""
+"""What the person at the rig sees.
+
+Trial, tension, frame rate, lost frames, and a picture.
+"""
 
 import contextlib
 import time
@@ -17,7 +20,9 @@ _RATE_OVER_FRAMES = 30
 
 
 class Display:
-    """A line on standard error that follows the recording, and a picture beside the campaign.
+    """A line on standard error, and a preview picture.
+
+    The line follows the recording; the picture lies beside the campaign.
 
     Off a terminal only finished trials are told.
     """
@@ -70,7 +75,7 @@ class Display:
         self._bar.update(self._task, tension=tension)
 
     def show_frames(self, frames: Iterable[StampedPicture]) -> None:
-        """Show the frame rate and the lost frames; now and then write the preview."""
+        """Show frame rate and lost frames; refresh the preview."""
         frame = None
         for frame in frames:
             if self._stamps:

@@ -14,12 +14,18 @@ _HORIZON_S = 10.0  # beyond the last change of the load; afterwards the finger i
 
 
 def build_finger_config() -> VirtualRigConfig:
-    """Build the finger and the scene of all simulations: the example campaign's."""
+    """Build the finger and scene of all simulations.
+
+    They are the example campaign's.
+    """
     return read_config(EXAMPLE_CONFIG)
 
 
 class VirtualFinger:
-    """One finger, drawn afresh and at rest in every trial, moved by the paper's mechanics."""
+    """One simulated finger, at rest before every trial.
+
+    Each trial draws its parameters anew; the paper's mechanics move it.
+    """
 
     def __init__(self, config: VirtualRigConfig, seed: int) -> None:
         self._geometry = FingerGeometry.uniform(
@@ -33,7 +39,9 @@ class VirtualFinger:
     def compute_angle(
         self, trial: int, load_time: NDArray, load_tension: NDArray, time: float
     ) -> NDArray[np.float64]:
-        """Compute the joint angles (joint,) [rad] at a time of a trial with this load history.
+        """Joint angles (joint,) [rad] under this load history.
+
+        At a time of the trial.
 
         Parameters
         ----------

@@ -1,4 +1,6 @@
-"""The campaign folder under recording: a finished trial is whole and stays, all else is nothing.
+"""The campaign folder that is being recorded.
+
+A finished trial is whole and stays; nothing else remains.
 
 A trial exists from the moment that ``trials.csv`` names it, which is the last thing written. Every
 file is written under another name, flushed to the disk, and then given its own.
@@ -31,7 +33,10 @@ _SPARE_BYTES = 50_000_000
 
 
 class RecordingFolder:
-    """A folder that is recorded into. Made or resumed by `open_folder`."""
+    """A folder that is recorded into.
+
+    `open_folder` makes or resumes it.
+    """
 
     def __init__(self, path: Path, rows: list[dict[str, str]]) -> None:
         self.path = path
@@ -43,7 +48,7 @@ class RecordingFolder:
         return [row["trial"] for row in self._rows]
 
     def require_space(self, n_bytes: int) -> None:
-        """Refuse to begin a trial that the disk could not hold.
+        """Refuse a trial that the disk cannot store.
 
         Raises
         ------
@@ -89,7 +94,9 @@ class RecordingFolder:
 
 
 def open_folder(path: Path, plan: Plan, plan_text: str, simulated: bool) -> RecordingFolder:
-    """Begin a campaign folder, or go on with the one that the same plan began.
+    """Begin a campaign folder, or resume it.
+
+    It is resumed only with the plan that began it.
 
     Raises
     ------
@@ -166,7 +173,10 @@ def _format_table(rows: list[dict[str, str]]) -> str:
 
 
 def _format_load(recording: TrialRecording) -> str:
-    """The measured tension of the profile; a wire cannot push, so noise below 0 is cut off."""
+    """Measured tension of the profile, noise below 0 cut.
+
+    A wire cannot push.
+    """
     time, hair = recording.sample_time, 1e-7
     pulled = (time >= recording.load_start - hair) & (time <= recording.load_end + hair)
     columns = [time[pulled], np.maximum(recording.tension[pulled], 0.0)]
@@ -195,7 +205,10 @@ def _write_text(path: Path, text: str) -> None:
 
 @contextmanager
 def _write_whole(path: Path) -> Iterator[Path]:
-    """Give a temporary name in the same folder, which becomes `path` if all goes well."""
+    """Yield a temporary name that becomes `path` on success.
+
+    It is in the same folder.
+    """
     unfinished = path.with_name(_UNFINISHED + path.name)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

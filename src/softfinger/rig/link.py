@@ -1,4 +1,7 @@
-"""The recorder's end of the serial line: numbered requests, each answered, nothing lost unseen."""
+"""The recorder's end of the serial line.
+
+Requests are numbered and each is answered; a lost line is noticed.
+"""
 
 import time
 from collections import deque
@@ -19,7 +22,9 @@ class Silence(Fault):
 
 
 class SerialLink:
-    """A serial port on which a controller speaks the protocol; closed on leaving its context.
+    """A serial port to a controller with the protocol.
+
+    It closes at the end of its context.
 
     Lines that cannot be read are skipped until `trust` (a controller that boots says all sorts of
     things) and after `distrust`; in between the first one ends the session.
@@ -76,14 +81,17 @@ class SerialLink:
         return answer
 
     def poll(self) -> list[Message]:
-        """Return what the controller has said unasked since the last time."""
+        """What the controller has sent unasked since last time."""
         self._receive()
         said = list(self._unasked)
         self._unasked.clear()
         return said
 
     def trust(self) -> None:
-        """Take every line seriously from now on; forget what was said unasked before."""
+        """Take every line seriously from now on.
+
+        Lines that came unasked before are dropped.
+        """
         self._trusted = True
         self._unasked.clear()
 

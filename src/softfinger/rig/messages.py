@@ -1,4 +1,4 @@
-r"""The lines that travel between recorder and controller: text, numbered, checksummed.
+r"""Lines between recorder and controller: text, numbered, checksummed.
 
 A line is ``BODY*CCCC\n``: BODY is ``NUMBER VERB key=value key=value …`` in printable ASCII, CCCC
 the CRC-16/CCITT-FALSE of BODY (polynomial 0x1021, initial value 0xFFFF) in four hexadecimal
@@ -24,14 +24,17 @@ class LineFault(Fault):
 
 @dataclass(frozen=True)
 class Message:
-    """One line's content; values are kept as text until somebody knows their unit."""
+    """One line's content.
+
+    Values are text; only the reader knows their unit.
+    """
 
     number: int
     verb: str
     fields: Mapping[str, str] = field(default_factory=dict)
 
     def get_integer(self, key: str) -> int:
-        """Read a field that must be an integer; its unit is the key's suffix.
+        """Integer field; its unit is the key's suffix.
 
         Raises
         ------
@@ -96,13 +99,18 @@ def parse_line(line: bytes) -> Message:
 
 
 class LineAssembler:
-    """Cuts a stream of bytes into lines, however the bytes are dealt out."""
+    """Cuts a stream of bytes into lines.
+
+    The bytes may come in pieces of any size.
+    """
 
     def __init__(self) -> None:
         self._begun = b""
 
     def feed(self, received: bytes) -> list[bytes]:
-        r"""Add bytes; return the lines that they complete, empty ones left out.
+        r"""Add bytes; return the lines that they complete.
+
+        Empty lines are left out.
 
         A line that grows beyond LONGEST_LINE is handed out as it is: it has no right checksum.
 

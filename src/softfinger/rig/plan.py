@@ -1,4 +1,7 @@
-"""The plan of a recording: what is pulled, how often, and within which limits; one YAML file."""
+"""The plan of a recording, one YAML file.
+
+It states what is pulled, how often, and within which limits.
+"""
 
 from collections import Counter
 from pathlib import Path
@@ -17,7 +20,10 @@ Pixels = Annotated[int, Field(ge=0)]
 
 
 class Safety(Settings):
-    """Limits that both sides check, and how long a silence is believed to be harmless."""
+    """Limits that both sides check.
+
+    Also how long a silence counts as harmless.
+    """
 
     tension_limit_n: Positive
     connect_timeout_s: Positive  # controllers that restart when their port is opened need seconds
@@ -53,7 +59,10 @@ class Recording(Settings):
 
 
 class Plan(Settings):
-    """The whole file. `campaign` holds the finger and camera sections of ``campaign.yaml``."""
+    """The whole file.
+
+    `campaign` contains the finger and camera sections of ``campaign.yaml``.
+    """
 
     version: Literal[1]
     campaign: dict[str, Any]
@@ -125,7 +134,9 @@ def read_plan(path: Path) -> Plan:
 
 
 def build_schedule(plan: Plan) -> list[PlannedTrial]:
-    """Build the list of trials: every profile once per repeat, shuffled within each repeat.
+    """List of trials, shuffled within each repeat.
+
+    Every repeat contains every profile once.
 
     Shuffled by blocks, so that neither fatigue nor the weather of the day is confounded with a
     profile, and a campaign that ends early is still balanced. The same plan gives the same list.

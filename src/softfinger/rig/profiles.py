@@ -1,4 +1,6 @@
-"""Tension profiles: named shapes that become knots, the one form that is sent and stored.
+"""Tension profiles: named shapes that become knots.
+
+Knots are the one form that is sent and stored.
 
 Knots are (time [s], tension [N]): straight lines between, two knots of one time are a step. A
 profile begins at time 0, from a slack wire, and its last tension holds until the wire is released.
@@ -28,7 +30,10 @@ class _Profile(Settings):
     def _list_knots(self) -> list[tuple[float, float]]: ...
 
     def build_knots(self) -> Knots:
-        """Build the knots: times (knot,) [s], nondecreasing from 0, and tensions (knot,) [N]."""
+        """Times (knot,) [s] and tensions (knot,) [N].
+
+        Times start at 0 and do not decrease.
+        """
         time, tension = np.array(self._list_knots()).T
         return time, tension
 
@@ -50,7 +55,10 @@ class Steps(_Profile):
 
 
 class Staircase(_Profile):
-    """Climbs to the peak in equal stairs and down again, holding each, the peak once."""
+    """Equal stairs up to the peak and down again.
+
+    Each is held, the peak once.
+    """
 
     shape: Literal["staircase"]
     peak_n: Positive
@@ -63,7 +71,7 @@ class Staircase(_Profile):
 
 
 class Ramps(_Profile):
-    """Moves to each level on a straight line, then holds it."""
+    """Straight line to each level, then a hold."""
 
     shape: Literal["ramps"]
     levels_n: Levels
@@ -79,7 +87,7 @@ class Ramps(_Profile):
 
 
 class Triangle(_Profile):
-    """Rises to the peak and falls back to 0, over and over."""
+    """Rises to the peak and back to 0, repeatedly."""
 
     shape: Literal["triangle"]
     peak_n: Positive
@@ -91,7 +99,10 @@ class Triangle(_Profile):
 
 
 class Sine(_Profile):
-    """Swings about a mean, from its lowest tension: mean − amplitude cos(2π t / period)."""
+    """Tension mean − amplitude cos(2π t / period).
+
+    It begins at the lowest tension.
+    """
 
     shape: Literal["sine"]
     mean_n: Positive

@@ -1,4 +1,7 @@
-"""Protocols that a rig could record instead: each a list of profiles, within the same limits."""
+"""Other protocols that a rig could record.
+
+Each is a list of profiles within the same limits.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,7 @@ STAIRS = (0.35, 0.7, 1.0, 0.6, 0.3, 0.9)
 
 
 def propose_profiles(peak: float, duration: float) -> dict[str, list[Profile]]:
-    """List protocols of trials of one length [s] that reach a peak tension [N].
+    """Protocols of one trial length [s] and peak [N].
 
     Examples
     --------
@@ -45,7 +48,10 @@ def propose_profiles(peak: float, duration: float) -> dict[str, list[Profile]]:
 
 
 def stack_knots(profiles: Sequence[Profile]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Stack times [s] and tensions [N] (profile, knot) of profiles, the last knot repeated."""
+    """Times [s] and tensions [N] (profile, knot) of profiles.
+
+    The last knot is repeated.
+    """
     knots = [profile.build_knots() for profile in profiles]
     longest = max(time.size for time, _ in knots)
     time, tension = (
@@ -56,11 +62,11 @@ def stack_knots(profiles: Sequence[Profile]) -> tuple[NDArray[np.float64], NDArr
 
 
 def measure_reach(profiles: Sequence[Profile]) -> tuple[float, float]:
-    """Largest tension [N] and longest time [s] of some profiles."""
+    """Largest tension [N] and longest time [s] of profiles."""
     time, tension = stack_knots(profiles)
     return float(tension.max()), float(time.max())
 
 
 def describe_profiles(profiles: Sequence[Profile]) -> list[Mapping[str, object]]:
-    """Write profiles as the list that stands under ``profiles:`` in a plan."""
+    """The list under ``profiles:`` in a plan."""
     return [profile.model_dump(mode="json") for profile in profiles]

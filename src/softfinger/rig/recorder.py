@@ -1,4 +1,4 @@
-"""The recording session: trial after trial until the plan is done."""
+"""The recording session, until the plan is done."""
 
 import math
 from collections.abc import Mapping
@@ -18,7 +18,7 @@ _BYTES_PER_FRAME = 400_000  # a compressed picture of a few megapixels
 def record_campaign(
     plan_file: Path, folder: Path, port: str, camera: str, environment: Mapping[str, float]
 ) -> None:
-    """Record the trials of a plan that the folder does not hold yet.
+    """Record the plan's trials that the folder misses.
 
     Parameters
     ----------

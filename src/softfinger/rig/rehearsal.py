@@ -1,4 +1,6 @@
-"""Faults that the simulator rehearses on request, so that nobody meets one first on a real finger.
+"""Faults that the simulator rehearses on request.
+
+So nobody meets one first on a real finger.
 
 ``rehearse fault=NAME after_ms=N`` lets NAME happen N ms of controller time after the next start; no
 other controller knows this verb. A lasting fault ends with the next ``hello``.
@@ -47,7 +49,7 @@ class Rehearsal:
         return Message(message.number, "ok")
 
     def begin(self, device: Device, now: float) -> str | None:
-        """Begin the pending fault if its time has come; return its name in that moment."""
+        """Begin the pending fault when due; its name then."""
         if self._pending is None or device.state != "running":
             return None
         name, after = self._pending
@@ -65,7 +67,7 @@ class Rehearsal:
         device.ignores_limit = False
 
     def spoil(self, message: Message) -> bytes:
-        """Write a message as the line that comes out at the other end of a faulty cable."""
+        """Message as it leaves a faulty cable."""
         line = format_message(message)
         if message.verb == "ok" and "version" in message.fields and self._take("wrong_version"):
             fields = {**message.fields, "version": "999"}

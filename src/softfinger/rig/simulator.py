@@ -1,4 +1,7 @@
-"""A motor controller with a finger behind it, on a pseudo-terminal: a rig without hardware."""
+"""A rig without hardware, on a pseudo-terminal.
+
+A motor controller with a finger behind it.
+"""
 
 import bisect
 import contextlib
@@ -24,7 +27,7 @@ _MOST_WAITING_BYTES = 1_000_000  # what a host's driver would hold for a slow re
 
 
 class Simulator:
-    """One process, one loop: the port, the device, the finger, the camera's exposures.
+    """One loop of port, device, finger and camera exposures.
 
     Attributes
     ----------
@@ -156,7 +159,9 @@ class Simulator:
 
 
 def simulate(settings: DeviceSettings, fps: float, seed: int, transcript: Path | None) -> None:
-    """Run a simulated rig until interrupted; print where its port and its camera are.
+    """Run a simulated rig until interrupted.
+
+    It prints its port and its camera.
 
     Parameters
     ----------

@@ -1,4 +1,7 @@
-"""One trial: align the clocks, pull, let go, align again; then one time for all."""
+"""One trial: align clocks, pull, align again.
+
+Then all data have one time.
+"""
 
 import time
 from collections.abc import Sequence
@@ -69,7 +72,10 @@ class TrialRecording:
 
 @dataclass(frozen=True)
 class Pull:
-    """What came in while the wire was pulled; controller times [s], camera stamps [s]."""
+    """What came in while the wire was pulled.
+
+    Controller times [s], camera stamps [s].
+    """
 
     started: float
     ended: float
@@ -78,7 +84,7 @@ class Pull:
 
 
 class Rig:
-    """Controller, camera and display, which must all be served all the time."""
+    """Controller, camera and display, served all the time."""
 
     def __init__(
         self, controller: Controller, grabber: FrameGrabber, display: Display, plan: Plan
@@ -89,14 +95,14 @@ class Rig:
         self._display = display
 
     def serve(self) -> list[StampedPicture]:
-        """Serve everything once; return the frames since the last time."""
+        """Serve everything once; frames since the last time."""
         self.controller.watch()
         frames = self._grabber.take()
         self._display.show_frames(frames)
         return frames
 
     def record_trial(self, knots: Knots) -> TrialRecording:
-        """Record a trial: the wire is slack before and after.
+        """Record a trial; the wire is slack around it.
 
         Raises
         ------
@@ -161,7 +167,7 @@ class Rig:
 def assemble_trial(
     pull: Pull, before: ClockOffset, after: ClockOffset, plan: Plan
 ) -> TrialRecording:
-    """Put frames and samples of a pull into one time.
+    """Put a pull's frames and samples into one time.
 
     A lost frame's place is taken by the frame before it, so that time in the video goes on.
 
@@ -202,7 +208,10 @@ def assemble_trial(
 
 
 def _check_samples(pull: Pull, rate_hz: float) -> None:
-    """Refuse a pull whose last samples are missing; that none is missing between is known."""
+    """Refuse a pull whose last samples are missing.
+
+    That none is missing between is checked elsewhere.
+    """
     sampled = pull.samples[-1].time
     if sampled < pull.ended - 1.5 / rate_hz:
         raise Fault(
@@ -214,7 +223,10 @@ def _check_samples(pull: Pull, rate_hz: float) -> None:
 def _fill_gaps(
     clock: FrameClock, frames: Sequence[StampedPicture]
 ) -> tuple[NDArray[np.int_], NDArray[np.float64]]:
-    """Which frame to show at each beat, and its stamp, NaN where it stands in for a lost one."""
+    """Frame to show at each beat, and its stamp.
+
+    The stamp is NaN where the frame replaces a lost one.
+    """
     beat = np.arange(clock.slot[-1] + 1)
     shown = np.searchsorted(clock.slot, beat, side="right") - 1
     stamp = np.full(beat.size, np.nan)

@@ -11,7 +11,9 @@ import numpy as np
 
 
 def write_video(path: Path, pictures: Sequence[bytes], rate: float) -> None:
-    """Write JPEG pictures of one size to an ``.avi``, and read it again to be sure.
+    """Write JPEG pictures to an ``.avi`` and verify it.
+
+    All pictures have one size.
 
     Parameters
     ----------
@@ -47,7 +49,10 @@ def write_video(path: Path, pictures: Sequence[bytes], rate: float) -> None:
 
 
 def count_frames(path: Path) -> int:
-    """Count the frames that can be decoded, which is not what a container claims."""
+    """Number of frames that can be decoded.
+
+    A container may claim another number.
+    """
     capture = cv2.VideoCapture(str(path))
     count = 0
     while capture.grab():

@@ -1,4 +1,6 @@
-"""A camera that films the simulated finger: the simulator tells what it looks like, frame by frame.
+"""A camera that films the simulated finger.
+
+The simulator sends it the finger's state, frame by frame.
 
 The simulator sends one small record per exposure, on a TCP port of this machine; the picture is
 made where it is wanted, by the virtual rig's renderer. Exposures are at exact camera times however
@@ -38,7 +40,7 @@ _MOST_WAITING_BYTES = 4_000_000
 
 
 class ExposureFeed:
-    """The simulator's end: says at each frame's time what the finger looks like."""
+    """The simulator's end: sends each frame's finger state."""
 
     def __init__(self, fps: float) -> None:
         self.fps = fps
@@ -54,7 +56,10 @@ class ExposureFeed:
         return f"virtual:{self._listener.getsockname()[1]}"
 
     def list_due_frames(self, now: float) -> range:
-        """List the frames [number] whose time k / fps has come; none while nobody looks."""
+        """Frames [number] whose time k / fps has come.
+
+        None while nobody looks.
+        """
         self._accept(now)
         last = math.floor(now * self.fps)
         due = range(self._next_frame, last + 1) if self._viewer else range(0)
@@ -62,7 +67,10 @@ class ExposureFeed:
         return due
 
     def send(self, frame: int, light: bool, angle: NDArray[np.float64]) -> None:
-        """Send a frame; it is lost when the viewer is megabytes behind."""
+        """Send a frame; a slow viewer loses it.
+
+        A viewer is slow when it is megabytes behind.
+        """
         if len(self._waiting) < _MOST_WAITING_BYTES:
             stamp = frame / self.fps + CAMERA_AHEAD_S
             self._waiting += _EXPOSURE.pack(frame, stamp, int(light), *angle)
@@ -119,7 +127,9 @@ class VirtualCamera:
         self._render(0, False, np.zeros(3))  # compiles now what must not wait later
 
     def read(self) -> tuple[float, NDArray[np.uint8]]:
-        """Wait for the next frame: stamp [s] and picture (row, column).
+        """Next frame: stamp [s] and picture (row, column).
+
+        Waits for it.
 
         Raises
         ------

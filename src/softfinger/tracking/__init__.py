@@ -1,4 +1,7 @@
-"""Video → marker positions → joint angles, each with its uncertainty."""
+"""From video to marker positions and joint angles.
+
+Each result has its uncertainty.
+"""
 
 from softfinger.tracking.angles import compute_joint_angles
 from softfinger.tracking.assemble import assemble_angles

@@ -18,7 +18,7 @@ _UNWRAP_WINDOW = 11  # frames
 
 
 def compute_joint_angles(markers: xr.Dataset, campaign: Campaign) -> xr.Dataset:
-    r"""Relative joint angles of every frame, from the directions of the rigid links.
+    r"""Relative joint angles from the rigid links' directions.
 
     A link's direction is that of the line :math:`p_k = a + s_k (\cos φ, -\sin φ)` fitted to its
     seen markers with weights 1/sd²; :math:`s_k` are the markers' own distances along the link.
@@ -76,7 +76,9 @@ def compute_joint_angles(markers: xr.Dataset, campaign: Campaign) -> xr.Dataset:
 
 
 def compute_direction_array(position: np.ndarray, sd: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Direction of a link in the picture, counter-clockwise from x to the right, and its variance.
+    """Direction of a link in the picture, with variance.
+
+    It counts counter-clockwise from x to the right.
 
     Parameters
     ----------
@@ -117,7 +119,9 @@ def compute_direction_array(position: np.ndarray, sd: np.ndarray) -> tuple[np.nd
 
 
 def measure_offsets_array(position: np.ndarray) -> np.ndarray:
-    """Distance of each of a link's markers from its first one [px], the median over frames.
+    """Distances of a link's markers from its first [px].
+
+    Each is the median over frames.
 
     >>> measure_offsets_array(np.array([[[0.0, 0.0], [3.0, 4.0]], [[1.0, 0.0], [1.0, 5.0]]]))
     array([0., 5.])
@@ -132,7 +136,7 @@ def measure_offsets_array(position: np.ndarray) -> np.ndarray:
 
 
 def steady_base_array(angle: np.ndarray, variance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Direction of the base averaged over frames, with the variance of that average.
+    """Mean direction of the base, with its variance.
 
     Parameters
     ----------
@@ -194,7 +198,9 @@ def build_covariance_array(variance: np.ndarray) -> np.ndarray:
 
 
 def unwrap_array(angle: np.ndarray) -> np.ndarray:
-    """A continuous angle, starting within ±π; false samples and gaps do not shift what follows.
+    """A continuous angle that starts within ±π.
+
+    False samples and gaps do not shift what follows.
 
     >>> unwrap_array(np.array([3.0, np.nan, 3.2 - 2 * np.pi])).round(9)
     array([3. , nan, 3.2])

@@ -1,4 +1,7 @@
-"""How markers differ from what surrounds them: polarity, colour, and the best mix of channels."""
+"""How markers differ from their surroundings.
+
+Polarity, colour, and the best mix of channels.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +16,19 @@ _RIDGE = 0.1  # of the mean channel variance: channels of a grey picture have on
 
 
 def choose_polarity(colour: str | None) -> int:
-    """−1 dark markers, +1 light ones (or of a declared colour), 0 either."""
+    """Polarity: −1 dark, +1 light, 0 either.
+
+    Markers of a declared colour are light.
+    """
     if colour is not None and colour.startswith("#"):
         return 1
     return POLARITY.get(colour or "", 0)
 
 
 def draw_closeness(picture: np.ndarray, colour: str) -> np.ndarray:
-    """Light that rises towards a declared colour, 255 where a pixel has it.
+    """Light that rises towards a declared colour.
+
+    It is 255 where a pixel has that colour.
 
     Hue and saturation count twice as much as brightness, which the light decides.
 
@@ -49,7 +57,9 @@ def draw_closeness(picture: np.ndarray, colour: str) -> np.ndarray:
 
 
 def choose_weight(picture: np.ndarray, discs: np.ndarray) -> np.ndarray:
-    r"""Mix of the channels in which the discs stand out most from the noise around them.
+    r"""Mix of channels that shows the discs best.
+
+    Contrast counts in units of the noise around the discs.
 
     :math:`w ∝ Σ^{-1} c` with c the mean difference of a disc's light from its surroundings and Σ
     the covariance of the channels there, scaled so that :math:`Σ|w| = 1` and the discs keep the
@@ -84,7 +94,10 @@ def choose_weight(picture: np.ndarray, discs: np.ndarray) -> np.ndarray:
 
 
 def measure_light(picture: np.ndarray, weight: np.ndarray, discs: np.ndarray) -> np.ndarray:
-    """Discs (disc, 8) with contrast and level as they are in another mix of the channels."""
+    """Discs (disc, 8), their light in another channel mix.
+
+    Contrast and level change; the other columns stay.
+    """
     measured = discs.copy()
     for disc in measured:
         inside, around = _sample(picture, disc)
@@ -96,7 +109,7 @@ def measure_light(picture: np.ndarray, weight: np.ndarray, discs: np.ndarray) ->
 
 
 def _sample(picture: np.ndarray, disc: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pixels (pixel, channel) well inside a disc, and around it."""
+    """Pixels (pixel, channel) inside and around a disc."""
     reach = _TO * disc[RADIUS] + disc[SPREAD]
     top, left = max(0, int(disc[Y] - reach)), max(0, int(disc[X] - reach))
     window = picture[top : int(disc[Y] + reach) + 2, left : int(disc[X] + reach) + 2]

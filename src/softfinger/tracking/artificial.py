@@ -1,4 +1,4 @@
-"""Pictures of discs with known sub-pixel truth, and the best that anyone can do with them.
+"""Pictures of discs with known sub-pixel truth.
 
 For tests and benchmarks; no stage uses it. Discs are drawn by counting sub-pixels and blurring the
 fine picture: nothing is shared with the profile that the fit believes in.
@@ -17,7 +17,9 @@ def draw_disc(
     blur: float,
     divisions: int = 20,
 ) -> np.ndarray:
-    """Share of every pixel's light that comes from a disc, by supersampled coverage.
+    """Share of each pixel's light from a disc.
+
+    Computed by supersampled coverage.
 
     Parameters
     ----------
@@ -60,7 +62,7 @@ def draw_disc(
 
 
 def expose(light: np.ndarray, noise_sd: float, rng: np.random.Generator) -> np.ndarray:
-    """Add white camera noise to a picture's light and round it to 8 bits.
+    """Picture in 8 bits with white camera noise.
 
     Returns
     -------
@@ -73,7 +75,7 @@ def expose(light: np.ndarray, noise_sd: float, rng: np.random.Generator) -> np.n
 def compute_position_bound(
     centre: tuple[float, float], radius: float, blur: float, contrast: float, noise_sd: float
 ) -> float:
-    r"""Smallest standard deviation that an unbiased estimate of a disc's x can have.
+    r"""Smallest sd of an unbiased estimate of x.
 
     The Cramér–Rao bound of the rendered disc with contrast, radius, blur and level unknown too, in
     a window so wide that the slopes of the light cost nothing. The noise is that of the camera and

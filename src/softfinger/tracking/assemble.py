@@ -1,4 +1,7 @@
-"""Joint angles, loads and covariates of a whole campaign, from whatever level each trial has."""
+"""Joint angles, loads and covariates of a campaign.
+
+Each trial starts from the level that it was recorded at.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +32,7 @@ from softfinger.tracking.specimen import refuse_relaxation, scale_motion
 def assemble_angles(
     campaign: Campaign, markers: Sequence[xr.Dataset], limits: Mapping[str, float] = LIMITS
 ) -> xr.Dataset:
-    """Gather joint angles and loads of all trials into the one `angles` artifact.
+    """Gather all trials into the one `angles` artifact.
 
     Parameters
     ----------
@@ -80,7 +83,7 @@ def read_trial(
     filmed: Mapping[str, xr.Dataset],
     limits: Mapping[str, float],
 ) -> xr.Dataset:
-    """Read one trial's joint angles with flags, and its load.
+    """Joint angles with flags of a trial, and load.
 
     Returns
     -------
@@ -122,7 +125,9 @@ def read_trial(
 
 
 def find_load_jumps_array(load_time: np.ndarray, load: np.ndarray) -> np.ndarray:
-    """Times at which a piecewise-linear load jumps: those of repeated knots that differ.
+    """Times at which a piecewise-linear load jumps.
+
+    They are repeated knots with different values.
 
     >>> find_load_jumps_array(np.array([0.0, 1.0, 1.0, 4.0]), np.array([0.0, 0.0, 2.0, 2.0]))
     array([1.])
@@ -131,7 +136,10 @@ def find_load_jumps_array(load_time: np.ndarray, load: np.ndarray) -> np.ndarray
 
 
 def flag_frames(angles: xr.Dataset, load_jumps: np.ndarray) -> xr.Dataset:
-    """Flag repeated frames and a tracker's jumps; values stay as they are."""
+    """Flag repeated frames and a tracker's jumps.
+
+    Values stay as they are.
+    """
     angle = angles["joint_angle"].transpose("joint", "frame").to_numpy()
     time = angles["time"].to_numpy()
     flag = angles["angle_flag"].transpose("joint", "frame").to_numpy().copy()
@@ -208,7 +216,10 @@ def _gather(
 
 
 def _pad(one: xr.Dataset, frames: int, knots: int) -> xr.Dataset:
-    """Lengthen a trial: frames that are not there (NaN), and the last knot of the load again."""
+    """Lengthen a trial to the common length.
+
+    Missing frames are NaN; the load repeats its last knot.
+    """
     more = {"frame": (0, frames - one.sizes["frame"])}
     # In one call xarray would pad the variables that are not named with 0.
     longer = one.drop_vars(["load_time", "load_torque", "angle_flag"]).pad(more)
@@ -225,7 +236,10 @@ def _compute_starts(trials: Sequence[Trial]) -> np.ndarray:
 
 
 def describe_geometry(campaign: Campaign) -> dict[str, tuple[tuple[str, ...], np.ndarray]]:
-    """Build the finger's geometry as variables of the artifact; NaN where it is not declared."""
+    """The finger's geometry as variables of the artifact.
+
+    NaN where it is not declared.
+    """
     finger = campaign.finger
     length = _per_joint(finger.link_length_m, finger.joints)
     mass = _per_joint(finger.link_mass_kg, finger.joints)

@@ -1,4 +1,4 @@
-"""What is rigid about the markers, and lost ones found again by it."""
+"""Rigid links of markers, which find lost ones."""
 
 from __future__ import annotations
 
@@ -26,13 +26,16 @@ class _Search:
     discs: np.ndarray
 
     def measure_away(self, marker: int, disc: int) -> float:
-        """How far a disc is from a marker's predicted place, in that marker's reach."""
+        """Distance of a disc from a marker's predicted place.
+
+        In units of the marker's reach.
+        """
         return float(_measure_gap(self.discs[disc], self.predicted[marker]) / self.reach[marker])
 
 
 @dataclass(frozen=True)
 class Body:
-    """Links of markers that keep their distances, chained by joints.
+    """Links of markers at fixed distances, chained by joints.
 
     Parameters
     ----------
@@ -62,7 +65,7 @@ class Body:
         joint: np.ndarray | None = None,
         arm: np.ndarray | None = None,
     ) -> Body:
-        """Learn the distances from the markers' places in one picture (marker, axis) [px]."""
+        """Learn distances from one picture's markers (marker, axis) [px]."""
         pairs = [pair for link in links for pair in combinations(link, 2)]
         first, second = np.array(pairs, int).reshape(-1, 2).T
         return cls(
@@ -75,7 +78,9 @@ class Body:
         )
 
     def find_stretched(self, position: np.ndarray, radius: np.ndarray) -> np.ndarray:
-        """Markers (marker,) bool at a wrong distance from one on their link: one of both is false.
+        """Markers (marker,) bool at a wrong distance.
+
+        Of two such markers on a link, one or both are false.
 
         Examples
         --------
@@ -92,7 +97,10 @@ class Body:
         return stretched
 
     def adapt(self, position: np.ndarray) -> None:
-        """Let the distances follow slowly: a lens and a slant change them as the finger moves."""
+        """Let the distances follow slowly.
+
+        A lens and a slant change them as the finger moves.
+        """
         gap = _measure_gap(position[self.first], position[self.second])
         self.distance[:] += _ADAPTION * np.where(np.isfinite(gap), gap - self.distance, 0.0)
 
@@ -104,7 +112,9 @@ class Body:
         lost_for: np.ndarray,
         discs: np.ndarray,
     ) -> dict[int, int]:
-        """Which disc is which lost marker; a marker that is not there is left out.
+        """Find which disc is which lost marker.
+
+        A marker that is not there is left out.
 
         A disc is taken only where it lies at the known distance from the link's other markers;
         among such choices the one with most markers wins, then the one nearest to where the
@@ -139,7 +149,10 @@ class Body:
     def _list_choices(
         self, number: int, lost: Sequence[int], free: Sequence[int], search: _Search
     ) -> Iterator[tuple[int, float, tuple[int, ...]]]:
-        """Choices of discs (−1 = none) for a link's lost markers: (−number taken, cost, discs)."""
+        """Choices of discs for a link's lost markers.
+
+        Each is (−number taken, cost, discs); a disc of −1 means none.
+        """
         joint = self._find_joint(number, search.place)
         link = list(self.links[number])
         near = [[d for d in free if search.measure_away(m, d) < _SEARCH] for m in lost]
@@ -162,7 +175,10 @@ class Body:
                 yield -len(taken), cost, choice
 
     def _find_joint(self, number: int, place: np.ndarray) -> np.ndarray:
-        """Proximal joint of a link [px], from the link before; NaN where that is not seen."""
+        """Proximal joint of a link [px] from its predecessor.
+
+        NaN where that link is not seen.
+        """
         if number == 0:
             return np.full(2, np.nan)
         before = self.links[number - 1]

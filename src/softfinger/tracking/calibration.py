@@ -1,4 +1,7 @@
-"""A camera's intrinsics from pictures of a flat board with known corners."""
+"""A camera's intrinsics from pictures of a board.
+
+The board is flat and its corners are known.
+"""
 
 from __future__ import annotations
 

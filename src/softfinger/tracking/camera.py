@@ -1,4 +1,4 @@
-"""The lens: straight lines made straight again, and intrinsics from pictures of a board."""
+"""The lens: distortion, and intrinsics from a board."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from softfinger.campaign import Camera
 
 
 def undistort_array(position: np.ndarray, camera: Camera | None) -> np.ndarray:
-    """Places in the picture that a lens without distortion would show.
+    """Places as a lens without distortion shows them.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The knobs of tracking, each with its unit in its name."""
+"""The knobs of tracking, units in their names."""
 
 from typing import Annotated
 
@@ -10,7 +10,10 @@ Positive = Annotated[float, Field(gt=0)]
 
 
 class TrackingConfig(Settings):
-    """What tracking must reach for a trial to be used; a worse one is set aside with its reason."""
+    """What tracking must reach to use a trial.
+
+    A worse trial is set aside with its reason.
+    """
 
     smallest_share_seen: Annotated[float, Field(ge=0, le=1)]
     largest_rigid_residual_px: Positive

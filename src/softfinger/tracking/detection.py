@@ -1,4 +1,7 @@
-"""Discs anywhere in a picture: where tracking starts, and where it starts again."""
+"""Find discs anywhere in a picture.
+
+Tracking starts here, and restarts here when it is lost.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,9 @@ _NO_DISCS = np.empty((0, 3))
 def find_discs_array(
     picture: np.ndarray, weight: np.ndarray, radius: float, polarity: int
 ) -> np.ndarray:
-    """Find every disc of about a given radius in a picture, however uneven its light.
+    """Every disc of about a radius in a picture.
+
+    The light may be uneven.
 
     Places where the picture differs most from its surroundings (a difference of two Gaussian
     means, which no even slope of light can imitate) are fitted by blurred discs.
@@ -53,7 +58,10 @@ def find_discs_array(
 def _draw_difference(
     picture: np.ndarray, weight: np.ndarray, radius: float
 ) -> tuple[np.ndarray, int]:
-    """Difference of two Gaussian means of the light, and how many pixels one of it is wide."""
+    """Difference of two Gaussian means of the light.
+
+    Also how many pixels one of it is wide.
+    """
     size = max(1, int(radius / _SMALL_RADIUS))
     light = cv2.transform(picture.astype(np.float32), weight[None].astype(np.float32))
     if size > 1:
@@ -83,7 +91,10 @@ def _fit_anywhere(
     radius: float,
     difference: float,
 ) -> np.ndarray | None:
-    """Fit a disc where the picture has a peak; None where there is no such disc."""
+    """Fit a disc at a peak of the picture.
+
+    None where there is no such disc.
+    """
     reach = 2 * radius
     around = picture[
         max(0, int(row - reach)) : int(row + reach) + 1,

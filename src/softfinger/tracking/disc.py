@@ -1,4 +1,4 @@
-r"""A blurred disc in uneven light, as a camera's pixels see it.
+r"""A blurred disc in uneven light, in pixels.
 
 The light of a pixel at offset :math:`(x, y)` from the centre of the disc is
 
@@ -39,7 +39,10 @@ _NORMAL_DENSITY = np.exp(-0.5 * _NODES**2) / np.sqrt(2.0 * np.pi)
 
 @compiled
 def count_divisions(spread: float) -> int:
-    """Sub-pixels along a side that keep the centre's bias far below its standard deviation."""
+    """Sub-pixels along a side for a negligible bias.
+
+    The centre's bias stays far below its standard deviation.
+    """
     if spread >= 0.5:
         return 1
     if spread >= 0.4:
@@ -51,7 +54,9 @@ def count_divisions(spread: float) -> int:
 def compute_edge_array(
     depth: float, spread: float, pixel_variance: float, evenness: float
 ) -> tuple[float, float]:
-    r"""Share of light at a depth inside a straight edge, and its slope by depth.
+    r"""Light inside a straight edge, and its slope.
+
+    Both are functions of the depth.
 
     .. math:: F = Φ(u) - φ(u) \frac{λ}{24} (u^3 - 3u), \quad u = d/S,
               \quad λ = -\frac{144\,p^2 (1 - 2 \cos^2 φ \sin^2 φ)}{120\, S^4}
@@ -98,7 +103,9 @@ def compute_edge_array(
 def compute_response_array(
     dx: float, dy: float, radius: float, spread: float, divisions: int
 ) -> tuple[float, float, float, float, float]:
-    """Share of a pixel's light that comes from the disc, and its derivatives by x, y, R and S.
+    """A pixel's share of disc light, with derivatives.
+
+    Derivatives are by x, y, R and S.
 
     Parameters
     ----------

@@ -1,4 +1,7 @@
-"""Free dots: followed from where they are in the first picture, or found by colour in each one."""
+"""Free dots of a specimen, not on links.
+
+They are followed from their place in the first picture, or found by colour in each picture.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +25,10 @@ from softfinger.tracking.video import Frame
 
 
 class ColourFinder(NamedTuple):
-    """Dots by their colours, each picture by itself; as a `Tracker` for who follows frames."""
+    """Dots by their colours, each picture by itself.
+
+    It has the interface of a `Tracker`.
+    """
 
     dots: Mapping[str, Dot]
     known: np.ndarray
@@ -67,7 +73,9 @@ def start_dots(
 
 
 def measure_motion(markers: xr.Dataset, campaign: Campaign) -> xr.Dataset:
-    """Motion of a filmed specimen: of the line from its first dot to its second.
+    """Motion of a filmed specimen's two-dot line.
+
+    The line goes from the first dot to the second.
 
     Its unit decides: an angle is the line's direction, counter-clockwise as seen; a length (by
     ``metres_per_pixel``) or ``pixel`` is the distance of the two dots.
@@ -114,7 +122,10 @@ def measure_motion(markers: xr.Dataset, campaign: Campaign) -> xr.Dataset:
 
 
 def _find_scale(unit: str, metres_per_pixel: float | None) -> tuple[float, bool]:
-    """Factor from pixels or radians into a unit, and whether it is one of angles."""
+    """Factor from pixels or radians into a unit.
+
+    Also whether that unit is one of angles.
+    """
     if "rad" in unit or "deg" in unit or "°" in unit:
         return find_factor("rad", unit), True
     if unit in ("px", "pixel"):

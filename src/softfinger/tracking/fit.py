@@ -1,4 +1,7 @@
-"""The fit of one blurred disc to the pixels around its predicted place, by Gauss–Newton."""
+"""Gauss–Newton fit of one blurred disc.
+
+It uses the pixels around the predicted place.
+"""
 
 import math
 
@@ -142,7 +145,10 @@ def _take_step(p: np.ndarray, step: np.ndarray, share: float) -> None:
 
 @compiled
 def _hold_spread(products: np.ndarray) -> None:
-    """Take the spread out of the parameters: at the pixel's own sharpness it cannot shrink."""
+    """Take the spread out of the parameters.
+
+    At the pixel's own sharpness it cannot shrink.
+    """
     for k in range(_SIZE + 1):
         products[max(k, SPREAD), min(k, SPREAD)] = 0.0
     products[SPREAD, SPREAD] = 1.0
@@ -152,7 +158,9 @@ def _hold_spread(products: np.ndarray) -> None:
 def _measure_residuals(
     rows: np.ndarray, side: np.ndarray, step: np.ndarray, count: int, quality: np.ndarray
 ) -> bool:
-    """Noise off the rim, and the misfit on it, after the last step.
+    """Noise off the rim and misfit on it.
+
+    Both after the last step.
 
     The noise on the rim is taken midway between that of the light outside and that inside, so that
     no error of the disc's shape counts as noise. Of the eight parameters half are at home on the

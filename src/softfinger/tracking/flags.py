@@ -1,4 +1,4 @@
-"""What a flag of a marker or of a joint angle says, bit by bit."""
+"""Bits of a marker's or joint angle's flag."""
 
 MISSING = 1  # not seen: the value is NaN
 STALE = 2  # the frame repeats the one before

@@ -28,7 +28,10 @@ _ROUNDING = 0.5  # of the light, squared: below it a rise means nothing
 
 @compiled
 def looks_alike_array(found: np.ndarray, known: np.ndarray) -> bool:
-    """Whether a fitted disc may be the known one: contrast of its sign and size, its radius."""
+    """Whether a fitted disc may be the known one.
+
+    Its contrast has the same sign and a similar size; its radius is similar.
+    """
     contrast = found[CONTRAST] / known[CONTRAST]
     radius = found[RADIUS] / known[RADIUS]
     return (
@@ -39,7 +42,10 @@ def looks_alike_array(found: np.ndarray, known: np.ndarray) -> bool:
 
 @compiled
 def is_certain_array(found: np.ndarray, quality: np.ndarray) -> bool:
-    """Whether a fit places a disc, and what it leaves on the rim is small against the contrast."""
+    """Whether a fit places a disc with certainty.
+
+    The misfit on the rim is then small against the contrast.
+    """
     variance = max(quality[UNIT_XX], quality[UNIT_YY]) * quality[NOISE_VARIANCE]
     residual = quality[MISFIT] * quality[NOISE_VARIANCE]
     return (
@@ -112,7 +118,9 @@ def follow_discs_array(
 
 
 def choose_margins_array(picture: np.ndarray, weight: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """Widest background of each disc that holds nothing else (disc,) [px].
+    """Widest background around each disc (disc,) [px].
+
+    It contains nothing else.
 
     Markers are fixed to their links, so what surrounds them is the same in every picture.
     """

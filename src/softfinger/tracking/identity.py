@@ -1,4 +1,4 @@
-"""Which disc is which marker: the finger's own geometry decides."""
+"""Which disc is which marker, by geometry."""
 
 from __future__ import annotations
 
@@ -13,7 +13,10 @@ _LARGEST_BEND = 2.6  # rad, between neighbouring links
 
 @dataclass(frozen=True)
 class Match:
-    """One way to name discs: which disc each marker is, and how far the chain is from exact."""
+    """One way to name discs.
+
+    It contains the disc of each marker, and how far the chain is from exact.
+    """
 
     disc: tuple[int, ...]
     error: float
@@ -26,7 +29,7 @@ def match_finger_array(
     scale: float,
     tolerance: float,
 ) -> list[Match]:
-    r"""Name discs by a chain of rigid links, joint to joint.
+    r"""Name discs by a chain of rigid links.
 
     From the base's discs follow the first joint's place and from every link the next one's;
     a link's discs lie on a ray from its joint at the declared distances. Every choice that stays
@@ -99,7 +102,10 @@ def _list_rows(
     tolerance: float,
     joint: np.ndarray | None = None,
 ) -> Iterator[tuple[tuple[int, ...], float]]:
-    """List the choices of discs that lie on a line at given offsets (from a joint, if known)."""
+    """Choices of discs on a line at given offsets.
+
+    Offsets start at a joint, if that is known.
+    """
     free = [k for k in range(len(position)) if k not in used]
     if joint is None:
         firsts = free
@@ -143,7 +149,10 @@ def _pick_middle(
 
 
 def _fit_line(points: np.ndarray, offsets: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
-    """Joint, direction and squared error of the rigid row of markers nearest to the points."""
+    """Rigid row of markers nearest to the points.
+
+    Its joint, direction and squared error.
+    """
     mean, mean_offset = points.mean(axis=0), offsets.mean()
     vector = (offsets - mean_offset) @ (points - mean)
     direction = vector / np.hypot(*vector)

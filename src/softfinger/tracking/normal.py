@@ -1,4 +1,4 @@
-"""Least squares of one disc over the pixels of its window."""
+"""Least squares of a disc over its window."""
 
 import math
 
@@ -40,7 +40,7 @@ def linearise_window_array(
     rows: np.ndarray,
     side: np.ndarray,
 ) -> int:
-    """Residuals and derivatives of the pixels in a disc's window.
+    """Residuals and derivatives in a disc's window.
 
     Parameters
     ----------
@@ -131,7 +131,9 @@ def _is_taken(column: int, row: int, others: np.ndarray, own: int) -> bool:
 
 @compiled
 def multiply_rows_array(rows: np.ndarray, count: int, products: np.ndarray) -> None:
-    """Scalar products of the rows over their first `count` columns, the lower triangle.
+    """Scalar products of the rows, lower triangle.
+
+    Only the first `count` columns count.
 
     In four sums side by side, and not by leave to reorder one sum: what a compiler makes of that
     leave changes with the code around it, and so would the last digits.
@@ -158,7 +160,9 @@ def multiply_rows_array(rows: np.ndarray, count: int, products: np.ndarray) -> N
 
 @compiled
 def invert_symmetric_array(normal: np.ndarray, low: np.ndarray, inverse: np.ndarray) -> bool:
-    """Inverse of the positive matrix whose lower triangle is given, by Cholesky.
+    """Inverse of a positive matrix by Cholesky.
+
+    Its lower triangle is given.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Frames that repeat the one before, and samples that are not part of the motion."""
+"""Repeated frames, and samples outside the motion."""
 
 from __future__ import annotations
 
@@ -21,7 +21,9 @@ _MOST_ALIKE = 0.3  # share of changes that have a twin nearby, above which value
 
 
 def find_stale_array(angle: np.ndarray) -> np.ndarray:
-    """Find frames that repeat the one before: a camera slower than its log.
+    """Find frames that repeat the one before.
+
+    The camera is then slower than its log.
 
     Equal values in a row prove a repeated frame only where the recording resolves much finer
     changes than those it shows; where it is coarsely rounded, changes nearby are equal to each
@@ -53,7 +55,10 @@ def find_stale_array(angle: np.ndarray) -> np.ndarray:
 
 
 def _resolves_finely(change: np.ndarray) -> np.ndarray:
-    """Whether few changes around each one are alike, as unrounded ones are (change,) bool."""
+    """Whether changes are unrounded (change,) bool.
+
+    Around an unrounded change few others are alike.
+    """
     at = np.flatnonzero(np.isfinite(change) & (change > 0))
     if at.size < 2:
         return np.full(change.size, at.size > 0)
@@ -65,7 +70,9 @@ def _resolves_finely(change: np.ndarray) -> np.ndarray:
 
 
 def find_jumps_array(time: np.ndarray, value: np.ndarray, load_jumps: np.ndarray) -> np.ndarray:
-    """Find excursions of a tracker: samples that leave the motion at once, and return at once.
+    """Find excursions of a tracker.
+
+    Samples that leave the motion at once, and return at once.
 
     Candidates are runs of at most 15 frames that differ from a running median (over 31, 15 or 7
     distinct frames) by more than eight noise standard deviations and more than the motion makes
@@ -107,7 +114,10 @@ def find_jumps_array(time: np.ndarray, value: np.ndarray, load_jumps: np.ndarray
 
 
 def _list_excursions(value: np.ndarray, seen: np.ndarray, window: int) -> Iterator[np.ndarray]:
-    """Frames of each abrupt run away from the running median over so many distinct frames."""
+    """Frames of each abrupt run off the median.
+
+    The median runs over so many distinct frames.
+    """
     if seen.size < 2 * _NEIGHBOURS + 2:
         return
     moved = np.concatenate([[True], (np.diff(value[seen], axis=0) != 0).any(axis=1)])
@@ -124,7 +134,9 @@ def _list_excursions(value: np.ndarray, seen: np.ndarray, window: int) -> Iterat
 
 
 def _find_away(path: np.ndarray, window: int, noise: float) -> np.ndarray:
-    """Whether each sample of a path (sample, axis) is away from the running median, 0 or 1.
+    """Whether samples are away from the running median.
+
+    The path is (sample, axis); the result is 0 or 1.
 
     False samples shift the median along a motion, by at most a quarter of the window.
     """
@@ -142,7 +154,10 @@ def _measure_length(vector: np.ndarray) -> np.ndarray:
 
 
 def _measure_noise(path: np.ndarray) -> float:
-    """Noise sd from second differences (whatever the motion), at least the recording's step."""
+    """Noise sd from second differences, whatever the motion.
+
+    It is at least the recording's step.
+    """
     if len(path) < 4:
         return 0.0
     steps = np.abs(np.diff(path, axis=0))
@@ -152,7 +167,10 @@ def _measure_noise(path: np.ndarray) -> float:
 
 
 def _is_abrupt(path: np.ndarray, away: np.ndarray, start: int, end: int, noise: float) -> bool:
-    """Whether the motion without any candidate knows no steps like those into and out of a run."""
+    """Whether the other motion has no such steps.
+
+    The steps are those into and out of a run; candidates do not count.
+    """
     before = np.flatnonzero(away[:start] == 0)[-_NEIGHBOURS - 1 :]
     after = end + np.flatnonzero(away[end:] == 0)[: _NEIGHBOURS + 1]
     if not (before.size and after.size):

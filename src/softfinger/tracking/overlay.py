@@ -1,4 +1,4 @@
-"""Pictures that let a person judge the tracking at a glance."""
+"""Pictures by which a person judges the tracking."""
 
 from __future__ import annotations
 
@@ -63,7 +63,9 @@ def draw_overlay(picture: np.ndarray, markers: xr.Dataset, frame: int) -> np.nda
 
 
 def write_overlay(video: Path, fps: float, markers: xr.Dataset, path: Path) -> None:
-    """Write a trial's video with its markers drawn in, as Motion JPEG.
+    """Write a trial's video with its markers.
+
+    The format is Motion JPEG.
 
     Parameters
     ----------
@@ -93,7 +95,7 @@ def write_overlay(video: Path, fps: float, markers: xr.Dataset, path: Path) -> N
 
 
 def choose_worst_frames(markers: xr.Dataset, count: int) -> np.ndarray:
-    """Frames of one trial that were tracked worst, in their order (≤ count,).
+    """Worst-tracked frames of a trial, in order (≤ count,).
 
     Missing markers count most, then suspect ones, then the claimed standard deviation.
     """
@@ -107,7 +109,7 @@ def choose_worst_frames(markers: xr.Dataset, count: int) -> np.ndarray:
 
 
 def draw_contact_sheet(video: Path, fps: float, markers: xr.Dataset, count: int = 9) -> np.ndarray:
-    """Draw the worst-tracked frames of a trial side by side.
+    """Draw a trial's worst-tracked frames side by side.
 
     Parameters
     ----------
@@ -135,7 +137,10 @@ def draw_contact_sheet(video: Path, fps: float, markers: xr.Dataset, count: int 
 
 
 def write_contact_sheet(video: Path, fps: float, markers: xr.Dataset, path: Path) -> None:
-    """Write the worst-tracked frames of a trial (`draw_contact_sheet`) as a picture file."""
+    """Write the contact sheet as a picture file.
+
+    See `draw_contact_sheet`.
+    """
     if not cv2.imwrite(str(path), draw_contact_sheet(video, fps, markers)):
         raise Fault(f"{path}: cannot be written; is the folder there?")
 

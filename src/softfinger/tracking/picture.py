@@ -1,4 +1,7 @@
-"""The one picture that a report shows: what the camera saw, under the markers that were found."""
+"""The report's one picture of the finger.
+
+It shows what the camera saw, under the markers that were found.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,7 @@ from softfinger.tracking.video import read_frames
 
 
 def take_picture(campaign: Campaign, markers: xr.Dataset) -> xr.Dataset:
-    """Take the frame in which the finger is bent most, of the first trial that is used.
+    """Frame of the most bent finger, first used trial.
 
     Parameters
     ----------
@@ -44,7 +47,7 @@ def take_picture(campaign: Campaign, markers: xr.Dataset) -> xr.Dataset:
 
 
 def find_most_bent(markers: xr.Dataset) -> int:
-    """Frame of one trial in which the markers are farthest from where they started.
+    """Frame in which a trial's markers moved farthest.
 
     Among frames in which as many markers are seen as in any.
 

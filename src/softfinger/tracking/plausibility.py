@@ -1,4 +1,7 @@
-"""Marker positions that cannot be true: blobs that are no marker, names that were swapped."""
+"""Marker positions that cannot be true.
+
+Blobs that are no marker, and swapped names.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,7 @@ _ABOVE_NOISE = 8.0
 
 
 def flag_markers(markers: xr.Dataset, load_jumps: np.ndarray) -> xr.Dataset:
-    """Flag missing markers and those that are where no marker can be.
+    """Flag missing markers and impossible positions.
 
     A marker is suspect where it leaves its path at once and returns at once, and where its distance
     from another one on its rigid link differs from the usual by more than a tenth and by more
@@ -50,7 +53,9 @@ def flag_markers(markers: xr.Dataset, load_jumps: np.ndarray) -> xr.Dataset:
 
 
 def find_stretched_array(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Find frames in which two markers on one link are not as far apart as they usually are.
+    """Frames with a wrong distance on a link.
+
+    Two markers there are not as far apart as usual.
 
     Parameters
     ----------

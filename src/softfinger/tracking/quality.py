@@ -1,4 +1,4 @@
-"""How well a trial was tracked, and when that is too little."""
+"""How well trials were tracked; when too little."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def _measure_rigidity(position: np.ndarray, names: np.ndarray) -> np.ndarray:
 
 
 def list_poor(quality: xr.Dataset, limits: Mapping[str, float]) -> dict[str, str]:
-    """Trials that were tracked too poorly to be used: name → reason.
+    """Trials tracked too poorly: name → reason.
 
     Parameters
     ----------

@@ -1,4 +1,7 @@
-"""Whether trials move with their load: a wrong sign is found here, not in a posterior."""
+"""Whether trials move with their load.
+
+A wrong sign is found here, and not in a posterior.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,9 @@ _UNEXPLAINED = 0.9  # of the motion: what its load explains less of has no sense
 
 
 def refuse_wrong_sign(name: str, trials: Sequence[xr.Dataset]) -> None:
-    """Refuse a campaign in which most trials move against their load.
+    """Refuse a campaign that moves against its load.
+
+    Most trials must do so.
 
     Parameters
     ----------
@@ -47,7 +52,9 @@ def refuse_wrong_sign(name: str, trials: Sequence[xr.Dataset]) -> None:
 
 
 def find_sense(trial: xr.Dataset) -> int:
-    """Whether a trial moves with its load (+1), against it (−1), or too little to say (0).
+    """Direction of a trial's motion against its load.
+
+    +1 with the load, −1 against it, 0 where it moves too little.
 
     The sign is that of the causal creep response of the summed joint angles to the load, whatever
     the load's history; see :mod:`softfinger.doubts.response`.

@@ -1,4 +1,7 @@
-"""Specimens: a motion of any unit becomes an angle, and tests at constant strain are refused."""
+"""Specimens: a motion of any unit becomes angles.
+
+Tests at constant strain are refused.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,7 @@ SUDDEN = 0.8  # share of the load's change between two parts: it was taken off, 
 def scale_motion(
     specimen: Specimen, trials: Sequence[xr.Dataset]
 ) -> tuple[list[xr.Dataset], dict[str, str | float]]:
-    """Turn the motion of a specimen into an angle [rad].
+    """Turn the motion of a specimen into angles [rad].
 
     Parameters
     ----------
@@ -84,7 +87,9 @@ def _measure_range(trial: xr.Dataset, zero: float) -> float:
 
 
 def refuse_relaxation(file_name: str, trial: xr.Dataset) -> None:
-    """Refuse a test in which the motion is held and the load relaxes.
+    """Refuse a relaxation test.
+
+    There the motion is kept constant and the load relaxes.
 
     The second half of a recording, by frames, is cut into ten parts; the motion is held where their
     medians stay within 2 % of the largest motion, and the load relaxes where their medians change
@@ -112,7 +117,10 @@ def refuse_relaxation(file_name: str, trial: xr.Dataset) -> None:
 
 
 def _take_parts(values: np.ndarray) -> np.ndarray:
-    """Medians of the later half's parts, as shares of the largest value."""
+    """Medians of the later half's parts.
+
+    As shares of the largest value.
+    """
     parts = [np.median(part) for part in np.array_split(values[values.size // 2 :], PARTS)]
     return np.array(parts) / np.abs(values).max()
 

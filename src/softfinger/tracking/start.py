@@ -1,4 +1,4 @@
-"""The first picture that shows every marker, and which disc is which there."""
+"""First picture with every marker, and their discs."""
 
 from __future__ import annotations
 
@@ -85,7 +85,9 @@ def find_start(
 
 
 def start_at_points(picture: np.ndarray, places: np.ndarray, radius: float | np.ndarray) -> Tracker:
-    """Tracker of discs near given places, each on its own: no geometry binds them.
+    """Tracker of independent discs near given places.
+
+    No geometry binds them.
 
     Parameters
     ----------
@@ -105,14 +107,17 @@ def start_at_points(picture: np.ndarray, places: np.ndarray, radius: float | np.
 
 
 def locate_discs(picture: np.ndarray, radius: float, colour: str | None = None) -> np.ndarray:
-    """Find discs of a radius and colour in a single picture; see :func:`measure_discs`."""
+    """Discs of a radius and colour in a picture.
+
+    See :func:`measure_discs`.
+    """
     return measure_discs(picture, radius, colour)[0]
 
 
 def measure_discs(
     picture: np.ndarray, radius: float, colour: str | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Find discs of a radius and colour in a single picture, and how well each is fitted.
+    """Discs of a radius and colour, with fit quality.
 
     Parameters
     ----------
@@ -149,7 +154,7 @@ def measure_discs(
 def list_sightings(
     picture: np.ndarray, camera: Camera, link_length: Sequence[float]
 ) -> tuple[list[Sighting], int]:
-    """All ways to find the declared markers in a picture, the most exact first.
+    """Ways to find the declared markers, best first.
 
     Returns
     -------
@@ -187,7 +192,10 @@ def _list_scales(camera: Camera, discs: np.ndarray) -> Iterable[float]:
 def _choose(
     sightings: Sequence[Sighting], path: Path, camera: Camera, link_length: Sequence[float]
 ) -> Sighting:
-    """Choose among sightings that the geometry allows the one whose base stands still."""
+    """The sighting whose base does not move.
+
+    The geometry must allow it.
+    """
     best = sightings[0]
     radius = float(np.median(best.markers[:, RADIUS]))
     limit = _CLEARLY_WORSE * best.match.error + _ALMOST_EXACT * radius

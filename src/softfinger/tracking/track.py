@@ -1,4 +1,7 @@
-"""A video's markers: where each one is in every frame, with its standard deviation."""
+"""A video's markers in every frame.
+
+Each position has its standard deviation.
+"""
 
 from __future__ import annotations
 
@@ -71,7 +74,10 @@ def track_video(
 
 
 def cut_patches(picture: np.ndarray, discs: np.ndarray) -> list[np.ndarray]:
-    """Copies of the picture around each disc: alike from frame to frame only in a repeated one."""
+    """Copies of the picture around each disc.
+
+    They are equal in two frames only where one repeats the other.
+    """
     windows = []
     for disc in discs:
         reach = disc[RADIUS] + 2.0
@@ -101,7 +107,7 @@ def _describe(
 
 
 def track_trials(campaign: Campaign, trials: Sequence[str]) -> xr.Dataset:
-    """Track a batch of filmed trials into one `markers` artifact.
+    """Track a batch of filmed trials: artifact `markers`.
 
     Parameters
     ----------

@@ -1,4 +1,7 @@
-"""Markers followed from one picture to the next by motion, appearance and rigid links."""
+"""Follow markers from one picture to the next.
+
+Motion, appearance and rigid links predict their places.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +45,9 @@ class Tracker:
         self.lost_for = np.zeros(len(self.known), int)
 
     def follow(self, picture: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Find every marker in the next picture (row, column, channel).
+        """Find every marker in the next picture.
+
+        The picture is (row, column, channel).
 
         Returns
         -------
@@ -71,7 +76,7 @@ class Tracker:
         fitted: np.ndarray,
         quality: np.ndarray,
     ) -> None:
-        """Fit the wanted markers and drop those that do not keep their distances."""
+        """Fit the wanted markers, without those off distance."""
         follow_discs_array(
             picture, self.weight, self.known, self.margin, wanted, predicted, fitted, quality
         )

@@ -52,7 +52,9 @@ def claim_sd_array(
 
 
 def compute_excess_array(quality: np.ndarray) -> np.ndarray:
-    """Mean square residual on the rim over that marker's typical one (frame, marker).
+    """Mean square rim residual over its typical value.
+
+    For each marker and frame (frame, marker).
 
     Parameters
     ----------
@@ -69,7 +71,9 @@ def compute_excess_array(quality: np.ndarray) -> np.ndarray:
 def measure_variance_factor_array(
     position: np.ndarray, variance: np.ndarray, stale: np.ndarray, body: Body
 ) -> np.ndarray:
-    """Actual over claimed variance of each marker (marker,), from the links' rigidity.
+    """Actual over claimed variance of markers (marker,).
+
+    The links' rigidity shows the actual one.
 
     A link's own factor is drawn towards that of all links, and that towards one, by 100 frames'
     worth each.
@@ -94,7 +98,10 @@ def measure_variance_factor_array(
 
 
 def _average_robustly(squares: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Number and mean of the squared changes that are noise and no faults, for each pair."""
+    """Number and mean of squared changes for each pair.
+
+    Only changes that are noise count; faults do not.
+    """
     counts, means = np.zeros(len(squares)), np.zeros(len(squares))
     for k, values in enumerate(squares):
         seen = values[np.isfinite(values)]
@@ -106,7 +113,10 @@ def _average_robustly(squares: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray
 
 
 def _smooth_noise(noise: np.ndarray) -> np.ndarray:
-    """Running mean of the light's noise variance (frame, marker), without single outliers."""
+    """Running mean of the light's noise (frame, marker).
+
+    It is a variance; single outliers are left out.
+    """
     smooth = np.full_like(noise, np.nan)
     for k, values in enumerate(noise.T):
         seen = np.isfinite(values)

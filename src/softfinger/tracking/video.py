@@ -1,4 +1,7 @@
-"""Frames of a video, one at a time, and every way in which a video can be broken."""
+"""Frames of a video, one at a time.
+
+Every way in which a video can be broken has its message.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +25,7 @@ _GREY = cv2.VideoWriter.fourcc(*"Y800")
 
 @dataclass(frozen=True)
 class Frame:
-    """One picture (row, column, channel) and the time at which it was taken [s]."""
+    """A picture (row, column, channel) and its time [s]."""
 
     index: int
     time: float
@@ -30,7 +33,9 @@ class Frame:
 
 
 def read_frames(path: Path, fps: float) -> Iterator[Frame]:
-    """Read a video frame by frame; memory does not grow with its length.
+    """Read a video frame by frame.
+
+    Memory does not grow with the video's length.
 
     Times are the container's own time stamps where it has them, else index / rate.
 
@@ -70,7 +75,10 @@ def read_frames(path: Path, fps: float) -> Iterator[Frame]:
 
 
 def peek_pictures(path: Path, shares: Sequence[float]) -> list[np.ndarray]:
-    """Pictures at some shares of a video's length; those that cannot be reached are left out."""
+    """Pictures at some shares of a video's length.
+
+    Those that cannot be reached are left out.
+    """
     capture = _open(path)
     pictures = []
     try:
