@@ -1,4 +1,7 @@
-"""The command line: one verb per stage, and what goes before and around them."""
+"""The command line, with one verb per stage.
+
+Other verbs go before and around the stages.
+"""
 
 import os
 import sys

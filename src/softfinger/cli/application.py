@@ -1,4 +1,7 @@
-"""The application, and what its verbs share: arguments, the model, artifacts as inputs."""
+"""The application, and what its verbs share.
+
+Arguments, the model, artifacts as inputs.
+"""
 
 from __future__ import annotations
 
@@ -41,13 +44,16 @@ def options(
         typer.Option("--quiet", "-q", help="No progress bars; of `run`, only what goes wrong."),
     ] = False,
 ) -> None:
-    """From rig videos of a wire-driven soft finger to its posterior, its spread and a report."""
+    """From videos of a soft finger to its posterior.
+
+    The finger is driven by wires; its spread and a report are made too.
+    """
     if quiet:
         silence_progress()
 
 
 def choose_model(settings: dict[str, Any], given: Path | None) -> Path | None:
-    """Model file that was given, else the configuration's, else none."""
+    """Given model file, else the configuration's, else none."""
     if given is not None or settings["model"] is None:
         return given
     return Path(settings["model"])
@@ -56,14 +62,19 @@ def choose_model(settings: dict[str, Any], given: Path | None) -> Path | None:
 def open_inputs(
     campaign: Path, out: Path, config: Path | None, artifacts: list[str], stage: str
 ) -> dict[str, Any]:
-    """Arguments of a stage after `angles`; the campaign must still be readable."""
+    """Arguments of a stage after `angles`.
+
+    The campaign must still be readable.
+    """
     refuse_foreign(read_campaign(campaign), out)
     files = {name: out / f"{name}.nc" for name in artifacts}
     return files | {"config": choose_settings(read_config(config), stage)}
 
 
 def refuse_foreign(campaign: Campaign, out: Path) -> None:
-    """Refuse a folder whose angles were made from other recordings than a campaign's.
+    """Refuse a folder of results of other recordings.
+
+    Its angles were made from other recordings than the campaign's.
 
     Raises
     ------

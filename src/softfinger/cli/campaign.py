@@ -24,9 +24,11 @@ def doctor(
     out: Annotated[Path, typer.Option(help="Folder that would hold results.")] = Path("results"),
     json: Json = False,
 ) -> None:
-    """Look whether this installation can work: packages, video, compiler, disk.
+    """Check whether this installation works.
 
-    Exit status 0: all is well. 1: something is not; the advice says what to do.
+    It looks at packages, video, compiler and disk.
+
+    Exit status 0: all is well. 1: something is not; the advice states what to do.
     """
     from softfinger.doctor import check_setup
 
@@ -49,7 +51,9 @@ def check(
         bool, typer.Option("--strict", help="Exit status 2 where something looks wrong.")
     ] = False,
 ) -> None:
-    """Validate a campaign folder: list every fault, and what looks wrong; nothing is written.
+    """Validate a campaign folder, without writing anything.
+
+    Lists every fault, and what looks wrong.
 
     Exit status 0: every trial can be used. 1: some are set aside, or the campaign is refused. 2:
     every trial can be used, but something looks wrong, and `--strict` was given.
@@ -79,7 +83,10 @@ def run(
     config: ConfigFile = None,
     cores: Annotated[int, typer.Option(help="Processor cores to use.", min=1)] = 2,
 ) -> None:
-    """Take a campaign from whatever level it has to its artifacts and report, by the workflow."""
+    """Run the workflow on a campaign.
+
+    It starts from whatever level the campaign has, and makes its artifacts and report.
+    """
     read_campaign(campaign)
     read_config(config)
     out.mkdir(parents=True, exist_ok=True)
@@ -88,7 +95,7 @@ def run(
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(PROJECT / "Snakefile")]
     command += ["--quiet"] if QUIET in os.environ else []
     command += ["--cores", str(cores), "--directory", str(out)]
-    command += ["--nolock"]  # ours, which ends with its holder, is held already
+    command += ["--nolock"]  # we have our own, which ends with its process
     command += [*files, "--config", *settings]
     raise typer.Exit(code=run_to_end(command))
 

@@ -28,10 +28,12 @@ def diagnose(
         bool | None, typer.Option("--mcmc/--no-mcmc", help="Sample the repaired model.")
     ] = None,
 ) -> None:
-    """Find out which physics was left out, from whatever level the campaign has.
+    """Find out which physics was left out.
+
+    The campaign may have any level.
 
     Writes OUT/verdict.json, OUT/model.yaml (the repaired model) and the artifacts behind them.
-    Exit status 0: there is a verdict, whatever it says. 1: the campaign is refused.
+    Exit status 0: there is a verdict, whatever it is. 1: the campaign is refused.
     """
     from softfinger.mismatch.verdict.schema import read_verdict
     from softfinger.stages.diagnose import SPECS, diagnose

@@ -1,4 +1,4 @@
-"""Verb `import`: recordings of others, read into a campaign folder."""
+"""Verb `import`: recordings of others as a campaign."""
 
 from __future__ import annotations
 
@@ -33,7 +33,9 @@ def import_recordings(
         bool, typer.Option("--guide", help="Ask about each guess in the terminal.")
     ] = False,
 ) -> None:
-    """Read recordings of others into a campaign: text, workbooks, tracked points, topics.
+    """Read recordings of others into a campaign.
+
+    They are text, workbooks, tracked points or topics.
 
     What is not declared is guessed; all guesses are listed, and kept in CAMPAIGN/import.yaml, where
     they can be changed. Nothing that exists is overwritten.
@@ -74,7 +76,7 @@ def _list(title: str, lines: list[str]) -> None:
 
 
 def _ask(found: Found) -> list[str]:
-    """Ask about each guess; returns the keys that were answered otherwise."""
+    """Ask about each guess; return the keys changed."""
     answers = []
     for line in found.guessed:
         key, _, rest = line.partition(": ")
@@ -88,7 +90,10 @@ def _ask(found: Found) -> list[str]:
 
 
 def _write_dry_run(out: Path, found: Found) -> None:
-    """Write the description and the figure of a dry run, under names that are free."""
+    """Write a dry run's description and figure.
+
+    Their names are free ones.
+    """
     from softfinger.figures.imported import draw_imported
     from softfinger.figures.style import save_figure
     from softfinger.importing import FILE_NAME

@@ -1,4 +1,7 @@
-"""Verbs from the rig to joint angles: `virtual-rig`, `track`, `calibrate` and `angles`."""
+"""Verbs from the rig to joint angles.
+
+`virtual-rig`, `track`, `calibrate` and `angles`.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,10 @@ def virtual_rig(
         bool, typer.Option("--example", help="Write the small example campaign, and nothing else.")
     ] = False,
 ) -> None:
-    """Draw, move and film a finger: writes OUT/campaign, and the truth beside it."""
+    """Draw, move and film a finger.
+
+    Writes OUT/campaign, and the truth beside it.
+    """
     if example:
         from softfinger.virtual_rig.example import write_example_campaign
 
@@ -63,7 +69,10 @@ def track(
         bool, typer.Option("--overlays", help="Write OUT/overlays: what was found, in the videos.")
     ] = False,
 ) -> None:
-    """Follow the markers through every video: OUT/markers/*.nc, and how well it went."""
+    """Follow the markers through every video.
+
+    Writes OUT/markers/*.nc, and how well it went.
+    """
     from softfinger.stages.overlay import overlay
     from softfinger.stages.picture import picture
     from softfinger.stages.prepare import batch_filmed, track_campaign
@@ -107,9 +116,11 @@ def calibrate(
     ] = None,
     dictionary: Annotated[str, typer.Option(help="Of the coded markers.")] = "DICT_4X4_50",
 ) -> None:
-    """Find a camera's intrinsics from pictures of a chessboard or ChArUco board.
+    """Find a camera's intrinsics from pictures.
 
-    Prints the lines that stand under `camera:` in campaign.yaml.
+    The pictures show a chessboard or a ChArUco board.
+
+    Prints the lines that belong under `camera:` in campaign.yaml.
     """
     from softfinger.tracking.calibration import Board, calibrate_camera
 
@@ -127,7 +138,9 @@ def calibrate(
 
 @app.command()
 def angles(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None:
-    """Gather joint angles and loads of all trials: OUT/angles.nc (after `track`, if filmed).
+    """Gather joint angles and loads of all trials.
+
+    Writes OUT/angles.nc (after `track`, if filmed).
 
     What looks wrong in them is OUT/doubts.nc.
     """

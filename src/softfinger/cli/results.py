@@ -1,4 +1,7 @@
-"""Verbs from joint angles to the report, but for `diagnose`."""
+"""Verbs from joint angles to the report.
+
+`diagnose` is apart.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +32,10 @@ FITTED = ["angles", "least_squares", "posterior"]
 def fit(
     campaign: CampaignFolder, out: Out, config: ConfigFile = None, model: PhysicsFile = None
 ) -> None:
-    """Fit every trial by least squares and sample the hierarchical posterior (after `angles`)."""
+    """Fit every trial, and sample the posterior.
+
+    Each trial by least squares, and the hierarchical posterior of all (after `angles`).
+    """
     from softfinger.stages.fit import fit
     from softfinger.stages.least_squares import least_squares
     from softfinger.stages.sampling import sampling
@@ -51,7 +57,9 @@ def fit(
 
 @app.command()
 def recovery(out: Out) -> None:
-    """Hold both ways of fitting against the truth of OUT's simulated campaign (after `fit`).
+    """Compare both fits with a simulated campaign's truth.
+
+    The truth is that of OUT's campaign (after `fit`).
 
     Writes OUT/recovery.nc and the table OUT/recovery.csv.
     """
@@ -69,7 +77,10 @@ def recovery(out: Out) -> None:
 def propagate(
     campaign: CampaignFolder, out: Out, config: ConfigFile = None, model: PhysicsFile = None
 ) -> None:
-    """Propagate the spread to bands and densities of the joint angles (after `fit`)."""
+    """Propagate the spread to the joint angles.
+
+    As bands and densities (after `fit`).
+    """
     from softfinger.stages.propagate import propagate
 
     inputs = open_inputs(campaign, out, config, FITTED, "propagate")
@@ -82,7 +93,10 @@ def propagate(
 def sobol(
     campaign: CampaignFolder, out: Out, config: ConfigFile = None, model: PhysicsFile = None
 ) -> None:
-    """Split the spread of the joint angles among the parameters (after `fit`)."""
+    """Split the angles' spread among the parameters.
+
+    The spread is that of the joint angles (after `fit`).
+    """
     from softfinger.stages.shapley import shapley
     from softfinger.stages.sobol import sobol
 
@@ -96,7 +110,10 @@ def sobol(
 
 @app.command()
 def assumptions(out: Out, config: ConfigFile = None) -> None:
-    """Check what the paper takes for granted, on simulated fingers: OUT/assumptions.nc."""
+    """Check what the paper takes for granted.
+
+    On simulated fingers: OUT/assumptions.nc.
+    """
     from softfinger.artifacts import open_artifact
     from softfinger.artifacts.specs.assumptions import SPEC
     from softfinger.stages.assumptions import assumptions
@@ -113,7 +130,10 @@ def assumptions(out: Out, config: ConfigFile = None) -> None:
 def summarise(
     campaign: CampaignFolder, out: Out, config: ConfigFile = None, model: PhysicsFile = None
 ) -> None:
-    """Sum up and check the artifacts in OUT (after all the verbs whose results are to be shown)."""
+    """Sum up and check the artifacts in OUT.
+
+    Run it after all the verbs whose results are to be shown.
+    """
     from softfinger.stages.summarise import summarise
 
     settings = read_config(config)
@@ -138,7 +158,10 @@ def report(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> Non
 
 
 def list_made(campaign: Path, out: Path) -> dict[str, Any]:
-    """List the artifacts in OUT that a report shows, and the marker files."""
+    """List the artifacts in OUT that a report shows.
+
+    The marker files come with them.
+    """
     from softfinger.stages.opening import DIAGNOSED, FILMED, SPECS
 
     refuse_foreign(read_campaign(campaign), out)

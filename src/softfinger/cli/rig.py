@@ -1,4 +1,7 @@
-"""Verbs of `softfinger rig`; those that need no campaign stand with the rig itself."""
+"""Verbs of `softfinger rig` for campaigns.
+
+Those that need no campaign are with the rig itself.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,9 @@ def plan_rig(
     ] = None,
     config: ConfigFile = None,
 ) -> None:
-    """Propose profiles that show what you want to tell apart: OUT/plan.yaml, OUT/visibility.nc.
+    """Propose profiles that show what to tell apart.
+
+    Writes OUT/plan.yaml and OUT/visibility.nc.
 
     Exit status 0: there is a proposal. 1: no protocol within the plan's limits would show it.
     """

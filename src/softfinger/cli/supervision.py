@@ -56,12 +56,14 @@ def hold_folder(folder: Path) -> Path:
 
 
 def run_to_end(command: list[str]) -> int:
-    """Exit status of a command, none of whose processes outlives this one.
+    """Run a command; no process outlives this one.
+
+    Returns its exit status.
 
     Raises
     ------
     KeyboardInterrupt
-        This process was told to end, by Ctrl-C, SIGTERM or SIGHUP; the command was ended first.
+        This process was asked to end, by Ctrl-C, SIGTERM or SIGHUP; the command was ended first.
     """
     reading, writing = os.pipe()
     guarded = [sys.executable, "-m", "softfinger.guard", str(reading), *command]
@@ -92,7 +94,10 @@ def run_to_end(command: list[str]) -> int:
 
 
 def _signal_group(running: subprocess.Popen, number: int) -> None:
-    """Send a signal to a process and all that it started; its group has its own number."""
+    """Send a signal to a process and its children.
+
+    Its group has its own number.
+    """
     try:
         os.killpg(running.pid, number)
     except (ProcessLookupError, PermissionError):

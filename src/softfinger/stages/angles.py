@@ -1,4 +1,7 @@
-"""Rule `angles`: joint angles and loads of all trials, from whatever level each was recorded at."""
+"""Rule `angles`: joint angles and loads of all trials.
+
+They come from whatever level each was recorded at.
+"""
 
 from __future__ import annotations
 

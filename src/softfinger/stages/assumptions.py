@@ -1,4 +1,7 @@
-"""Rule `assumptions`: do inertia and the growing moment arm matter? Simulated fingers answer."""
+"""Rule `assumptions`: whether inertia and moment arm matter.
+
+Simulated fingers answer; their moment arm grows.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,9 @@ FINGERS = 100
 
 
 def assumptions(*, assumptions: Path, config: Mapping[str, Any], seed: int) -> None:
-    """Compare the step solution with the full motion over fingers of the paper's table.
+    """Compare the step solution with the full motion.
+
+    The fingers are those of the paper's table.
 
     Parameters
     ----------

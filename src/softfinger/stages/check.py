@@ -1,4 +1,7 @@
-"""The verb `check`: what would be set aside, and what looks wrong, before anything is written."""
+"""Verb `check`: validation before anything is written.
+
+It lists what would be set aside, and what looks wrong.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ from softfinger.tracking import assemble_angles
 
 
 def check(folder: Path) -> tuple[Campaign, dict[str, str], list[Doubt]]:
-    """Read everything that a campaign holds but its videos.
+    """Read everything of a campaign but its videos.
 
     Returns
     -------

@@ -1,4 +1,7 @@
-"""Rule `check_artifacts`: every artifact of a run against its declaration; the run's receipt."""
+"""Rule `check_artifacts`: every artifact against its declaration.
+
+It writes the run's receipt.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,10 @@ from softfinger.artifacts.specs import list_specs
 
 
 def check_artifacts(*, artifacts: Sequence[Path], markers: Sequence[Path], receipt: Path) -> None:
-    """Open every artifact, which refuses a wrong one, and write down the hash of its bytes."""
+    """Open every artifact, and write down its hash.
+
+    Opening refuses a wrong one; the hash is that of its bytes.
+    """
     specs = {spec.name: spec for spec in list_specs()}
     named = [(Path(path).stem, Path(path)) for path in artifacts]
     named += [("markers", Path(path)) for path in markers]

@@ -1,4 +1,7 @@
-"""Rule `conceal`: make one campaign of the proof, and seal what is concealed in it."""
+"""Rule `conceal`: one sealed campaign of the proof.
+
+The seal is of what is concealed in it.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,9 @@ def conceal(
     config: Mapping[str, Any],
     seed: int,
 ) -> None:
-    """Write a campaign, its truth beside it, and the truth's seal.
+    """Write a campaign, its truth and the seal.
+
+    The truth is beside the campaign.
 
     Parameters
     ----------
@@ -51,6 +56,9 @@ def conceal(
 
 
 def film(config: Mapping[str, Any], angle: np.ndarray, rig: Rig, path: Path, seed: int) -> None:
-    """Film a trial (frame, joint) [rad] with the virtual rig's camera and its noise."""
+    """Film a trial with the virtual rig's camera.
+
+    The trial is (frame, joint) [rad]; the camera has its noise.
+    """
     motion = xr.Dataset({"joint_angle": (("trial", "frame", "joint"), angle[None])})
     film_trial(motion, {**config, "fps": rig.fps}, 0, path, seed)

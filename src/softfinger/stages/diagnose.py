@@ -1,4 +1,7 @@
-"""Rule `diagnose`: which physics was left out, and the model that has it."""
+"""Rule `diagnose`: which physics was left out.
+
+It also writes the model that has it.
+"""
 
 from __future__ import annotations
 
@@ -56,7 +59,9 @@ def diagnose(
     model: Path | None = None,
     **artifacts: Path,
 ) -> None:
-    """Write the verdict of a campaign, the repaired model and everything behind them.
+    """Write a campaign's verdict and repaired model.
+
+    Everything behind them is written too.
 
     Parameters
     ----------
@@ -108,7 +113,10 @@ def diagnose(
 
 
 def write_load_files(proposal: Mapping[str, Any] | None, folder: Path) -> None:
-    """Write each history of a proposed experiment as a load log that a campaign can name."""
+    """Write a proposed experiment's histories as load logs.
+
+    A campaign can name them.
+    """
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     if proposal is None:

@@ -1,4 +1,7 @@
-"""Rule `diagnose_blind`: what a process that gets only the campaign makes of it."""
+"""Rule `diagnose_blind`: a diagnosis from the campaign alone.
+
+Its process gets nothing else.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,10 @@ def diagnose_blind(
     mcmc: bool,
     seal: Path | None = None,
 ) -> None:
-    """Diagnose a campaign, whose truth is sealed if it has one; write the hashed answer."""
+    """Diagnose a campaign, and write the hashed answer.
+
+    If the campaign has a truth, it is sealed.
+    """
     if seal is not None:
         print(f"sealed before: {Path(seal).read_text(encoding='utf-8').strip()}")
     found = run_blind(Path(campaign), Path(diagnosis), patience_s, mcmc=mcmc)

@@ -1,4 +1,7 @@
-"""Rule `document`: the figures and the table of parameters as one LaTeX document."""
+"""Rule `document`: figures and parameters as LaTeX.
+
+One document with a table of the parameters.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,10 @@ def document(
     markers: Sequence[Path],
     **artifacts: Path,
 ) -> None:
-    """Write the table of parameters, and a document that holds it and the named figures."""
+    """Write a document of the figures and parameters.
+
+    The table of parameters is a file of its own, which the document contains.
+    """
     opened = open_stated(artifacts, markers)
     with write_atomically(table) as temporary:
         write_parameter_table(opened, temporary)

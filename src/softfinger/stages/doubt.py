@@ -1,4 +1,7 @@
-"""Rule `doubt`: what looks wrong in a campaign, beside its angles."""
+"""Rule `doubt`: what looks wrong in a campaign.
+
+It is written beside the angles.
+"""
 
 from __future__ import annotations
 

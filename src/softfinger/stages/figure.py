@@ -1,4 +1,7 @@
-"""Rule `figure`: one figure of the paper or ours, in forms that a document takes."""
+"""Rule `figure`: one figure, for a document.
+
+The figure is the paper's or ours.
+"""
 
 from __future__ import annotations
 
@@ -16,5 +19,8 @@ def figure(
     markers: Sequence[Path],
     **artifacts: Path,
 ) -> None:
-    """Draw one figure, once per file, in the form of its suffix."""
+    """Draw one figure once per file.
+
+    The suffix of the file decides its form.
+    """
     write_figure(name, open_stated(artifacts, markers), figures)

@@ -30,7 +30,7 @@ def fit(
     Parameters
     ----------
     cores
-        How many chains run side by side; no draw depends on it.
+        Number of chains that run side by side; no draw depends on it.
     model
         A model file, in place of the base model.
     """

@@ -17,7 +17,9 @@ from softfinger.propagation.populations import take_population_draws
 def open_mover(
     angles: xr.Dataset, posterior: xr.DataTree, config: Mapping[str, Any], model: Path | None
 ) -> Move:
-    """Open the forward model of a model file; that of the paper's joint for None.
+    """Open the forward model of a model file.
+
+    None gives that of the paper's joint.
 
     Parameters
     ----------

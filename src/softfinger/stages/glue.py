@@ -1,4 +1,7 @@
-"""The few lines between a Snakemake job and a stage: names, log, and faults as sentences."""
+"""Glue between a Snakemake job and a stage.
+
+Names, log, and faults as sentences.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,10 @@ from softfinger.failure import describe_failure
 
 
 class Job(Protocol):
-    """What a Snakemake job gives to its script: named lists, a log file, its share of cores."""
+    """What a Snakemake job gives to its script.
+
+    Named lists, a log file, its share of cores.
+    """
 
     input: Any
     output: Any
@@ -25,7 +31,10 @@ class Job(Protocol):
 
 
 def end_quietly(kind: type[BaseException], error: BaseException, trace: TracebackType) -> None:
-    """Print what ended a program, but for Ctrl-C: Snakemake says that once, for all its jobs."""
+    """Print what ended a program, but for Ctrl-C.
+
+    Snakemake reports that once, for all its jobs.
+    """
     if not issubclass(kind, KeyboardInterrupt):
         sys.__excepthook__(kind, error, trace)
 
@@ -36,7 +45,9 @@ signal.signal(signal.SIGTERM, signal.default_int_handler)
 
 
 def run_stage(stage: Callable[..., None], job: Job) -> None:
-    """Call a stage with a job's named inputs, outputs and parameters; what it says goes to the log.
+    """Call a stage with a job's inputs and outputs.
+
+    The job's parameters are given too, all by name. What the stage prints goes to the log.
 
     The parameters ``code``, ``environment`` and ``settings`` make Snakemake rerun a job whose code,
     libraries or defaults have changed; the stage itself does not need them. A stage that takes

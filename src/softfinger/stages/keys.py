@@ -1,4 +1,7 @@
-"""Which keys of the configuration each stage reads: no other key makes its rule run again."""
+"""Which keys of the configuration each stage reads.
+
+No other key makes its rule run again.
+"""
 
 from __future__ import annotations
 

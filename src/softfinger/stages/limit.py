@@ -1,4 +1,7 @@
-"""Rule `limit`: what the oracle itself could name, asked once the answer stands."""
+"""Rule `limit`: what the oracle itself could name.
+
+It is asked once the answer is written.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Linear algebra on one thread, so that draws do not depend on the number of cores.
+"""Linear algebra on one thread.
+
+Draws then do not depend on the number of cores.
 
 How BLAS splits a product among its threads changes the last digits, and a chain of NUTS doubles
 such a difference every few steps. Loops that numba compiles keep their threads.

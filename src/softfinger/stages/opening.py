@@ -59,7 +59,10 @@ SUMMED = {part.SPEC.name: part.SPEC for part in (checks, summary)}
 
 
 def open_artifacts(artifacts: Mapping[str, Path], markers: Sequence[Path]) -> dict[str, Any]:
-    """Open artifacts by name, and of the markers' files the first."""
+    """Open artifacts by name.
+
+    Of the markers' files it opens the first.
+    """
     specs = SPECS | FILMED | DIAGNOSED | SUMMED
     opened: dict[str, Any] = {
         name: (open_tree if specs[name].groups else open_artifact)(path, specs[name])

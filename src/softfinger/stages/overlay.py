@@ -1,4 +1,7 @@
-"""Rule `overlay`: a trial's video with its markers, and a sheet of its worst frames."""
+"""Rule `overlay`: a trial's video with its markers.
+
+A sheet of its worst frames comes with it.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ from softfinger.tracking.overlay import write_contact_sheet, write_overlay
 def overlay(
     *, folder: Path, trial: str, video: Path, markers: Path, film: Path, sheet: Path
 ) -> None:
-    """Write the film (.avi) and the sheet (.jpg) of one trial."""
+    """Write one trial's film (.avi) and sheet (.jpg)."""
     fps = read_campaign(folder).camera.fps
     found = open_artifact(markers, SPEC).sel(trial=trial)
     with write_atomically(film) as temporary:

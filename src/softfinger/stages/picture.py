@@ -1,4 +1,4 @@
-"""Rule `picture`: one frame of the campaign, for the report."""
+"""Rule `picture`: one frame for the report."""
 
 from __future__ import annotations
 
@@ -21,7 +21,10 @@ def picture(
     markers: Path,
     picture: Path,
 ) -> None:
-    """Write the frame in which the finger of the first used trial is bent most."""
+    """Write the frame of the most bent finger.
+
+    It is of the first used trial.
+    """
     inputs = {"tables": tables, "videos": videos, "markers": markers}
     provenance = describe_run("picture", inputs, {})
     found = open_artifact(markers, markers_spec.SPEC)

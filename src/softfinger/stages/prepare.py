@@ -1,4 +1,7 @@
-"""Bring a campaign from whatever level it has to joint angles, without doing anything twice."""
+"""Bring a campaign from any level to joint angles.
+
+Nothing is done twice.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,9 @@ from softfinger.stages.track import track
 
 
 def prepare_angles(folder: Path, out: Path, settings: Mapping[str, Any]) -> Path:
-    """Make OUT/angles.nc, and the markers that it needs, unless they are there and current.
+    """Make OUT/angles.nc, unless it is current.
+
+    The markers that it needs are made too.
 
     Current is what came from the same recordings, settings and code.
 
@@ -38,7 +43,10 @@ def prepare_angles(folder: Path, out: Path, settings: Mapping[str, Any]) -> Path
 
 
 def track_campaign(folder: Path, out: Path, settings: Mapping[str, Any]) -> list[Path]:
-    """Make OUT/markers/*.nc of a filmed campaign, unless they are there and current."""
+    """Make a campaign's OUT/markers/*.nc, unless they are current.
+
+    The campaign is filmed.
+    """
     described = read_campaign(folder)
     tables, made = list_tables(described), []
     for batch, trials in enumerate(batch_filmed(described, settings["trials_per_job"])):
@@ -58,13 +66,19 @@ def track_campaign(folder: Path, out: Path, settings: Mapping[str, Any]) -> list
 
 
 def batch_filmed(campaign: Campaign, size: int) -> list[list[Trial]]:
-    """Trials that have a video, as many together as go through one job."""
+    """Trials that have a video, in batches.
+
+    A batch goes through one job.
+    """
     filmed = [trial for trial in campaign.trials if trial.level == "video"]
     return [filmed[first : first + size] for first in range(0, len(filmed), size)]
 
 
 def is_current(path: Path, spec: ArtifactSpec, expected: Provenance) -> bool:
-    """Say whether an artifact is whole and came from the expected inputs, settings and code."""
+    """Whether an artifact is whole and current.
+
+    It came from the expected inputs, settings and code.
+    """
     try:
         found = open_artifact(path, spec).attrs
     except ArtifactFault:

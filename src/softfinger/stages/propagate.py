@@ -1,4 +1,7 @@
-"""Rule `propagate`: what the spread of the parameters does to the joint angles."""
+"""Rule `propagate`: spread of the joint angles.
+
+It follows from the spread of the parameters.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +35,9 @@ def propagate(
     seed: int,
     model: Path | None = None,
 ) -> None:
-    """Write bands and densities of the joint angles of new trials.
+    """Write bands and densities of the joint angles.
+
+    They are those of new trials.
 
     Parameters
     ----------

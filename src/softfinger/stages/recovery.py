@@ -1,4 +1,7 @@
-"""Rule `recovery`: what both ways of fitting do to the truth of a simulated campaign."""
+"""Rule `recovery`: how both fits recover the truth.
+
+The truth is that of a simulated campaign.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,10 @@ from softfinger.provenance import describe_run
 def recovery(
     *, truth: Path, least_squares: Path, posterior: Path, recovery: Path, table: Path
 ) -> None:
-    """Write the errors and the coverage of both ways, and the same as a CSV table."""
+    """Write errors and coverage of both fits.
+
+    They also go to a CSV table.
+    """
     roles = {"truth": truth, "least_squares": least_squares, "posterior": posterior}
     measured = measure_recovery(
         open_artifact(truth, truth_spec.SPEC),

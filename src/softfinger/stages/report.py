@@ -35,7 +35,7 @@ def report(
 
 
 def _find_commit() -> str | None:
-    """Commit of the code, where it comes from a git checkout."""
+    """Commit of the code, from a git checkout."""
     command = ["git", "-C", str(PROJECT), "describe", "--always", "--dirty", "--abbrev=12"]
     try:
         return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()

@@ -1,4 +1,7 @@
-"""`softfinger rig plan`: which protocol would show what the user wants to tell apart."""
+"""`softfinger rig plan`: choose a protocol for effects.
+
+It shows what the user wants to tell apart.
+"""
 
 from __future__ import annotations
 
@@ -51,7 +54,9 @@ def rig_plan(
     config: Mapping[str, Any],
     seed: int,
 ) -> tuple[str, xr.Dataset] | None:
-    """Write what each protocol would show, and the plan with the profiles that show most.
+    """Write what each protocol would show.
+
+    The plan gets the profiles that show most.
 
     Parameters
     ----------
@@ -106,7 +111,10 @@ def rig_plan(
 
 
 def configure_rig(plan: Plan, config: Mapping[str, Any]) -> dict[str, Any]:
-    """Virtual rig of the paper's finger with the plan's geometry: a dozen trials under one step."""
+    """Virtual rig of the paper's finger.
+
+    It has the plan's geometry, and a dozen trials under one step.
+    """
     finger = plan.campaign["finger"]
     if finger.get("joints") != N_JOINTS:
         raise Fault(
@@ -135,7 +143,10 @@ def simulate_campaign(knobs: Mapping[str, Any], seed: int) -> xr.Dataset:
 
 
 def gather_tables(tables: Mapping[str, xr.Dataset], wanted: Sequence[str]) -> xr.Dataset:
-    """Gather one table per protocol into one; NaN where a protocol cannot have an effect."""
+    """Gather one table per protocol into one.
+
+    It is NaN where a protocol cannot have an effect.
+    """
     protocol = xr.DataArray(list(tables), dims="protocol", name="protocol")
     shown = xr.concat(
         [table[["signal", "share_left", "expected_gain"]] for table in tables.values()],
@@ -148,7 +159,10 @@ def gather_tables(tables: Mapping[str, xr.Dataset], wanted: Sequence[str]) -> xr
 
 
 def write_proposal(plan: Path, profiles: Sequence[Mapping[str, object]], path: Path) -> None:
-    """Write a plan anew with other profiles, its remarks kept."""
+    """Write a plan anew with other profiles.
+
+    Its remarks are kept.
+    """
     yaml = YAML(typ="rt")
     content = yaml.load(plan.read_text(encoding="utf-8"))
     content["profiles"] = list(map(dict, profiles))

@@ -1,4 +1,4 @@
-"""Rule `sampling`: whether the sampling of the posterior can be trusted."""
+"""Rule `sampling`: whether the sampling can be trusted."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from softfinger.provenance import describe_run
 
 
 def sampling(*, posterior: Path, sampling: Path, config: Mapping[str, Any]) -> None:
-    """Write the diagnostics of a posterior's sampling, beside their limits."""
+    """Write a sampling's diagnostics, beside their limits."""
     provenance = describe_run("sampling", {"posterior": posterior}, config)
     tree = open_tree(posterior, posterior_spec.SPEC)
     save_artifact(diagnose_sampling(tree, config), sampling_spec.SPEC, sampling, provenance)

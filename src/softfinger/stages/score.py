@@ -1,4 +1,7 @@
-"""Rule `score`: open the seals, score the answers, write the page."""
+"""Rule `score`: score the answers.
+
+It opens the seals and writes the page.
+"""
 
 from __future__ import annotations
 
@@ -41,7 +44,7 @@ def score(
     seed: int,
     known: Mapping[str, Any],
 ) -> None:
-    """Write the page of the proof, its table and its benchmark figures.
+    """Write the proof's page, table and benchmark figures.
 
     Parameters
     ----------
@@ -121,7 +124,10 @@ def _tabulate_measured(answers: Paths, known: Mapping[str, Any]) -> list[dict] |
 def _find_buried(
     cases: Sequence[Mapping], verdicts: Sequence[dict], diagnoses: Paths
 ) -> tuple[str, str, xr.Dataset] | None:
-    """Return a case that was found although its residual is at the noise: the strongest."""
+    """Find the strongest case buried in noise.
+
+    It was found although its residual is at the noise.
+    """
     masked = [k for k, case in enumerate(cases) if case["masked"] and case["contains"]]
     if not masked:
         return None

@@ -1,4 +1,7 @@
-"""Rule `shapley`: whether parameters go together, and what that does to their shares."""
+"""Rule `shapley`: whether parameters are correlated.
+
+It also shows what that does to their shares.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +31,7 @@ def shapley(
     seed: int,
     model: Path | None = None,
 ) -> None:
-    """Write the Shapley effects over time and the correlations of the parameters.
+    """Write Shapley effects over time, and parameter correlations.
 
     Parameters
     ----------

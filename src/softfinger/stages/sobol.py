@@ -1,4 +1,4 @@
-"""Rule `sobol`: which parameter's spread causes the spread of the joint angles."""
+"""Rule `sobol`: which parameter spreads the joint angles."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def sobol(
     seed: int,
     model: Path | None = None,
 ) -> None:
-    """Write the Sobol indices of the joint angles over time.
+    """Write the joint angles' Sobol indices over time.
 
     Parameters
     ----------

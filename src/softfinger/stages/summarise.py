@@ -1,4 +1,7 @@
-"""Rule `summarise`: every number, statistic and decision that figures and report show."""
+"""Rule `summarise`: what figures and report show.
+
+Every number, statistic and decision.
+"""
 
 from __future__ import annotations
 
@@ -67,7 +70,10 @@ def summarise(
 def _open_moves(
     angles: xr.Dataset, posterior: xr.DataTree | None, model: Path | None
 ) -> tuple[Move, Move]:
-    """Open the fitted model at its middle effects, and at the prior's draws of them."""
+    """Open the fitted model at its middle effects.
+
+    Also at the prior's draws of them.
+    """
     if posterior is None or model is None:
         return move_paper_joint, move_paper_joint
     content, constant = read_model_file(model), posterior["constant_data"].to_dataset()

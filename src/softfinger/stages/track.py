@@ -1,4 +1,4 @@
-"""Rule `track`: follow the markers through the videos of some trials."""
+"""Rule `track`: follow the markers through some videos."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def track(
     videos: Sequence[Path],
     markers: Path,
 ) -> None:
-    """Write the marker positions of the named trials of a campaign."""
+    """Write the marker positions of the named trials."""
     provenance = describe_run("track", {"tables": tables, "videos": videos}, {})
     found = track_trials(read_campaign(folder), trials)
     save_artifact(found, SPEC, markers, provenance)

@@ -1,4 +1,7 @@
-"""Rule `virtual_rig`: draw a finger, move it, write its campaign folder but for the videos."""
+"""Rule `virtual_rig`: draw a finger and its campaign.
+
+It moves the finger and writes its campaign folder, but for the videos.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,9 @@ from softfinger.virtual_rig.motion import draw_motion
 def virtual_rig(
     *, truth: Path, folder: Path, config: Mapping[str, Any], seed: int, model: Path | None = None
 ) -> None:
-    """Write a synthetic campaign to ``folder``, and beside it what is true of it.
+    """Write a synthetic campaign, and its truth.
+
+    The campaign goes to ``folder``, the truth beside it.
 
     Parameters
     ----------
