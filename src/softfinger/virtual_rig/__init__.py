@@ -1,4 +1,5 @@
-"""An instrument simulator: draws a finger, moves it, films it, writes a campaign folder.
+"""An instrument simulator that writes a campaign folder.
 
-Nothing downstream can tell its campaigns from measured ones, except by ``source: synthetic``.
+It draws a finger, moves it and films it. Only ``source: synthetic`` distinguishes its campaigns
+from measured ones.
 """

@@ -1,4 +1,7 @@
-"""The campaign folder of a virtual rig, in the same form as any rig's."""
+"""The campaign folder of a virtual rig.
+
+It has the same form as any rig's.
+"""
 
 from collections.abc import Iterable
 from datetime import datetime, timedelta
@@ -103,7 +106,10 @@ def draw_angle_noise_array(
 
 
 def draw_temperature(room: np.random.Generator) -> float:
-    """Draw the room's temperature [°C] during a trial, to the tenth that is logged."""
+    """Draw the room's temperature [°C] during a trial.
+
+    It is rounded to the tenth that is logged.
+    """
     return round(room.normal(*ROOM_TEMPERATURE_C), 1)
 
 

@@ -1,4 +1,7 @@
-"""The knobs of the virtual rig, each with its unit in its name."""
+"""The knobs of the virtual rig.
+
+Each has its unit in its name.
+"""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
@@ -60,12 +63,15 @@ class RigConfig(SceneConfig):
 
     @property
     def n_frames(self) -> int:
-        """Frames per trial; the first is taken at time 0."""
+        """Frames per trial, the first at time 0."""
         return max(1, round(self.duration_s * self.fps))
 
 
 class VirtualRigConfig(RigConfig, FilmConfig):
-    """Every knob of the virtual rig; an unknown or missing key is a fault."""
+    """Every knob of the virtual rig.
+
+    An unknown or missing key is a fault.
+    """
 
 
 def read_film_config(config: Mapping[str, Any]) -> FilmConfig:
@@ -74,7 +80,7 @@ def read_film_config(config: Mapping[str, Any]) -> FilmConfig:
 
 
 def read_rig_config(config: Mapping[str, Any]) -> RigConfig:
-    """Validate what motion and tables depend on, as `read_config` does."""
+    """Validate settings of motion and tables, as `read_config`."""
     return read_settings(RigConfig, config, "virtual_rig", VirtualRigConfig)
 
 

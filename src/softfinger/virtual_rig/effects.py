@@ -1,4 +1,7 @@
-"""The virtual rig's finger with further physics: the effects of a model file."""
+"""The virtual rig's finger with further physics.
+
+A model file gives the effects.
+"""
 
 import numpy as np
 import xarray as xr
@@ -19,7 +22,9 @@ from softfinger.virtual_rig.streams import Purpose, build_generator
 def move_with_effects(
     content: ModelFile, rig: RigConfig, drawn: xr.Dataset, time: NDArray, seed: int
 ) -> xr.DataArray:
-    """Simulate drawn trials with the effects of a model file and the links' inertia.
+    """Simulate drawn trials with a model file's effects.
+
+    The links have inertia.
 
     Parameters
     ----------
@@ -57,7 +62,9 @@ def move_with_effects(
 def describe_setting(
     rig: RigConfig, own: NDArray, load: tuple[NDArray, NDArray], seed: int
 ) -> Setting:
-    """Describe the campaign that a rig is about to record, before it moves.
+    """Describe the campaign that a rig will record.
+
+    It is described before the rig moves.
 
     Parameters
     ----------

@@ -1,4 +1,7 @@
-"""The tiny campaign that shows the format: made here, committed under ``data/example``."""
+"""The tiny campaign that shows the format.
+
+It is made here and committed under ``data/example``.
+"""
 
 from pathlib import Path
 
@@ -32,6 +35,9 @@ EXAMPLE_CONFIG = {
 
 
 def write_example_campaign(folder: Path) -> None:
-    """Write the example campaign: angles, four trials of 10 s at 10 Hz; always the same bytes."""
+    """Write the example campaign.
+
+    It has angles of four trials of 10 s at 10 Hz. Its bytes are always the same.
+    """
     truth = draw_motion(EXAMPLE_CONFIG, EXAMPLE_SEED)
     write_campaign_folder(truth, EXAMPLE_CONFIG, folder, EXAMPLE_SEED)

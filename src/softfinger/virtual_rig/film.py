@@ -54,7 +54,9 @@ def film_trial(truth: xr.Dataset, config: dict, trial_index: int, path: Path, se
 def render_frames(
     joint_angle: xr.DataArray, config: FilmConfig, seed: int, trial_index: int
 ) -> Iterator[np.ndarray]:
-    """Render a trial's frames one by one; the same array is written over each time.
+    """Render a trial's frames one by one.
+
+    The same array is written over each time.
 
     Parameters
     ----------
@@ -82,7 +84,9 @@ def render_frames(
 
 @contextmanager
 def open_video(path: Path, fps: float, quality: int) -> Iterator:
-    """Open a Motion-JPEG video for writing, yield the function that appends a grey frame.
+    """Open a Motion-JPEG video for writing.
+
+    It yields the function that appends a grey frame.
 
     Frames are compressed here and only wrapped by the writer, because its own compressor ignores
     the quality. The file gets its name when it is complete; after an exception nothing is left.

@@ -1,4 +1,7 @@
-"""True motion: every trial's finger pulled by the same load, inertia included."""
+"""True motion of every trial's finger.
+
+The same load pulls each; inertia is included.
+"""
 
 import numpy as np
 import xarray as xr
@@ -12,7 +15,9 @@ from softfinger.virtual_rig.population import draw_finger_parameters
 
 
 def draw_motion(config: dict, seed: int, model: ModelFile | None = None) -> xr.Dataset:
-    """Draw every trial's parameters and simulate its motion with the full equations of motion.
+    """Draw every trial's parameters and simulate its motion.
+
+    The motion follows the full equations of motion.
 
     Parameters
     ----------

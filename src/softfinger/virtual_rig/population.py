@@ -1,4 +1,4 @@
-"""The paper's population of fingers, and trials drawn from it.
+"""The paper's population of fingers, and its trials.
 
 References
 ----------
@@ -34,7 +34,7 @@ POPULATION_SD = np.array(
 
 
 def build_trial_names(n_trials: int) -> list[str]:
-    """Name the trials in the order in which they are recorded.
+    """Name the trials in recording order.
 
     >>> build_trial_names(2)
     ['trial_001', 'trial_002']
@@ -43,7 +43,9 @@ def build_trial_names(n_trials: int) -> list[str]:
 
 
 def draw_finger_parameters(n_trials: int, seed: int) -> xr.Dataset:
-    """Draw the true parameters of every trial, independent between parameters, joints and trials.
+    """Draw the true parameters of every trial.
+
+    They are independent between parameters, joints and trials.
 
     log k_v, log c_v, log c_p ~ N(mean, sd²) and q_ini ~ N(mean, sd²), per joint.
 

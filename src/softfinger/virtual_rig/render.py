@@ -1,8 +1,9 @@
-"""Pictures of the finger: light × reflectance, blurred, with camera noise.
+"""Pictures of the finger.
 
-A blurred disc is sampled exactly: its radial profile (disc convolved with a Gaussian) is tabulated
-from a closed form, and the average over each pixel's area is taken by 3 × 3 Gauss-Legendre points.
-All else is flat or straight-edged and needs no such care.
+A picture is light × reflectance, blurred, with camera noise. A blurred disc is sampled exactly: its
+radial profile (disc convolved with a Gaussian) is tabulated from a closed form, and the average
+over each pixel's area is taken by 3 × 3 Gauss-Legendre points. All else is flat or straight-edged
+and needs no such care.
 """
 
 import math
@@ -50,7 +51,9 @@ class Canvas:
 
 
 def compute_disc_profile(disc_radius: float, blur: float) -> np.ndarray:
-    """Compute a dark disc blurred by a Gaussian, against the distance from its centre.
+    """Compute a dark disc blurred by a Gaussian.
+
+    The profile is taken against the distance r from the disc's centre.
 
     p(r) = P(|r e + blur · z| < R), z standard normal in the plane: the distribution function of a
     non-central χ² with two degrees of freedom.
@@ -74,7 +77,9 @@ def compute_disc_profile(disc_radius: float, blur: float) -> np.ndarray:
 
 
 def build_light(unevenness: float) -> np.ndarray:
-    """Build a lamp's light, brightest at LIGHT_CENTRE_PX: L = 1 − unevenness · ρ²/ρ²_max.
+    """Build a lamp's light.
+
+    It is brightest at LIGHT_CENTRE_PX: L = 1 − unevenness · ρ²/ρ²_max.
 
     Returns
     -------
@@ -86,7 +91,10 @@ def build_light(unevenness: float) -> np.ndarray:
 
 
 def build_canvas(config: FilmConfig, base: np.ndarray) -> Canvas:
-    """Build what all pictures share, with the base (capsule, 5) [px] drawn on it."""
+    """Build what all pictures share.
+
+    The base (capsule, 5) [px] is drawn on it.
+    """
     disc_radius = config.marker_diameter_m / config.metres_per_pixel / 2
     light = build_light(config.light_unevenness)
     canvas = Canvas(
@@ -104,7 +112,10 @@ def build_canvas(config: FilmConfig, base: np.ndarray) -> Canvas:
 def draw_finger(
     picture: np.ndarray, canvas: Canvas, capsules: np.ndarray, markers: np.ndarray
 ) -> None:
-    """Draw a finger's body and marks on a picture (row, column) float32 [grey], in place."""
+    """Draw a finger's body and marks on a picture.
+
+    The picture (row, column) float32 [grey] is changed in place.
+    """
     edge_sd = math.hypot(canvas.blur, math.sqrt(1 / 12))  # a pixel's width adds 1/12 px²
     for capsule in capsules:
         _draw_capsule_array(picture, canvas.light, capsule, edge_sd, BODY_GREY)
@@ -178,7 +189,9 @@ def _average_over_pixel_array(dx: float, dy: float, disc: np.ndarray) -> float:
 
 
 def build_noise_table(noise_sd: float) -> np.ndarray:
-    """Build equally likely values of a normal distribution with the given sd [grey].
+    """Build equally likely values of a normal distribution.
+
+    The distribution has the given sd [grey].
 
     The tails end at 3.7 sd.
 
@@ -194,7 +207,9 @@ def build_noise_table(noise_sd: float) -> np.ndarray:
 def expose_array(
     picture: np.ndarray, noise_table: np.ndarray, key: np.uint64, frame: np.ndarray
 ) -> None:
-    """Expose a frame: add noise, independent from pixel to pixel, and round to 0…255.
+    """Expose a frame.
+
+    Noise, independent from pixel to pixel, is added, and the sum is rounded to 0…255.
 
     The random bits are SplitMix64's (Steele, Lea, Flood 2014, doi:10.1145/2660193.2660195) at the
     counters that follow ``key``; four pixels share 64 of them.

@@ -21,7 +21,9 @@ LINK_MARKERS = (0.24, 0.76)  # shares of the link's length
 
 
 def build_marker_places(config: SceneConfig) -> dict[str, list[float]]:
-    """Build the places of the marks [m] along each link from its proximal joint, base first.
+    """Build the places of the marks [m].
+
+    They lie along each link from its proximal joint, base first.
 
     The base's are measured from the first joint, so they are negative.
     """
@@ -61,7 +63,9 @@ def compute_joint_position_array(joint_angle: np.ndarray, link_length: np.ndarra
 def compute_place_array(
     joint_angle: np.ndarray, link_length: np.ndarray, place: np.ndarray
 ) -> np.ndarray:
-    """Compute places on each link [m]: p_i + s (cos φ_i, sin φ_i).
+    """Compute places on each link [m].
+
+    They are p_i + s (cos φ_i, sin φ_i).
 
     Parameters
     ----------
@@ -83,7 +87,10 @@ def compute_place_array(
 
 
 def convert_to_pixels_array(position: np.ndarray, metres_per_pixel: float) -> np.ndarray:
-    """Convert positions (..., axis) from metres, y up, to pixels, y down."""
+    """Convert positions (..., axis) to pixels.
+
+    They come in metres, y up; in pixels y is down.
+    """
     return np.array(FIRST_JOINT_PX) + position * np.array([1.0, -1.0]) / metres_per_pixel
 
 
@@ -125,7 +132,9 @@ def compute_marker_position(joint_angle: xr.DataArray, config: SceneConfig) -> x
 
 
 def compute_capsules(joint_angle: np.ndarray, config: SceneConfig) -> np.ndarray:
-    """Compute the finger's outline as thick lines with round ends.
+    """Compute the finger's outline as thick lines.
+
+    The lines have round ends.
 
     A slender one through each joint (the constriction) and a stout one along each link.
 
@@ -147,7 +156,7 @@ def compute_capsules(joint_angle: np.ndarray, config: SceneConfig) -> np.ndarray
     direction = np.cumsum(before, axis=-1)[..., None]
     proximal = centre - half_joint * np.concatenate([np.cos(direction), np.sin(direction)], axis=-1)
     joints = np.stack([proximal, links[..., 0, :]], axis=-2)
-    # ASSUME: half a link is 0.95 of a mark's diameter thick, so that marks stand clear of its edge
+    # ASSUME: half a link is 0.95 of a mark's diameter thick, so that marks keep clear of its edge
     half_link_px = 0.95 * config.marker_diameter_m / config.metres_per_pixel
     return np.concatenate(
         [
@@ -159,7 +168,10 @@ def compute_capsules(joint_angle: np.ndarray, config: SceneConfig) -> np.ndarray
 
 
 def compute_base_capsule(config: SceneConfig) -> np.ndarray:
-    """Compute the base's outline (1, 5) [px]: one capsule under its marks."""
+    """Compute the base's outline (1, 5) [px].
+
+    It is one capsule under the base's marks.
+    """
     ends = np.array([[[[place, 0.0] for place in BASE_BODY_M]]])
     half_thickness = BASE_HALF_WIDTH_M / config.metres_per_pixel
     return _build_capsules(ends, half_thickness, config.metres_per_pixel)[0]

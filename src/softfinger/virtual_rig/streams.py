@@ -1,4 +1,7 @@
-"""Random streams of the virtual rig: one per trial and purpose."""
+"""Random streams of the virtual rig.
+
+There is one per trial and purpose.
+"""
 
 from enum import IntEnum
 
@@ -6,7 +9,10 @@ import numpy as np
 
 
 class Purpose(IntEnum):
-    """What a stream is for; the number is part of its key, so never renumber."""
+    """What a stream is for.
+
+    The number is part of the stream's key, so never renumber.
+    """
 
     PARAMETERS = 0
     CAMERA = 1
