@@ -1,4 +1,6 @@
-"""How the spread of the parameters becomes spread of the motion: bands, densities, Sobol indices.
+"""The motion's spread from the parameters' spread.
+
+It is given as bands, densities and Sobol indices.
 
 The paper's joint is a sum of three parts under any load history: the elastic part of (k_v, c_v),
 the flow of c_p and q_ini. Its moments, indices and densities are therefore exact up to quadratures

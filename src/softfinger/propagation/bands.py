@@ -1,4 +1,7 @@
-"""Bands of the joint angle beside the recordings, with scores."""
+"""Bands of the joint angle beside recordings.
+
+Scores are added.
+"""
 
 from collections.abc import Mapping
 from typing import Any
@@ -115,7 +118,10 @@ def compute_bands(
 
 
 def _join_estimates(models: list[xr.Dataset]) -> xr.Dataset:
-    """Both estimates; of the bounds those of the posterior alone."""
+    """Join both estimates.
+
+    The bounds are those of the posterior alone.
+    """
     bounds = models[1][["joint_angle_mean_bound", "joint_angle_sd_bound"]]
     both = [model.drop_vars(bounds.data_vars) for model in models]
     joined = xr.concat(both, xr.IndexVariable("estimate", list(ESTIMATES)))
@@ -123,7 +129,10 @@ def _join_estimates(models: list[xr.Dataset]) -> xr.Dataset:
 
 
 def _compute_moments(source: Source, protocol: Protocol, time: NDArray) -> xr.Dataset:
-    """Mean and sd (joint, time) [rad], medians over draws, with their bounds."""
+    """Mean and sd (joint, time) [rad].
+
+    They are medians over draws, with their bounds.
+    """
     mean, variance = choose_route(source).compute_moments(source, protocol, time)
     dims, data = ("joint", "time"), {}
     for name, value in (("joint_angle_mean", mean), ("joint_angle_sd", np.sqrt(variance))):
@@ -136,7 +145,10 @@ def _compute_moments(source: Source, protocol: Protocol, time: NDArray) -> xr.Da
 def _predict_left_out(
     place: int, samples: list[NewTrials | None], weigh: Weigh, time: NDArray
 ) -> NDArray[np.float64]:
-    """Quantiles (joint, time, p) of a trial's recording as the other trials predict it."""
+    """Quantiles that other trials predict for one.
+
+    They are (joint, time, p), of the trial's recording.
+    """
     predicted = np.full((len(samples), time.size, PROBABILITIES.size), np.nan)
     for joint, sample in enumerate(samples):
         if sample is not None:

@@ -1,4 +1,7 @@
-"""The knobs of bands, densities and indices, each with its unit in its name."""
+"""The knobs of bands, densities and indices.
+
+Each has its unit in its name.
+"""
 
 from collections.abc import Mapping
 from typing import Annotated, Any
@@ -58,7 +61,9 @@ class PropagationConfig(PropagateConfig, SobolConfig):
 def read_config[Part: SpreadConfig](
     config: Mapping[str, Any], part: type[Part] = PropagationConfig
 ) -> Part:
-    """Validate the propagation's block of the configuration, or a part of it.
+    """Validate the propagation's block, or a part.
+
+    It is a block of the configuration.
 
     Raises
     ------

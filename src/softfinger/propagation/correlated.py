@@ -26,7 +26,9 @@ LOG_RATE = np.array([1.0, -1.0, 0.0, 0.0])  # log(k_v/c_v) = LOG_RATE · x
 
 
 class Joint(NamedTuple):
-    """One joint, its elastic part on a lattice of log-rates.
+    """One joint, with its elastic part tabulated.
+
+    The table is on a lattice of log-rates.
 
     mu (4,); covariance (4, 4); lattice (m,); table (m, n); impulse (n,) [N m s].
     """
@@ -104,7 +106,10 @@ def compute_values_array(
 
 
 def _share_covariance(covariance: NDArray, subset: Subset) -> NDArray[np.float64]:
-    """M, what two fingers that share u have in common."""
+    """M, the covariance that two fingers share.
+
+    They have the parameters u in common.
+    """
     if subset == EVERY:
         return covariance
     u = np.flatnonzero(np.isin(np.arange(len(covariance)) % len(EVERY), subset))
@@ -112,7 +117,10 @@ def _share_covariance(covariance: NDArray, subset: Subset) -> NDArray[np.float64
 
 
 def _average_elastic(joint: Joint, shift: float) -> NDArray[np.float64]:
-    """Mean (n,) of e(r), the log-rate's mean shifted by so much."""
+    """Mean (n,) of e(r) after a shift.
+
+    The log-rate's mean is shifted by `shift`.
+    """
     spread = np.sqrt(LOG_RATE @ joint.covariance @ LOG_RATE)
     return compute_normal_weights(joint.lattice, LOG_RATE @ joint.mu + shift, spread) @ joint.table
 
@@ -130,7 +138,10 @@ def _compute_mean(joint: Joint) -> NDArray[np.float64]:
 
 
 def _compute_value(joint: Joint, shared: NDArray[np.float64]) -> NDArray[np.float64]:
-    """v(u) = Cov(q(x), q(x′)) (n,) [rad²] for copies with the covariance `shared`."""
+    """v(u) (n,) [rad²] of a shared covariance.
+
+    It is Cov(q(x), q(x′)) for copies with the covariance `shared`.
+    """
     own_rate, shared_rate = joint.covariance @ LOG_RATE, shared @ LOG_RATE
     lattice, table, rate = joint.lattice, joint.table, LOG_RATE @ joint.mu
     spread = np.sqrt(LOG_RATE @ own_rate)
@@ -152,7 +163,10 @@ def _compute_value(joint: Joint, shared: NDArray[np.float64]) -> NDArray[np.floa
 def _square_shared(
     lattice: NDArray, table: NDArray, centre: float, spread: float, shared: float
 ) -> NDArray[np.float64]:
-    """E_y[g(y)²] (n,) for log-rates of sd `spread` that have a part of sd `shared` in common."""
+    """E_y[g(y)²] (n,) of partly shared log-rates.
+
+    Their sd is `spread`; the part of sd `shared` is in common.
+    """
     own = np.sqrt(max(spread**2 - shared**2, 0.0))
     if own < NARROWEST:
         return compute_normal_weights(lattice, centre, spread) @ table**2
@@ -169,9 +183,10 @@ def _square_shared(
 def _average_squares(
     lattice: NDArray, table: NDArray, centre: NDArray, weight: NDArray, sd: float
 ) -> NDArray:
-    """Σ_i weight_i (mean of the table's rows under N(centre_i, sd²))²: (n,).
+    """Weighted mean of squared averages: (n,).
 
-    Not by a matrix product: there are thousands of these, too small for a threaded library.
+    It is Σ_i weight_i (mean of the table's rows under N(centre_i, sd²))². Not by a matrix product:
+    there are thousands of these, too small for a threaded library.
     """
     n = table.shape[1]
     square = np.zeros(n)
@@ -193,7 +208,10 @@ def _average_squares(
 
 
 def _space_lattice(mu: NDArray, covariance: NDArray, shared: list[NDArray]) -> NDArray[np.float64]:
-    """Log-rates fine and wide enough for all shared parts."""
+    """Log-rates for all shared parts.
+
+    They are fine and wide enough.
+    """
     with_rate = covariance @ LOG_RATE
     variance = LOG_RATE @ with_rate
     common = np.array([LOG_RATE @ part @ LOG_RATE for part in shared])

@@ -33,7 +33,9 @@ def compute_densities(
     rng: np.random.Generator,
     move: Move = move_paper_joint,
 ) -> xr.Dataset:
-    """Compute densities of a new trial's angles at chosen times.
+    """Compute densities of a new trial's angles.
+
+    They are taken at chosen times.
 
     Parameters
     ----------
@@ -96,7 +98,10 @@ def compute_densities(
 def _refine_two_stage(
     source: Source, protocol: Protocol, time: NDArray, angle: NDArray
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Density (joint, time, angle) of the two-stage estimate, and its error (joint, time)."""
+    """Density (joint, time, angle) of the two-stage estimate.
+
+    Its error (joint, time) is returned too.
+    """
     mu, sigma = (source.population[name].to_numpy()[0] for name in ("mu", "sigma"))
     load, cut = (protocol.load_time, protocol.load_torque), source.knobs.c_p_truncation_sd
     every = zip(mu, sigma, angle, strict=True)

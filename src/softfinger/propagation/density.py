@@ -1,4 +1,6 @@
-"""The density of the joint angle by random variable transformation, exact for the paper's joint.
+"""The density of the joint angle.
+
+It follows by random variable transformation and is exact for the paper's joint.
 
     q = E + C + Q,   E = e(t; k_v/c_v)/k_v,   C = I/c_p,   Q = q_ini,   I = ∫u dt
 
@@ -41,7 +43,9 @@ MOST_REFINEMENTS = 5
 
 
 class Distribution(NamedTuple):
-    """Density of the angle, up to its last third of smoothing, on lattice points (start + i) sd/2.
+    """Density of the angle on a lattice.
+
+    The density lacks its last third of smoothing. Its points are (start + i) sd/2.
 
     `centre` is the mean of q_ini [rad], to be taken off an angle before it is looked up, and
     `below` the probability of angles too low to be on the lattice.
@@ -67,7 +71,10 @@ class Distribution(NamedTuple):
     def find_quantiles(
         self, probability: NDArray[np.float64], low: float, high: float
     ) -> NDArray[np.float64]:
-        """Angles (p,) [rad], between two others, below which these probabilities lie."""
+        """Angles (p,) [rad] of given probabilities.
+
+        They lie between two others; below each angle lies its probability.
+        """
         wanted, ends = probability - self.below, (low - self.centre, high - self.centre)
         found = lattice.find_quantiles(wanted, self.density, self.sd, self.start, *ends)
         return found + self.centre
@@ -83,7 +90,9 @@ def compute_density_array(
     c_p_truncation_sd: float | None = None,
     fineness: float = 1.0,
 ) -> NDArray[np.float64]:
-    """Compute the density of the joint angle of one population at each time.
+    """Compute the density of the joint angle.
+
+    It is that of one population at each time.
 
     Parameters
     ----------
@@ -135,7 +144,9 @@ def refine_density_array(
     c_p_truncation_sd: float | None = None,
     tolerance: float = 1e-6,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Compute the density with ever finer quadratures until its error is small.
+    """Compute the density with refined quadratures.
+
+    They become ever finer until the error is small.
 
     Parameters
     ----------
@@ -180,10 +191,12 @@ def convolve_parts(
     c_p_truncation_sd: float | None = None,
     fineness: float = 1.0,
 ) -> Iterator[Distribution]:
-    """Yield the distribution of the angle at each time, good for angles within a window.
+    """Yield the distribution of the angle at times.
 
-    `window` holds the least and the largest angle (n,) [rad] at each time; the other arguments are
-    those of `compute_density_array`. Nothing is yielded for a population that is not known.
+    It is good for angles within a window.
+
+    `window` contains the least and the largest angle (n,) [rad] at each time; the other arguments
+    are those of `compute_density_array`. Nothing is yielded for a population that is not known.
     """
     mu, sigma = np.asarray(mu, float), np.asarray(sigma, float)
     if not (np.isfinite(mu).all() and (sigma > 0).all()):
@@ -209,7 +222,9 @@ def convolve_parts(
 def _limit_parts(
     low: float, high: float, flow: float, mixture: NamedTuple, row: int
 ) -> tuple[float, float]:
-    """Bounds beyond which a part cannot reach the window, whatever the other part does.
+    """Bounds beyond which a part cannot count.
+
+    Beyond them it cannot reach the window, whatever the other part does.
 
     ASSUME: where E and C have opposite signs, values beyond twice the window do not cancel.
     """

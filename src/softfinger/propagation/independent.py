@@ -74,7 +74,9 @@ def share_variance_array(
 def split_elastic_variance_array(
     mu: NDArray, sigma: NDArray, time: ArrayLike, load_time: ArrayLike, load_torque: ArrayLike
 ) -> NDArray[np.float64]:
-    """Split the variance of the elastic part into V_k, V_c, V_kc: (3, n) [rad²], each ≥ 0.
+    """Split the variance of the elastic part.
+
+    It gives V_k, V_c, V_kc: (3, n) [rad²], each ≥ 0.
 
     `mu` and `sigma` are (4,), or longer, in the order of the parameters.
     """

@@ -1,4 +1,7 @@
-"""The density of a sample, smoothed by a Gaussian kernel."""
+"""The density of a sample.
+
+It is smoothed by a Gaussian kernel.
+"""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,7 +33,9 @@ def estimate_density_array(sample: ArrayLike, angle: ArrayLike) -> NDArray[np.fl
 def smooth_sample_array(
     sample: NDArray[np.float64], sd: float, angle: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Compute the density (a,) [1/rad] of sample + N(0, sd²).
+    """Compute the density of a blurred sample.
+
+    It is (a,) [1/rad], of sample + N(0, sd²).
 
     Examples
     --------

@@ -1,4 +1,6 @@
-"""Masses on the line, smoothed by a Gaussian on to a lattice and read off through another.
+"""Masses on a line, smoothed on to a lattice.
+
+A Gaussian smooths them; another one reads them off.
 
 A Gaussian of sd σ sampled at σ/2 is band-limited to exp(−2π²) = 3e-9, so that laying masses on the
 lattice, convolving there and reading the result anywhere through a third Gaussian are all exact to
@@ -27,9 +29,11 @@ TAPER = np.exp(-0.5 * (np.arange(-WIDTH, WIDTH + 2) / PER_SD) ** 2)
 def lay_masses(
     place: NDArray, mass: NDArray, sd: float, start: int, lattice: NDArray, taper: NDArray
 ) -> None:
-    """Add masses at `place` (m,), smoothed by a Gaussian, to a density on lattice points.
+    """Add smoothed masses to a density.
 
-    Point i of `lattice` stands at (start + i) · sd/2. `taper` is TAPER.
+    They lie at `place` (m,), and a Gaussian smooths them on to the lattice points.
+
+    Point i of `lattice` lies at (start + i) · sd/2. `taper` is TAPER.
     """
     scale = 1.0 / (sd * math.sqrt(2 * math.pi))
     for j in range(place.size):
@@ -52,7 +56,10 @@ def lay_masses(
 def read_density(
     angle: NDArray, lattice: NDArray, sd: float, start: int, taper: NDArray
 ) -> NDArray:
-    """Read the density at angles (a,), smoothed once more by the Gaussian."""
+    """Read the density at angles (a,).
+
+    The Gaussian smooths it once more.
+    """
     scale = 1.0 / (PER_SD * math.sqrt(2 * math.pi))
     density = np.zeros(angle.size)
     for j in range(angle.size):
@@ -71,7 +78,10 @@ def read_density(
 
 @compiled
 def read_probability(angle: NDArray, lattice: NDArray, sd: float, start: int) -> NDArray:
-    """Read the probability that the lattice holds below angles (a,)."""
+    """Read the probability below angles (a,).
+
+    It is what the lattice contains below them.
+    """
     cumulated = np.cumsum(lattice)
     probability = np.empty(angle.size)
     for j in range(angle.size):
@@ -83,7 +93,10 @@ def read_probability(angle: NDArray, lattice: NDArray, sd: float, start: int) ->
 def find_quantiles(
     probability: NDArray, lattice: NDArray, sd: float, start: int, low: float, high: float
 ) -> NDArray:
-    """Find by bisection the angles (p,) between two others below which these probabilities lie."""
+    """Find by bisection the angles of given probabilities.
+
+    The angles (p,) lie between two others; below each lies its probability.
+    """
     cumulated = np.cumsum(lattice)
     quantile = np.empty(probability.size)
     for j in range(probability.size):
@@ -120,7 +133,9 @@ def fill_lognormal_mixture(
     log_width: NDArray,
     mass: NDArray,
 ) -> None:
-    """Add to `mass` (node,) what a mixture of log-normals of equal log-sd puts on each node.
+    """Add a mixture of log-normals to `mass` (node,).
+
+    Its log-normals have equal log-sd; each node gets the mass that it puts there.
 
     `log_place` (node,), rising: log of each node's place; `log_width`: its cell in the logarithm.
     """

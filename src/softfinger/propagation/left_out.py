@@ -1,4 +1,6 @@
-"""Predictions for a trial from the others, by importance weights.
+"""Predictions for a trial from the others.
+
+They use importance weights.
 
 Bands that a trial helped to make flatter it. For the two-stage estimate, new trials drawn from the
 population N(μ, σ) weigh N(x; μ_−i, σ_−i)/N(x; μ, σ), with μ_−i, σ_−i from the other trials' kept
@@ -32,7 +34,9 @@ Weigh = Callable[[int, int, NewTrials], NDArray[np.float64]]
 
 
 def build_two_stage_weights(least_squares: xr.Dataset, trial: xr.DataArray) -> Weigh:
-    """Build the weights that take a trial out of the two-stage estimate.
+    """Build a trial's weights for the two-stage estimate.
+
+    They take the trial out of it.
 
     Parameters
     ----------
@@ -67,7 +71,9 @@ def build_two_stage_weights(least_squares: xr.Dataset, trial: xr.DataArray) -> W
 def build_posterior_weights(
     posterior: xr.DataTree, population: xr.Dataset, trial: xr.DataArray
 ) -> Weigh:
-    """Build the weights that take a trial out of the posterior of the hyperparameters.
+    """Build a trial's weights for the posterior.
+
+    They take the trial out of the posterior of the hyperparameters.
 
     Parameters
     ----------
@@ -99,7 +105,9 @@ def build_posterior_weights(
 def _compute_log_normal(
     away: NDArray[np.float64], covariance: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Log of the normal density (trial, joint), but for a constant.
+    """Log of the normal density, up to a constant.
+
+    It is (trial, joint).
 
     0 for a trial that is NaN.
     """
@@ -110,7 +118,9 @@ def _compute_log_normal(
 
 
 def normalise_weights_array(log_weight: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Turn log weights (n,) into weights that sum to 1.
+    """Turn log weights into weights of sum 1.
+
+    Both are (n,).
 
     >>> normalise_weights_array(np.log([1.0, 1.0, 2.0]) + 900.0)
     array([0.25, 0.25, 0.5 ])

@@ -1,8 +1,10 @@
-"""The elastic and the flowing part of the angle as point masses, fit to be smoothed and added.
+"""Two parts of the angle as point masses.
 
-Masses of a log-normal stand at s = ℓ log(1 + exp w), even in w: even in log s where s is small,
-where the log-normal is the narrower function, and even in s where the Gaussian that smooths them
-is. Far tails then cost one mass per Gaussian width within the window, and nothing beyond it.
+They are its elastic and its flowing part, fit to be smoothed and added.
+
+Masses of a log-normal lie at s = ℓ log(1 + exp w), even in w. That is even in log s where s is
+small, where the log-normal is the narrower function, and even in s where the Gaussian that smooths
+them is. Far tails then cost one mass per Gaussian width within the window, and nothing beyond it.
 """
 
 from typing import NamedTuple
@@ -24,7 +26,10 @@ PANEL_POINTS = 16
 
 
 class Masses(NamedTuple):
-    """Point masses (m,) at places (m,) [rad], and the mass that lies below all limits."""
+    """Point masses (m,) at places (m,) [rad].
+
+    `below` is the mass that lies below all limits.
+    """
 
     place: NDArray[np.float64]
     mass: NDArray[np.float64]
@@ -32,7 +37,9 @@ class Masses(NamedTuple):
 
 
 class ElasticMixture(NamedTuple):
-    """E at each time as a mixture over x = log(k_v/c_v) of log-normals of equal log-sd.
+    """E at each time as a mixture.
+
+    It is a mixture over x = log(k_v/c_v) of log-normals of equal log-sd.
 
     weight (m,); log_median (m, n), −inf where E is 0; sign (m, n); typical (n,) [rad] is |E| at
     the median parameters.
@@ -54,7 +61,7 @@ def build_elastic_mixture(
     sd: float,
     fineness: float,
 ) -> ElasticMixture:
-    """Build the mixture of log-normals that is the elastic part.
+    """Build the log-normal mixture of the elastic part.
 
     With s² = σ_k² + σ_c²: log k_v | x ~ N(μ_k + (σ_k²/s²)(x − μ_x), σ_k² σ_c²/s²). The step in x
     shrinks until it resolves the product of two Gaussians: that of x, and that of an angle about
@@ -85,7 +92,10 @@ def build_elastic_mixture(
 def lay_elastic_masses(
     mixture: ElasticMixture, row: int, sd: float, limits: tuple[float, float], fineness: float
 ) -> Masses:
-    """Lay out E at time `row` within limits [rad], for smoothing by a Gaussian of `sd` [rad]."""
+    """Lay out E at time `row` within limits.
+
+    Limits are in [rad], for smoothing by a Gaussian of `sd` [rad].
+    """
     log_median, log_sd = mixture.log_median[:, row], mixture.log_sd
     nothing = np.log(NOTHING * sd)
     vanishing = log_median + REACH * log_sd < nothing
@@ -119,7 +129,10 @@ def lay_flow_masses(
     fineness: float,
     truncation_sd: float | None,
 ) -> Masses:
-    """Lay out C = I/c_p of a given median [rad], as `lay_elastic_masses`."""
+    """Lay out C = I/c_p.
+
+    It has a given median [rad]; the layout is as in `lay_elastic_masses`.
+    """
     bound = limits[1] if median > 0 else -limits[0]
     reach = REACH if truncation_sd is None else truncation_sd
     if abs(median) < NOTHING * sd * np.exp(-min(reach, REACH) * log_sd):
@@ -144,7 +157,10 @@ def lay_flow_masses(
 def _space_nodes(
     low: float, high: float, log_sd: float, sd: float, fineness: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Places (m,) from exp(low) to exp(high) [rad], and their cells ds (m,) [rad]."""
+    """Places of the masses, and their cells.
+
+    Places (m,) [rad] go from exp(low) to exp(high); cells ds (m,) are in [rad].
+    """
     step, scale = _find_steps(log_sd, sd, fineness)
     ends = _find_abscissa(np.exp(np.array([low, high])) / scale)
     w = np.arange(np.floor(ends[0] / step), np.ceil(ends[1] / step) + 1) * step
@@ -154,7 +170,10 @@ def _space_nodes(
 def _space_panels(
     low: float, high: float, log_sd: float, sd: float, fineness: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """As `_space_nodes`, by Gauss–Legendre panels, which end sharply at both ends."""
+    """Places as `_space_nodes`, by Gauss–Legendre panels.
+
+    They end sharply at both ends.
+    """
     step, scale = _find_steps(log_sd, sd, fineness)
     ends = _find_abscissa(np.exp(np.array([low, high])) / scale)
     panels = int(np.ceil((ends[1] - ends[0]) / (0.5 * PANEL_POINTS * step)))
@@ -166,11 +185,17 @@ def _space_panels(
 
 
 def _find_steps(log_sd: float, sd: float, fineness: float) -> tuple[float, float]:
-    """Step in w, and ℓ [rad], so that neighbours stand `step` apart in log s or STEP sd in s."""
+    """Step in w, and ℓ [rad].
+
+    Neighbours are then `step` apart in log s, or STEP sd in s.
+    """
     step = min(STEP * log_sd, LOG_STEP) / fineness
     return step, STEP * sd / fineness / step
 
 
 def _find_abscissa(ratio: NDArray[np.float64]) -> NDArray[np.float64]:
-    """W of s/ℓ: the inverse of log(1 + exp w), without overflow or loss of small values."""
+    """Compute w from s/ℓ.
+
+    It is the inverse of log(1 + exp w), and neither overflows nor loses small values.
+    """
     return ratio + np.log(-np.expm1(-ratio))

@@ -1,4 +1,6 @@
-"""Mean and variance of the joint angle over the population, for any load history.
+"""Mean and variance of the joint angle.
+
+They are taken over the population, for any load history.
 
     q(t) = e(t; k_v/c_v)/k_v + I(t)/c_p + q_ini,   I = ∫u dt
 
@@ -30,7 +32,9 @@ def compute_moments_array(
     load_torque: ArrayLike,
     c_p_truncation_sd: float | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Compute mean and variance of the joint angle over populations.
+    """Compute mean and variance of the joint angle.
+
+    They are taken over populations.
 
     Parameters
     ----------
@@ -76,7 +80,9 @@ def compute_moments_array(
 def compute_inverse_moments(
     mu: ArrayLike, sigma: ArrayLike, truncation_sd: float | None = None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Compute the mean and the log of the variance of 1/c, log c ~ N(μ, σ²), whole or truncated.
+    """Compute mean and log variance of 1/c.
+
+    log c ~ N(μ, σ²), whole or truncated.
 
     E[c^−p] = exp(−p μ + p² σ²/2) · (Φ(z + pσ) − Φ(−z + pσ)) / (Φ(z) − Φ(−z)) for |log c − μ| ≤ z σ.
 

@@ -1,4 +1,7 @@
-"""New trials: whole fingers drawn from populations, moved, and recorded with noise."""
+"""New trials drawn from populations.
+
+Whole fingers are drawn, moved and recorded with noise.
+"""
 
 from typing import NamedTuple
 
@@ -20,7 +23,9 @@ QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 
 
 class Source(NamedTuple):
-    """Where new trials come from: populations, and the forward model that moves the fingers.
+    """Where new trials come from.
+
+    It has populations, and the forward model that moves the fingers.
 
     `population` as `select_posterior` gives it; `seed` of the random numbers, which are the same
     at each use, so that two answers differ by what was asked and not by chance.
@@ -54,7 +59,9 @@ class NewTrials(NamedTuple):
 def draw_standard_array(
     n: int, dims: int, rng: np.random.Generator, blocks: int = 1
 ) -> NDArray[np.float64]:
-    """Draw evenly spread standard normal numbers (block, n, dims).
+    """Draw evenly spread standard normal numbers.
+
+    They are (block, n, dims).
 
     A power of two for `n` keeps each block balanced. Its points come in random order: by that of
     the sequence every second one lies in the same half.
@@ -71,7 +78,9 @@ def place_scores_array(
     score: NDArray[np.float64],
     c_p_truncation_sd: float | None,
 ) -> NDArray[np.float64]:
-    """Place new fingers (n, joint, 4) by their normal scores.
+    """Place new fingers by their normal scores.
+
+    They are (n, joint, 4).
 
     A cut population of c_p takes the quantiles of its normal scores, whatever goes with them.
     """
@@ -83,7 +92,9 @@ def place_scores_array(
 
 
 def take_root_array(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Take the symmetric root (…, p, p) of a covariance.
+    """Take the symmetric root of a covariance.
+
+    Both are (…, p, p).
 
     >>> take_root_array(np.diag([4.0, 0.0]))
     array([[2., 0.],
@@ -100,7 +111,9 @@ def move_fingers(
     protocol: Protocol,
     time: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Move fingers (n, joint, 4): their angles (n, joint, time) [rad].
+    """Move fingers (n, joint, 4).
+
+    The result is their angles (n, joint, time) [rad].
 
     Each is like one of the protocol's trials. NaN where the model could not be integrated.
     """
@@ -191,7 +204,10 @@ def draw_noise(
 
 
 def order_samples_array(values: NDArray[np.float64]) -> tuple[NDArray, NDArray]:
-    """Put values (time, n) in rising order; also give the place from which each came."""
+    """Put values (time, n) in rising order.
+
+    The place from which each came is returned too.
+    """
     values = np.ascontiguousarray(values)
     order = np.argsort(values, axis=1)
     return np.take_along_axis(values, order, axis=1), order
@@ -204,9 +220,11 @@ def take_quantiles_array(
     weight: NDArray[np.float64],
     probability: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Take quantiles (time, p) of weighted values (time, n) in rising order.
+    """Take quantiles (time, p) of weighted values.
 
-    A value stands in the middle of its own weight; between values a straight line.
+    The values (time, n) are in rising order.
+
+    A value lies in the middle of its own weight; between values there is a straight line.
 
     Parameters
     ----------
@@ -228,7 +246,7 @@ def take_quantiles_array(
     for t in range(ordered.shape[0]):
         i = 0
         below = 0.0  # weight of the values before i
-        before, place = -1.0, 0.5 * weight[order[t, 0]]  # where i − 1 and i stand
+        before, place = -1.0, 0.5 * weight[order[t, 0]]  # where i − 1 and i lie
         for p in range(probability.size):
             while i < n - 1 and place < probability[p]:
                 below += weight[order[t, i]]

@@ -42,7 +42,9 @@ def select_two_stage(least_squares: xr.Dataset) -> xr.Dataset:
 
 
 def select_posterior(posterior: xr.DataTree, draws: int) -> xr.Dataset:
-    """Select populations from the posterior, spread evenly over chains and draws.
+    """Select populations from the posterior.
+
+    They are spread evenly over chains and draws.
 
     Parameters
     ----------
@@ -101,7 +103,10 @@ def are_independent(population: xr.Dataset) -> bool:
 def relate_own_array(
     correlation: NDArray[np.float64], sigma: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Build the covariance (…, 4 · joint, 4 · joint) of fingers."""
+    """Build the covariance of fingers.
+
+    It is (…, 4 · joint, 4 · joint).
+    """
     sd = sigma.reshape(*sigma.shape[:-2], -1)
     return correlation * sd[..., :, None] * sd[..., None, :]
 
@@ -113,7 +118,9 @@ def select_own_blocks_array(correlation: NDArray[np.float64]) -> NDArray[np.floa
 
 
 def take_population_draws(posterior: xr.DataTree, names: Sequence[str], draws: int) -> xr.Dataset:
-    """Take at most so many draws of some variables, evenly.
+    """Take some variables' draws, evenly.
+
+    At most `draws` draws are taken.
 
     Raises
     ------
@@ -133,7 +140,9 @@ def take_population_draws(posterior: xr.DataTree, names: Sequence[str], draws: i
 
 
 def choose_evenly(total: int, most: int) -> NDArray[np.int_]:
-    """Choose at most so many places of a total, spread evenly.
+    """Choose at most `most` places, evenly.
+
+    They are spread over `total` places.
 
     >>> choose_evenly(9, 3)
     array([0, 4, 8])

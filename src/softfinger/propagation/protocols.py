@@ -12,7 +12,10 @@ SAME_LOAD = 0.02  # mean absolute difference over the larger peak, up to which l
 
 
 class Protocol(NamedTuple):
-    """Trials of one load history; the load is that of the trial that was recorded longest."""
+    """Trials of one load history.
+
+    The load is that of the trial that was recorded longest.
+    """
 
     name: str
     trials: NDArray[np.int_]
@@ -22,7 +25,9 @@ class Protocol(NamedTuple):
 
 
 def group_protocols(angles: xr.Dataset) -> list[Protocol]:
-    """Group trials by load history, in the order of their first trials.
+    """Group trials by load history.
+
+    Groups are in the order of their first trials.
 
     Two loads are the same if they differ by at most 2 % of the larger peak, as a mean over the
     time that both were recorded: so much as logging and starting jitter make.
@@ -57,12 +62,18 @@ def group_protocols(angles: xr.Dataset) -> list[Protocol]:
 
 
 def select_main_protocol(protocols: list[Protocol]) -> Protocol:
-    """Select the protocol with most trials, the first of equals."""
+    """Select the protocol with most trials.
+
+    It is the first of equals.
+    """
     return max(protocols, key=lambda protocol: protocol.trials.size)
 
 
 def name_protocols(protocols: list[Protocol], n_trials: int) -> list[str]:
-    """Name each trial's protocol, "" for a trial without any frame."""
+    """Name each trial's protocol.
+
+    It is "" for a trial without any frame.
+    """
     names = [""] * n_trials
     for protocol in protocols:
         for trial in protocol.trials:
@@ -71,7 +82,10 @@ def name_protocols(protocols: list[Protocol], n_trials: int) -> list[str]:
 
 
 def describe_truncation(c_p_truncation_sd: float | None) -> str:
-    """Say which part of the log-normal population of c_p was propagated."""
+    """Name the propagated part of the population of c_p.
+
+    The population is log-normal, and may be truncated.
+    """
     if c_p_truncation_sd is None:
         return "none: the log-normal population of c_p is taken whole"
     return f"|log c_p − μ| ≤ {c_p_truncation_sd:g} σ"

@@ -1,4 +1,6 @@
-"""Quadrature over normal populations: the trapezoidal rule, which converges exponentially.
+"""Quadrature over normal populations.
+
+It is the trapezoidal rule, which converges exponentially.
 
 For ∫ φ(z) f(σ z) dz with step h the error is the Fourier transform of the integrand at ω = 2π/h.
 The Gaussian decays like exp(−ω²/2); a function f of a log-rate, analytic for |Im| < π/2 as
@@ -18,7 +20,9 @@ EXPONENT = 28.0  # the rule's relative error is of the order exp(−28) = 7e-13
 
 
 def compute_log_step(sigma: ArrayLike) -> NDArray[np.float64]:
-    """Compute the widest step of a log-parameter with sd `sigma` that keeps the error at exp(−28).
+    """Compute the widest step of a log-parameter.
+
+    Its sd is `sigma`, and the step keeps the error at exp(−28).
 
     >>> compute_log_step([0.1, 3.0]).round(3)
     array([0.084, 0.351])
@@ -34,7 +38,9 @@ def compute_log_step(sigma: ArrayLike) -> NDArray[np.float64]:
 def compute_normal_weights(
     lattice: NDArray[np.float64], mean: ArrayLike, sd: ArrayLike
 ) -> NDArray[np.float64]:
-    """Weigh an equidistant lattice (m,) by normal densities (…): weights (…, m) that sum to 1.
+    """Weigh an equidistant lattice by normal densities.
+
+    The lattice is (m,), the densities (…); weights (…, m) sum to 1.
 
     >>> compute_normal_weights(np.array([-1.0, 0.0, 1.0]), 0.0, 0.5).round(4)
     array([0.1065, 0.787 , 0.1065])

@@ -1,6 +1,6 @@
 """Quantiles of the joint angle from its exact distribution.
 
-The window of angles grows until it holds them; each is taken from the first window that does, so
+The window of angles grows until it contains them; each is taken from the first window that does, so
 that far quantiles of a heavy tail, which need a wide and coarse lattice, do not blur the near ones.
 """
 
@@ -23,7 +23,9 @@ def compute_quantiles_array(
     probability: ArrayLike,
     c_p_truncation_sd: float | None = None,
 ) -> NDArray[np.float64]:
-    """Compute quantiles of the joint angle of one population at each time.
+    """Compute quantiles of the joint angle.
+
+    They are those of one population at each time.
 
     Parameters
     ----------

@@ -15,7 +15,9 @@ LONGEST_GAP = 3.0  # median intervals across which a recording is interpolated
 
 
 def build_time_grid(angles: xr.Dataset, most: int) -> NDArray[np.float64]:
-    """Build an even grid of times, at most as fine as frames.
+    """Build an even grid of times.
+
+    It is at most as fine as the frames.
 
     Parameters
     ----------
@@ -40,7 +42,10 @@ def find_frame_interval(angles: xr.Dataset) -> float:
 
 
 def extract_recordings(angles: xr.Dataset) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Extract frame times (trial, frame) and joint angles (trial, joint, frame), bad ones NaN."""
+    """Extract frame times and joint angles.
+
+    They are (trial, frame) [s] and (trial, joint, frame) [rad]; bad ones are NaN.
+    """
     time = angles["time"].transpose("trial", "frame").to_numpy()
     good = angles["angle_flag"].transpose("trial", "joint", "frame").to_numpy() == 0
     angle = angles["joint_angle"].transpose("trial", "joint", "frame").to_numpy()
@@ -50,7 +55,9 @@ def extract_recordings(angles: xr.Dataset) -> tuple[NDArray[np.float64], NDArray
 def resample_recordings_array(
     time: NDArray[np.float64], angle: NDArray[np.float64], grid: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Interpolate recordings (trial, joint, frame) to a grid (trial, joint, time).
+    """Interpolate recordings to a grid.
+
+    From (trial, joint, frame) to (trial, joint, time).
 
     NaN before the first and after the last good frame, and inside gaps of more than three median
     intervals between good frames.
@@ -82,7 +89,9 @@ def average_recordings(
     angle: NDArray[np.float64],
     grid: NDArray[np.float64],
 ) -> xr.Dataset:
-    """Summarise the recordings of a protocol over its trials, on the grid.
+    """Summarise the recordings of a protocol.
+
+    The summary is over its trials, on the grid.
 
     Returns
     -------

@@ -10,7 +10,10 @@ from softfinger.propagation.populations import are_independent
 
 
 class Route(NamedTuple):
-    """The answers about a source's new trials, in one form."""
+    """Answers about a source's new trials.
+
+    They have one form on both routes.
+    """
 
     compute_moments: Callable
     """(source, protocol, time, left of each spread) → mean, variance (draw, joint, time)"""

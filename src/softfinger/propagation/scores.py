@@ -1,4 +1,6 @@
-"""How well predicted distributions of a new trial agree with recordings: coverage and CRPS.
+"""How well predicted distributions agree with recordings.
+
+The scores of a new trial are coverage and CRPS.
 
 References
 ----------
@@ -13,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 CI_PROBS = (0.5, 0.9)
 WINDOWS = {"whole": np.inf, "first_second": 1.0}  # up to this time [s]
-_LEVELS = (np.arange(64) + 0.5) / 64  # equally probable values that stand for a prediction
+_LEVELS = (np.arange(64) + 0.5) / 64  # equally probable values that represent a prediction
 _EDGES = np.array([[(1 - p) / 2, (1 + p) / 2] for p in CI_PROBS])
 PROBABILITIES = np.unique(np.concatenate([_LEVELS, _EDGES.ravel()]))
 _LEVEL_PLACES = np.searchsorted(PROBABILITIES, _LEVELS)
@@ -23,7 +25,9 @@ _EDGE_PLACES = np.searchsorted(PROBABILITIES, _EDGES)
 def compute_coverage_array(
     observed: NDArray[np.float64], lower: NDArray[np.float64], upper: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Compute the share of observations (…, n) inside bounds; NaN observations do not count.
+    """Compute the share of observations inside bounds.
+
+    Observations are (…, n); NaN observations do not count.
 
     >>> compute_coverage_array(np.array([0.0, 2.0, np.nan]), np.full(3, -1.0), np.full(3, 1.0))
     array(0.5)
@@ -35,7 +39,9 @@ def compute_coverage_array(
 
 
 def compute_crps_array(observed: ArrayLike, predicted: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Compute the continuous ranked probability score of observations (…) [rad].
+    """Compute the continuous ranked probability score.
+
+    It is that of observations (…) [rad].
 
     Parameters
     ----------
@@ -63,7 +69,9 @@ def compute_crps_array(observed: ArrayLike, predicted: NDArray[np.float64]) -> N
 def bootstrap_mean_array(
     values: NDArray[np.float64], probability: float, rng: np.random.Generator, n: int = 2000
 ) -> NDArray[np.float64]:
-    """Bootstrap the mean over trials: equal-tailed bounds (2, …) of values (trial, …).
+    """Bootstrap the mean over trials.
+
+    The result is equal-tailed bounds (2, …) of values (trial, …).
 
     A NaN value leaves its trial out of that mean. With fewer than two trials the bounds are NaN.
 
@@ -93,7 +101,9 @@ def score_recordings(
     predicted: Iterable[NDArray[np.float64]],
     rng: np.random.Generator,
 ) -> xr.Dataset:
-    """Score predictions of a protocol against its recordings, frame by frame, averaged per trial.
+    """Score predictions of a protocol.
+
+    They are compared with its recordings frame by frame, and averaged per trial.
 
     Parameters
     ----------
@@ -129,7 +139,9 @@ def score_recordings(
 
 
 def mean_over_trials(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Mean over the first axis of what is known; NaN where nothing is.
+    """Mean over trials of known values.
+
+    The trials are the first axis. It is NaN where nothing is known.
 
     >>> mean_over_trials(np.array([[1.0, np.nan], [np.nan, np.nan]]))
     array([ 1., nan])
@@ -141,7 +153,10 @@ def mean_over_trials(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _score_trial(time: NDArray, angle: NDArray, predicted: NDArray) -> tuple[NDArray, NDArray]:
-    """Coverage (window, joint, ci_prob) and CRPS (window, joint) of one trial."""
+    """Coverage and CRPS of one trial.
+
+    Coverage is (window, joint, ci_prob), CRPS (window, joint).
+    """
     known = np.where(np.isfinite(predicted).all(axis=-1), angle, np.nan)
     crps = compute_crps_array(known, np.moveaxis(predicted[..., _LEVEL_PLACES], -1, 0))
     coverage = np.empty((len(WINDOWS), len(angle), len(CI_PROBS)))
@@ -157,7 +172,10 @@ def _score_trial(time: NDArray, angle: NDArray, predicted: NDArray) -> tuple[NDA
 
 
 def _interpolate(values: NDArray, grid: NDArray, time: NDArray) -> NDArray:
-    """Values (joint, time, m) at frames: (joint, frame, m), NaN outside the grid."""
+    """Values at frames, interpolated.
+
+    Values (joint, time, m) become (joint, frame, m), NaN outside the grid.
+    """
     known = np.where(np.isfinite(time), time, 0.0)
     after = np.clip(np.searchsorted(grid, known, side="left"), 1, grid.size - 1)
     share = (known - grid[after - 1]) / (grid[after] - grid[after - 1])

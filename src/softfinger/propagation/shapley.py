@@ -1,4 +1,6 @@
-"""Whether parameters go together, and what that does to shares.
+"""Whether parameters go together.
+
+It also gives what that does to shares.
 
 Where the hierarchical model has correlations, they are its own. Where it takes the parameters as
 independent, then given a draw of its trials' parameters, standardised by their population, the
@@ -95,7 +97,9 @@ def compute_shapley(
 def draw_correlations_array(
     z: NDArray[np.float64], rng: np.random.Generator
 ) -> NDArray[np.float64]:
-    """Draw correlation matrices (draw, joint, p, p) from standardised values.
+    """Draw correlation matrices from standardised values.
+
+    They are (draw, joint, p, p).
 
     Parameters
     ----------
@@ -115,7 +119,10 @@ def draw_correlations_array(
 def _correlate_afterwards(
     posterior: xr.DataTree, population: xr.Dataset, rng: np.random.Generator
 ) -> xr.Dataset:
-    """Give populations the correlations that the draws' trials show within each joint."""
+    """Give populations the correlations of their trials.
+
+    The draws' trials show them within each joint.
+    """
     trials = take_population_draws(
         posterior, LOG_PARAMETERS, population.sizes["draw"]
     ).to_dataarray("parameter")

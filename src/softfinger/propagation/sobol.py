@@ -62,7 +62,7 @@ def compute_sobol(
         pair): for the posterior, means over its draws. The same with `_quantile` (joint, time, …,
         quantile): quantiles over draws of the posterior. angle_sd (estimate, joint, time) [rad],
         for the posterior the median over draws, and the design table of `compute_design`. NaN
-        where the population is not known. `definition` says what the indices are.
+        where the population is not known. `definition` states what the indices are.
     """
     sources = gather_sources(least_squares, posterior, read_config(config, SobolConfig), rng, move)
     protocol, knobs = select_main_protocol(group_protocols(angles)), sources[1].knobs
@@ -87,13 +87,19 @@ def compute_sobol(
 
 
 def build_sobol_times(protocol: Protocol, knobs: ShapleyConfig) -> NDArray[np.float64]:
-    """Build the even grid of times (n,) [s] from 0 to the end of a protocol."""
+    """Build the even grid of times.
+
+    It is (n,) [s], from 0 to the end of a protocol.
+    """
     step = knobs.sobol_time_step_s
     return step * np.arange(int(protocol.duration / step + 1e-9) + 1)
 
 
 def compute_quantiles(draws: xr.Dataset) -> xr.Dataset:
-    """Compute `_quantile` (…, quantile) of every variable over its draws."""
+    """Compute every variable's quantiles over its draws.
+
+    Each gets `_quantile` (…, quantile).
+    """
     quantiles = draws.quantile(QUANTILES, dim="draw").transpose(..., "quantile")
     return quantiles.rename({name: f"{name}_quantile" for name in draws.data_vars})
 

@@ -4,10 +4,10 @@ v(u) = Var(E[q | x_u])/Var(q) is the share that knowing the parameters u would e
 are sums of such shares: the first-order index of i is v(i), its total index 1 − v(all but i), the
 second-order index of a pair v(ij) − v(i) − v(j), and the Shapley effect of i is the mean, over all
 orders in which parameters may become known, of what i adds to v. A parameter is that of all joints
-together. Where parameters go together v(i) also holds what goes with i, the total index only what i
-adds when all others are known, and a second-order index is negative where two say the same; the
-Shapley effects sum to 1 all the same, and without correlation are S_i plus half of each
-interaction.
+together. Where parameters go together, v(i) also contains what goes with i; the total index
+contains only what i adds when all others are known. A second-order index is negative where two
+parameters explain the same. The Shapley effects sum to 1 all the same; without correlation they are
+S_i plus half of each interaction.
 
 References
 ----------
@@ -37,7 +37,10 @@ PAIR_NAMES = tuple(f"{PARAMETERS[i]}:{PARAMETERS[j]}" for i, j in PAIRS)
 
 
 class SobolIndices(NamedTuple):
-    """Indices (…, 4), and (…, 6) for the pairs in the order of `PAIR_NAMES`."""
+    """Sobol indices (…, 4), and (…, 6) for pairs.
+
+    The pairs are in the order of `PAIR_NAMES`.
+    """
 
     first_order: NDArray[np.float64]
     total: NDArray[np.float64]
