@@ -1,4 +1,6 @@
-"""Where a result comes from: hashes of inputs, parameters, environment and the code it used.
+"""Where a result comes from.
+
+It is given by hashes of inputs, parameters, environment and the code it used.
 
 Nothing heavy is imported, because every parse of the workflow imports this package.
 """

@@ -24,7 +24,9 @@ SOURCES = {"softfinger": PACKAGE.parent, "benchmarks": PROJECT}
 
 @cache
 def code_hash(*programs: str) -> str:
-    """SHA-256 of the code that stages use, directly or through other modules.
+    """SHA-256 of the code that stages use.
+
+    They use it directly or through other modules.
 
     Effects that other packages add by entry points count where the catalogue is used. Docstrings
     and comments do not, so a change of wording does not sample again.
@@ -48,7 +50,9 @@ def code_hash(*programs: str) -> str:
 
 
 def find_modules(*modules: str) -> dict[str, Path]:
-    """Files that modules use, themselves included, each by its place in its package.
+    """Files that modules use.
+
+    The modules themselves are included. Each file is named by its place in its package.
 
     Names that the ``__init__`` of a package merely passes on are followed to the module that
     defines them; what its own code uses counts. Files that are no Python (templates, styles) count
@@ -80,7 +84,10 @@ def find_modules(*modules: str) -> dict[str, Path]:
 def _follow_imports(
     syntax: Syntax, package: str, sources: dict[str, Path], *, whole: bool
 ) -> Iterator[tuple[str, bool]]:
-    """Modules that a file imports for its own use, and whether all they pass on is meant."""
+    """Modules that a file imports for itself.
+
+    Each comes with whether all that it passes on is meant.
+    """
     for use in syntax.imports:
         if not syntax.passes_on or whole or use.called in syntax.used:
             yield _resolve(_make_absolute(use.module, package), use.name, sources)
@@ -91,7 +98,10 @@ def _make_absolute(module: str, package: str) -> str:
 
 
 def _resolve(module: str, name: str | None, sources: dict[str, Path]) -> tuple[str, bool]:
-    """Module that defines a name which is imported from another one."""
+    """Module that defines an imported name.
+
+    The name is imported from another module.
+    """
     if name is None or name == "*":
         return module, True
     if _locate(f"{module}.{name}", sources) is not None:
@@ -105,7 +115,10 @@ def _resolve(module: str, name: str | None, sources: dict[str, Path]) -> tuple[s
 
 
 def _find_plug_ins(syntax: Syntax, sources: dict[str, Path]) -> Iterator[str]:
-    """Modules that other packages offer in the groups that a file asks for."""
+    """Modules from other packages that a file loads.
+
+    The packages offer them in the groups that a file asks for.
+    """
     for group in syntax.groups:
         for point in _list_points(group):
             top = _get_top(point.module)
@@ -151,6 +164,9 @@ def _get_top(module: str) -> str:
 
 @cache
 def _hash_file(path: Path) -> bytes:
-    """Digest of a file's code without its wording, or of all of a file that is no Python."""
+    """Digest of a file's code without its wording.
+
+    It is the digest of all of a file that is no Python.
+    """
     code = ast.dump(read_syntax(path).tree).encode() if path.suffix == ".py" else path.read_bytes()
     return hashlib.sha256(code).digest()

@@ -1,4 +1,4 @@
-"""What is stamped on an artifact, and the seed of each stage."""
+"""What is stamped on artifacts, and stages' seeds."""
 
 from __future__ import annotations
 
@@ -16,7 +16,10 @@ from softfinger.provenance.code import PROJECT, code_hash
 
 @dataclass(frozen=True)
 class Provenance:
-    """What is stamped on an artifact: no clock, no absolute path, nothing of the machine."""
+    """What is stamped on an artifact.
+
+    It has no clock, no absolute path, and nothing of the machine.
+    """
 
     stage: str
     inputs: Mapping[str, str]
@@ -71,7 +74,10 @@ def _hash_text(text: str) -> str:
 
 
 def hash_files(files: Path | str | Sequence[Path | str]) -> str:
-    """SHA-256 of a file, or of the hashes of several in their order."""
+    """SHA-256 of a file, or of several.
+
+    Of several it is the hash of their hashes, in their order.
+    """
     if isinstance(files, Path | str):
         if not Path(files).is_file():
             reason = "the file does not exist; run the rule that makes it"
@@ -82,7 +88,9 @@ def hash_files(files: Path | str | Sequence[Path | str]) -> str:
 
 
 def derive_seed(seed: int, stage: str) -> int:
-    """Seed of a stage's own random stream, from the root seed and the stage's name.
+    """Seed of a stage's own random stream.
+
+    It depends on the root seed and the stage's name.
 
     Examples
     --------

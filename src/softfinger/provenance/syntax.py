@@ -1,4 +1,7 @@
-"""What can be read off a Python file about the code that it uses."""
+"""What can be read off a Python file.
+
+It concerns the code that the file uses.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,9 @@ class Import(NamedTuple):
 
 @dataclass(frozen=True)
 class Syntax:
-    """A file's code, and what of other files it uses at run time.
+    """A file's code, and what it uses.
+
+    What it uses of other files counts at run time.
 
     Attributes
     ----------
@@ -67,7 +72,10 @@ def read_syntax(path: Path) -> Syntax:
 
 
 def _list_statements(tree: ast.AST) -> Iterator[ast.AST]:
-    """Every statement at any depth but those that only a type checker runs."""
+    """Every statement that runs, at any depth.
+
+    Those that only a type checker runs are left out.
+    """
     for node in ast.iter_child_nodes(tree):
         if isinstance(node, ast.If) and _is_for_checkers(node.test):
             continue
@@ -81,7 +89,10 @@ def _is_for_checkers(test: ast.expr) -> bool:
 
 
 def _find_calls(text: str, tree: ast.AST, name: str) -> list[ast.Call]:
-    """Calls of a function of some name; most files have none, and their trees are spared."""
+    """Calls of a function of some name.
+
+    Most files have none, and their trees are spared.
+    """
     nodes = ast.walk(tree) if name in text else ()
     return [
         node
