@@ -1,7 +1,7 @@
-"""Compilation with numba, cached on disk and never older than its source.
+"""Compilation with numba, cached on disk.
 
-Numba's own cache looks at the file of one function alone: after a change in a function that it
-calls, it would go on running the old one.
+The cache is never older than its source. Numba's own cache looks at the file of one function alone:
+after a change in a function that it calls, it would go on running the old one.
 """
 
 from softfinger.compiled.decorator import compiled

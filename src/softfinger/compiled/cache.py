@@ -1,4 +1,6 @@
-"""Machine code on disk: one file for each function and each set of types.
+"""Machine code on disk.
+
+There is one file for each function and each set of types.
 
 A file is named after the digest of all that its code was made from (`digest`), so no file is ever
 out of date; it is written whole or not at all, and one that is damaged is made anew.
@@ -27,7 +29,9 @@ PYTHON = f"py{sys.version_info.major}{sys.version_info.minor}{getattr(sys, 'abif
 
 
 class SourceCache(_Cache):
-    """What numba asks for the machine code of one function.
+    """Machine code of one function, for numba.
+
+    It is what numba asks for.
 
     The folder is the first that can be written to of: the one that NUMBA_CACHE_DIR names,
     ``__pycache__`` beside the source, the user's cache folder. Where none can, nothing is kept.
@@ -39,7 +43,10 @@ class SourceCache(_Cache):
 
     @cached_property
     def _impl(self) -> CompileResultCacheImpl | None:
-        """Numba's own part in it: where to keep machine code, and how to turn it to bytes."""
+        """Numba's own part of the cache.
+
+        It decides where to keep machine code, and how to turn it to bytes.
+        """
         try:
             return CompileResultCacheImpl(self._dispatcher.py_func)
         except RuntimeError:  # no folder
@@ -53,18 +60,27 @@ class SourceCache(_Cache):
 
     @cached_property
     def _stem(self) -> str:
-        """Begin of the file names of this function, whatever its digest."""
+        """Beginning of the file names of this function.
+
+        The digest does not change it.
+        """
         function = self._dispatcher.py_func
         name = f"{Path(function.__code__.co_filename).stem}.{function.__qualname__}"
         return name.replace("<", "").replace(">", "")
 
     @cached_property
     def _digest(self) -> str:
-        """Taken late: a function may call one that is defined below it."""
+        """Digest of the function, taken late.
+
+        A function may call one that is defined below it.
+        """
         return digest_function(self._dispatcher)[:16]
 
     def _find_file(self, sig: object, codegen: Any) -> Path | None:  # noqa: ANN401
-        """File of the code for some types; None if it is not to be kept."""
+        """File of the code for some types.
+
+        It is None if the code is not to be kept.
+        """
         types = str(sig)
         if self.cache_path is None or not self._enabled or " at 0x" in types:
             return None  # types with an address are of this process alone
@@ -73,7 +89,10 @@ class SourceCache(_Cache):
         return Path(self.cache_path) / name
 
     def load_overload(self, sig: object, target_context: Any) -> Any:  # noqa: ANN401
-        """Code for some types, or None if there is none that can be used."""
+        """Code for some types, or None.
+
+        It is None if there is none that can be used.
+        """
         target_context.refresh()
         file = self._find_file(sig, target_context.codegen())
         if file is None:
@@ -93,7 +112,10 @@ class SourceCache(_Cache):
         return result if same else None
 
     def save_overload(self, sig: object, data: Any) -> None:  # noqa: ANN401
-        """Keep the code for some types, and remove what older sources left."""
+        """Keep the code for some types.
+
+        What older sources left is removed.
+        """
         file = self._find_file(sig, data.codegen)
         if file is None or not self._impl.check_cachable(data):
             return
@@ -124,7 +146,7 @@ class SourceCache(_Cache):
         self._enabled = False
 
     def flush(self) -> None:
-        """Forget all the code that is kept for this function."""
+        """Forget all code kept for this function."""
         if self.cache_path is not None:
             for file in Path(self.cache_path).glob(f"{glob.escape(self._stem)}-{self._digest}.*"):
                 file.unlink(missing_ok=True)

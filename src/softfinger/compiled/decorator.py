@@ -18,7 +18,9 @@ def compiled[F: Callable](*, signature: object = None, **options: object) -> Cal
 def compiled(
     function: Callable | None = None, /, *, signature: object = None, **options: object
 ) -> Callable:
-    """Compile a function with numba, and remember it on disk.
+    """Compile a function with numba and keep it.
+
+    The machine code is kept on disk.
 
     It is compiled anew if its own code changes, or that of a function that it calls, or a constant
     or class that it uses. Comments, docstrings and other functions of the same file do not count.

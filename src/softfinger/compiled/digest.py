@@ -1,4 +1,7 @@
-"""The digest of everything that the machine code of a function is made from."""
+"""The digest of a function's machine code.
+
+It covers everything that the machine code is made from.
+"""
 
 from __future__ import annotations
 
@@ -49,7 +52,10 @@ def digest_function(function: Callable) -> str:
 
 
 class _Reader:
-    """Describes functions one after the other; those that are called wait for their turn."""
+    """Describes functions one after the other.
+
+    Those that are called wait for their turn.
+    """
 
     def __init__(self) -> None:
         self.numbers: dict[int, int] = {}  # id of a function → its number
@@ -130,7 +136,10 @@ def _describe_code(code: CodeType, doc: str | None = None) -> tuple:
 
 
 def _list_used(function: FunctionType) -> Iterator[tuple[str, object]]:
-    """Names and values of the globals and cells that a function uses."""
+    """Names and values of what a function uses.
+
+    They are globals and cells.
+    """
     for name, cell in zip(function.__code__.co_freevars, function.__closure__ or (), strict=True):
         yield name, cell.cell_contents
     for path in _list_globals(function.__code__):
@@ -146,7 +155,10 @@ def _list_used(function: FunctionType) -> Iterator[tuple[str, object]]:
 
 @cache
 def _list_globals(code: CodeType) -> tuple[tuple[str, ...], ...]:
-    """List the globals that code loads, each with the attributes that it takes of them."""
+    """List the globals that code loads.
+
+    Each comes with the attributes that the code takes of it.
+    """
     found: dict[tuple[str, ...], None] = {}
     path: tuple[str, ...] = ()
     for step in dis.get_instructions(code):
