@@ -1,4 +1,7 @@
-"""The knobs of the fits, and the limits that their sampling is held against."""
+"""The knobs of the fits.
+
+They include the limits for their sampling.
+"""
 
 from typing import Annotated, Literal
 
@@ -11,7 +14,10 @@ Count = Annotated[int, Field(ge=1)]
 
 
 class EstimationConfig(Settings):
-    """The paper's outlier rule, the sampler's size, and when its verdict is red."""
+    """The paper's outlier rule and the sampler's size.
+
+    It also states when the sampler's verdict is red.
+    """
 
     outlier_rule: Literal["scaled_mad", "raw_mad"]
     outlier_cutoff: Positive

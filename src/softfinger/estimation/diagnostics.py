@@ -1,4 +1,7 @@
-"""Whether the sampling can be trusted: R-hat, effective draws and divergences, against limits."""
+"""Whether the sampling can be trusted.
+
+R-hat, effective draws and divergences are compared with limits.
+"""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -15,7 +18,7 @@ HYPERPARAMETERS = ("mu", "sigma", "parameter", "noise", "effect")
 
 
 def diagnose_sampling(tree: xr.DataTree, config: Mapping[str, Any]) -> xr.Dataset:
-    """Diagnose the sampling of every hyperparameter and of the noise.
+    """Diagnose the sampling of the hyperparameters and noise.
 
     Parameters
     ----------
@@ -51,9 +54,11 @@ def diagnose_sampling(tree: xr.DataTree, config: Mapping[str, Any]) -> xr.Datase
 
 
 def list_quantities(posterior: xr.Dataset) -> Iterator[tuple[str, NDArray[np.float64]]]:
-    """List name and draws (chain, draw) of every hyperparameter; correlations below the diagonal.
+    """List name and draws of every hyperparameter.
 
-    What is held at one value was not sampled, and is left out.
+    Draws are (chain, draw). Of correlations only those below the diagonal are listed.
+
+    What has one fixed value was not sampled, and is left out.
 
     >>> drawn = np.arange(10.0).reshape(2, 5, 1)
     >>> draws = xr.DataArray(drawn, {"joint": [7]}, ("chain", "draw", "joint"))

@@ -1,4 +1,6 @@
-"""The paper's two stages: least squares of every trial, then a distribution over the estimates.
+"""The paper's two stages.
+
+They are least squares of every trial, then a distribution over the estimates.
 
 Stage 1: each trial and joint by ordinary least squares (`profile`). The frames are those that
 `measure` keeps, as in every other stage: judged first by themselves, then by what a first fit
@@ -33,7 +35,9 @@ MAD_SCALE = {"scaled_mad": 1.4826, "raw_mad": 1.0}
 
 
 def fit_least_squares(angles: xr.Dataset, config: Mapping[str, Any]) -> xr.Dataset:
-    """Fit every trial by least squares and the population over the kept estimates.
+    """Fit every trial by least squares.
+
+    The population is then fitted over the kept estimates.
 
     Parameters
     ----------
@@ -64,7 +68,10 @@ def fit_least_squares(angles: xr.Dataset, config: Mapping[str, Any]) -> xr.Datas
 
 
 def _fit_trials(angles: xr.Dataset, frames: xr.Dataset) -> xr.Dataset:
-    """Estimate, its sd and the rms of what is left, of every trial and joint."""
+    """Estimates, their sd and residuals of every trial.
+
+    A residual is the rms of what is left, per trial and joint.
+    """
     collapse = collapse_angles(angles, frames)
     count = frames["used"].sum("frame").values
     joints, trials = angles.sizes["joint"], angles.sizes["trial"]
@@ -89,13 +96,18 @@ def _fit_trials(angles: xr.Dataset, frames: xr.Dataset) -> xr.Dataset:
 
 
 def _move(angles: xr.Dataset, found: xr.Dataset) -> NDArray[np.float64]:
-    """Motion (trial, joint, frame) [rad] of the estimates; 0 where there is none."""
+    """Motion (trial, joint, frame) [rad] of the estimates.
+
+    It is 0 where there is no estimate.
+    """
     parameters = found["estimate"].to_dataset("parameter")
     return compute_motion(angles, parameters).fillna(0.0).transpose(*LAYOUT).values
 
 
 def compute_estimates_array(profile: Profile) -> NDArray[np.float64]:
-    """Turn (x, 1/k_v, 1/c_p, q_ini) into k_v, c_v, c_p, q_ini (trial, 4), of either sign.
+    """Turn linear coefficients into k_v, c_v, c_p, q_ini.
+
+    They are (x, 1/k_v, 1/c_p, q_ini); the result is (trial, 4), of either sign.
 
     >>> compute_estimates_array(Profile(np.zeros(1), np.array([[4.0, -0.5, 0.1]]), np.zeros(1)))
     array([[ 0.25,  0.25, -2.  ,  0.1 ]])
@@ -109,9 +121,11 @@ def compute_estimates_array(profile: Profile) -> NDArray[np.float64]:
 def compute_estimate_sd_array(
     profile: Profile, gram: NDArray[np.float64], table: ElasticTable, count: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """Compute the sd (trial, 4) that white noise gives the estimates, linearised.
+    """Compute the sd of the estimates from white noise.
 
-    NaN where the motion does not tell the parameters apart.
+    It is (trial, 4), linearised.
+
+    NaN where the motion does not distinguish the parameters.
     """
     modes = table.value.shape[1]
     sd = np.full((len(gram), 4), np.nan)
@@ -135,7 +149,9 @@ def compute_estimate_sd_array(
 
 
 def select_estimates_array(estimate: NDArray[np.float64], cutoff: float) -> NDArray[np.bool_]:
-    """Keep estimates (trial, joint, 4) that are positive and within cutoff · MAD of the median.
+    """Select estimates that are positive and near the median.
+
+    They are (trial, joint, 4), kept within cutoff · MAD of the median.
 
     The median and the MAD are those of the positive ones; q_ini is kept whenever it is finite.
 
@@ -162,7 +178,11 @@ def select_estimates_array(estimate: NDArray[np.float64], cutoff: float) -> NDAr
 def fit_population_array(
     estimate: NDArray[np.float64], kept: NDArray[np.bool_]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Fit mean and sd (joint, 4), of the log for k_v, c_v, c_p; NaN of fewer than one and two."""
+    """Fit mean and sd of the population.
+
+    They are (joint, 4), of the log for k_v, c_v, c_p. They are NaN of fewer than one and two
+    values.
+    """
     mean, sd = (np.full(estimate.shape[1:], np.nan) for _ in range(2))
     for joint, k in np.ndindex(*mean.shape):
         some = estimate[kept[:, joint, k], joint, k]

@@ -1,8 +1,10 @@
-"""What both ways of fitting do to a known truth: errors of μ and σ, and whether intervals hold it.
+"""How both ways of fitting recover a known truth.
+
+Errors of μ and σ are given, and whether intervals contain the truth.
 
 Two references, since a campaign of n trials is itself a draw: the population that the trials were
-drawn from, which the intervals should hold, and the mean and sd of the true parameters of the very
-trials, against which the luck of the draw cancels and what is left is the fit's own doing.
+drawn from, which the intervals should contain, and the mean and sd of the true parameters of the
+very trials, against which the luck of the draw cancels and what is left is the fit's own doing.
 
 ASSUME: intervals of the two-stage way are the textbook's, which it invites but the paper does not
 print: Student's t for μ, χ² for σ, normal with the least-squares sd for a trial's own parameter.
@@ -27,7 +29,10 @@ POPULATION = ("statistic", "joint", "parameter")
 def measure_recovery(
     truth: xr.Dataset, least_squares: xr.Dataset, posterior: xr.Dataset
 ) -> xr.Dataset:
-    """Compare the two-stage estimate and the posterior with the truth of a simulated campaign.
+    """Compare both estimates with a simulated truth.
+
+    The estimates are the two-stage estimate and the posterior; the truth is that of a simulated
+    campaign.
 
     Parameters
     ----------
@@ -44,9 +49,9 @@ def measure_recovery(
         true_value (reference, statistic, joint, parameter): μ and σ, of the log but for q_ini;
         value, value_sd (estimate, statistic, joint, parameter); error_in_sd: (value − population's)
         / value_sd; relative_error (estimate, reference, statistic, joint, parameter): of μ on the
-        parameter's own scale; inside (…, ci_prob): whether the interval holds the population's
+        parameter's own scale; inside (…, ci_prob): whether the interval contains the population's
         value; trial_coverage, trial_n (estimate, joint, parameter, …): share of the trials whose
-        interval holds their own parameter, and of how many; trial_error (estimate, joint,
+        interval contains their own parameter, and of how many; trial_error (estimate, joint,
         parameter): median over them of |estimate / true − 1|. NaN where there was no estimate.
     """
     own = _align_truth(truth, posterior)
@@ -71,7 +76,10 @@ def measure_recovery(
 
 
 def tabulate_recovery(recovery: xr.Dataset) -> pd.DataFrame:
-    """Tabulate a recovery: a line for every joint, parameter and estimate."""
+    """Tabulate a recovery.
+
+    There is a line for every joint, parameter and estimate.
+    """
     rows = []
     for joint in recovery["joint"].values:
         for parameter in recovery["parameter"].values:
@@ -97,7 +105,10 @@ def tabulate_recovery(recovery: xr.Dataset) -> pd.DataFrame:
 
 
 def _align_truth(truth: xr.Dataset, posterior: xr.Dataset) -> xr.Dataset:
-    """True populations and parameters of the fitted trials; the latter as the model has them."""
+    """True populations and parameters of the fitted trials.
+
+    The parameters are as the model has them.
+    """
     there = truth.sel(trial=posterior["trial"].values, joint=posterior["joint"].values)
     logs = {name: np.log(there[name]) for name in NATURAL[:3]} | {"q_ini": there["q_ini"]}
     parts = [there["population_mean"], there["population_sd"]]
@@ -117,7 +128,10 @@ def _summarise_trials(trials: xr.DataArray) -> xr.DataArray:
 
 
 def _compare(value: xr.DataArray, reference: xr.DataArray) -> xr.DataArray:
-    """Relative error; of the μ of a log it is that of the median, exp(value − true) − 1."""
+    """Relative error of an estimate.
+
+    For the μ of a log it is that of the median, exp(value − true) − 1.
+    """
     ratio = value / reference - 1
     log = (value["statistic"] == "mu") & (value["parameter"] != "q_ini")
     return xr.where(log, np.expm1((value - reference).where(log, 0.0)), ratio)
@@ -144,7 +158,9 @@ def _judge_two_stage(least_squares: xr.Dataset, own: xr.Dataset) -> xr.Dataset:
 def _bound_moments(
     mean: NDArray[np.float64], sd: NDArray[np.float64], n: NDArray[np.int64], side: int
 ) -> NDArray[np.float64]:
-    """Lower (−1) or upper (1) bounds (statistic, joint, parameter, ci_prob) of a normal's moments.
+    """Bounds of a normal's moments.
+
+    They are (statistic, joint, parameter, ci_prob), lower for −1 and upper for 1.
 
     >>> mean, sd, n = np.zeros((1, 1)), np.ones((1, 1)), np.full((1, 1), 5)
     >>> _bound_moments(mean, sd, n, 1)[:, 0, 0, 1].round(3)
