@@ -159,7 +159,7 @@ def _place_trials(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Centre and factor of the trials' whitening.
 
-    Centre (d, trial), factor (d, d, trial).
+    They are (d, trial) and (d, d, trial).
     """
     expansion, bounded = given.expansion, given.effects.bounded
     change = bounded.bind(number) - expansion.shared

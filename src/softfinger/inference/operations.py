@@ -152,8 +152,6 @@ class ExpandedLikelihood(_Compiled):
 
     Σ log p(y | η, φ, s), without constants.
 
-    Constants are left out (`expansion`).
-
     Inputs: eta (d, trial), effect (p,), log of the noise's scale (); then the expansion's own,
     shared, gram, rows. Outputs: the sum and, for its derivatives, its slopes by the first three.
     """

@@ -94,8 +94,6 @@ def shift_pull(pull: NDArray, cross: NDArray, change: NDArray) -> NDArray:
     """Pull (p, trial) after effects changed.
 
     They changed by φ − φ* (e,); `cross` is C (p, e, trial).
-
-    The change is (e,); `cross` is C (p, e, trial).
     """
     shifted = pull.copy()
     for a in range(pull.shape[0]):

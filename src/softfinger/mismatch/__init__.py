@@ -1,4 +1,7 @@
-"""Which physics was left out: locate it, name it, say what it did, propose what would show it."""
+"""Find which physics was left out.
+
+Locate it, name it, state what it did, propose what would show it.
+"""
 
 from softfinger.mismatch.diagnose import Diagnosis, diagnose
 from softfinger.mismatch.tables.outcome import describe_repair, tabulate_diagnosis

@@ -1,4 +1,7 @@
-"""Numbers that only limit the work of a diagnosis: more would find the same, later."""
+"""Numbers that limit the work of a diagnosis.
+
+More would find the same, later.
+"""
 
 from dataclasses import dataclass
 

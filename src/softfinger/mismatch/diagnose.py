@@ -1,4 +1,7 @@
-"""The diagnosis: one call from angles to a verdict and the artifacts behind it."""
+"""The diagnosis: one call from angles to verdict.
+
+It also returns the artifacts behind the verdict.
+"""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
@@ -51,7 +54,10 @@ class Diagnosis(NamedTuple):
 
 
 class Survey(NamedTuple):
-    """Every effect alone: its columns, what chance gains, what is needed, and the ranking."""
+    """Every effect alone.
+
+    Its columns, what chance gains, what is needed, and the ranking.
+    """
 
     columns: ScoreColumns
     alarms: FalseAlarms

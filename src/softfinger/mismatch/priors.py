@@ -1,4 +1,7 @@
-"""What a diagnosis assumes of what it seeks: model assumptions, with no truth to check them by."""
+"""What a diagnosis assumes of what it seeks.
+
+These are model assumptions; no truth can check them.
+"""
 
 from dataclasses import dataclass
 

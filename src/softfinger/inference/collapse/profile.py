@@ -2,8 +2,6 @@
 
 The problem of one trial is linear but for x = log(k_v/c_v).
 
-The problem of one trial is linear but for x = log(k_v/c_v).
-
 Given x, the motion a e(t; x) + b ∫u dt + q is linear in (a, b, q) = (1/k_v, 1/c_p, q_ini); what is
 left of the squares is a function of x alone (variable projection). It is searched on a grid over
 the whole table of rates and then on ever finer grids around the best, so no start is needed.
@@ -43,8 +41,6 @@ def build_joint_gram(
     """Build the Gram matrices of one joint alone.
 
     ΨᵀR⁻¹Ψ (trial, M + 3, M + 3), with Ψ = [U, ∫u, 1, y].
-
-    Ψ = [U, ∫u, 1, y].
 
     Parameters
     ----------

@@ -136,8 +136,6 @@ def _build_rows(trial: _Series, modes: NDArray) -> NDArray:
 def _sum_products(rows: NDArray, weights: NDArray) -> NDArray:
     """Weighted sums of ψψᵀ: (gap, 3, D, D).
 
-    Of the later rows, of the earlier, and of earlier × later.
-
     Σ weight ψψᵀ of the later rows, of the earlier, and of earlier × later.
     """
     size = rows.shape[1]

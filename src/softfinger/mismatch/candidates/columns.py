@@ -1,4 +1,6 @@
-"""Whitened columns of every form at every start, on top of a fitted model: one linearisation each.
+"""Whitened columns of every form at every start.
+
+They are on top of a fitted model, with one linearisation each.
 
 They serve the score of each form, the bootstrap of the largest score, and masking tables.
 """
@@ -16,7 +18,7 @@ from softfinger.mechanics.effects.model import EffectModel, Piece
 
 
 class Block(NamedTuple):
-    """The amplitudes of one form at one of its starts.
+    """Amplitudes of one form at one of its starts.
 
     Attributes
     ----------
@@ -29,7 +31,7 @@ class Block(NamedTuple):
     added
         How many numbers of φ the form has.
     columns
-        (a,) where they stand among all.
+        (a,) their places among all.
     """
 
     model: EffectModel
@@ -40,7 +42,10 @@ class Block(NamedTuple):
 
 
 def join_blocks(one: Block, other: Block) -> Block | None:
-    """Put two forms on top of one fitted model; None where both claim a slot in another sense."""
+    """Put two forms on top of one fitted model.
+
+    None where both claim a slot in another sense.
+    """
     model = one.model.extend(other.model.pieces[-1])
     known = len(other.shared) - other.added
     shared = np.concatenate([one.shared, other.shared[known:]])
@@ -54,7 +59,7 @@ def join_blocks(one: Block, other: Block) -> Block | None:
 
 
 class ScoreColumns(NamedTuple):
-    """Whitened columns of every form at every start: amplitudes only.
+    """Whitened amplitude columns of every form and start.
 
     Attributes
     ----------
@@ -79,7 +84,10 @@ class ScoreColumns(NamedTuple):
 
     @property
     def bare(self) -> NDArray[np.float64]:
-        """Gram matrices (trial, d + c, d + c) of [∂F/∂η | all columns] alone."""
+        """Gram matrices of the columns, residuals excluded.
+
+        (trial, d + c, d + c) of [∂F/∂η | all columns] alone.
+        """
         p = len(self.blocks[0].shared) - self.blocks[0].added if self.blocks else 0
         known = np.s_[self.own - p : self.own]
         return np.delete(np.delete(self.gram[:, :-1, :-1], known, axis=1), known, axis=2)
@@ -100,7 +108,9 @@ class ScoreColumns(NamedTuple):
         return [block.model.pieces[-1].effect.id for block in self.blocks]
 
     def linearise(self, block: Block) -> NDArray[np.float64]:
-        """Gram matrices (trial, …) of [∂F/∂η | ∂F/∂φ | residual] of one block, at its start.
+        """Gram matrices (trial, …) of one block's start.
+
+        They are of [∂F/∂η | ∂F/∂φ | residual].
 
         Numbers of φ that are no amplitudes have no slope where the effect is all but absent.
         """
@@ -124,7 +134,9 @@ class ScoreColumns(NamedTuple):
 
 
 def collect_columns(problem: Problem, origin: Candidate, pieces: Iterable[Piece]) -> ScoreColumns:
-    """Collect the whitened columns of all forms at all their starts, on top of a fitted model.
+    """Collect the whitened columns of all forms.
+
+    At all their starts, on top of a fitted model.
 
     A start at which a form has no motion is left out.
     """

@@ -1,8 +1,8 @@
-"""The same effects in other forms, from where they were found.
+"""Other forms of the effects that were found.
 
-The form that fits best alone may have taken the part of an effect that is still missing, and hold
-on to it: a lag of two stages stands in for the links' mass, and leaves no room for it. So a further
-effect is tried beside another form too, and a set that was found is tried in its other forms.
+The form that fits best alone may replace an effect that is still missing: a lag of two stages takes
+the place of the links' mass, and leaves no room for it. So a further effect is tried beside another
+form too, and a set that was found is tried in its other forms, from where it was found.
 """
 
 from collections.abc import Iterable, Iterator
@@ -20,7 +20,10 @@ Start = tuple[EffectModel, NDArray[np.float64]]
 
 
 def find_other_form(found: Iterable[Candidate], best: Candidate) -> Candidate | None:
-    """Find the best fitted model of the same effects in which one of them has another form."""
+    """Find the best fit of one effect's other form.
+
+    The model has the same effects.
+    """
     others = [
         c
         for c in found
@@ -32,7 +35,10 @@ def find_other_form(found: Iterable[Candidate], best: Candidate) -> Candidate | 
 
 
 def keep_leading(pieces: Iterable[Piece], larger: list[Candidate], best: Candidate) -> list[Piece]:
-    """Keep the forms of those effects that said most on top of the best model."""
+    """Keep the forms of the leading effects.
+
+    They are those that gained most on top of the best model.
+    """
     leading: dict[str, None] = {}
     for candidate in sorted(larger, key=lambda c: -c.log_evidence):
         if best.model.ids < candidate.model.ids:
@@ -42,7 +48,9 @@ def keep_leading(pieces: Iterable[Piece], larger: list[Candidate], best: Candida
 
 
 def swap_forms(problem: Problem, candidate: Candidate, pieces: list[Piece]) -> list[Candidate]:
-    """Fit a model with the form of one effect swapped, again and again while that gains.
+    """Fit a model with one effect's form swapped.
+
+    It is repeated while that gains.
 
     Returns
     -------
@@ -65,7 +73,10 @@ def _name_forms(model: EffectModel) -> dict[str, str]:
 
 
 def _list_swaps(candidate: Candidate, pieces: list[Piece]) -> Iterator[Start]:
-    """List models with one other form, at each start; what both forms name alike stays."""
+    """List models with one other form, by start.
+
+    What both forms name alike is kept.
+    """
     for number, old in enumerate(candidate.model.pieces):
         for new in pieces:
             same = new.effect.id == old.effect.id and new.places == old.places
@@ -94,7 +105,10 @@ def _name_entries(model: EffectModel) -> list[tuple[str, str]]:
 
 
 def _fit_near(problem: Problem, best: Candidate, start: Start) -> Candidate | None:
-    """Fit a model that soon comes near the best one; None where it does not come to rest."""
+    """Fit a model that soon comes near the best.
+
+    None where it does not come to rest.
+    """
     model, shared = start
     before = best.fit.own, shared, best.fit.omega
     fit = problem.fit(model, before, steps=BUDGET.first_steps, first=best.fit.first)

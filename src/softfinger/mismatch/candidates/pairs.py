@@ -1,7 +1,9 @@
-"""Pairs of effects that hide each other, found where neither says much alone.
+"""Pairs of effects that hide each other.
 
-Forward addition meets a pair only through one of its members. The columns of every form on top of
-one fitted model stand in one Gram matrix, so any two of them are scored together as one alone.
+They are found where neither effect gains much alone.
+
+Forward addition meets a pair only through one of its members. One Gram matrix contains the columns
+of every form on top of one fitted model, so any two of them are scored together as one alone.
 """
 
 from collections import Counter
@@ -29,7 +31,9 @@ def rank_pairs(
     asked: float,
     progress: Progress,
 ) -> list[Candidate]:
-    """Fit the pairs of effects that score best over a fitted model, but for those known.
+    """Fit the best pairs of effects over a model.
+
+    Those that score best are fitted, but for those known.
 
     Parameters
     ----------
@@ -49,7 +53,10 @@ def rank_pairs(
 
 
 def score_pairs(problem: Problem, origin: Candidate, columns: ScoreColumns) -> list[Score]:
-    """Score forms two by two, best first: the linearised gain of both over the fitted model."""
+    """Score forms two by two, best first.
+
+    The score is the linearised gain of both over the fitted model.
+    """
     scores = []
     for one, other in combinations(_choose_forms(problem, origin, columns), 2):
         distinct = one.model.pieces[-1].effect.id != other.model.pieces[-1].effect.id

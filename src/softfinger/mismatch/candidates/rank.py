@@ -23,7 +23,10 @@ Progress = Callable[[Iterable, str], Iterable]
 
 
 class Score(NamedTuple):
-    """What one linearisation says of a model: gain [nats] from the best start, and that start."""
+    """Score of a model by one linearisation.
+
+    Gain [nats] from the best start, and that start.
+    """
 
     model: EffectModel
     gain: float
@@ -36,7 +39,9 @@ class Score(NamedTuple):
 
 
 def list_pieces(setting: Setting) -> tuple[list[Piece], dict[str, str]]:
-    """List every form that a campaign allows, and why the other effects cannot show.
+    """List every form that a campaign allows.
+
+    Also why the other effects cannot show.
 
     Returns
     -------
@@ -67,7 +72,9 @@ def _places(parameters: Iterable, setting: Setting) -> tuple[tuple[int, ...], ..
 
 
 def score_pieces(problem: Problem, origin: Candidate, columns: ScoreColumns) -> list[Score]:
-    """Score every form that was collected, best first: the linearised gain from its best start.
+    """Score every form that was collected, best first.
+
+    The score is the linearised gain from the form's best start.
 
     Places that the linearised model does not need are dropped.
     """
@@ -83,7 +90,10 @@ def score_pieces(problem: Problem, origin: Candidate, columns: ScoreColumns) -> 
 def choose_starts(
     problem: Problem, origin: Candidate, columns: ScoreColumns
 ) -> list[tuple[float, Block]]:
-    """Choose each form's best start: its linearised gain [nats], and its block."""
+    """Choose each form's best start.
+
+    Its linearised gain [nats], and its block.
+    """
     best: dict[Piece, tuple[float, Block]] = {}
     for block in columns.blocks:
         gain = score_block(problem, origin, columns, block)
@@ -94,7 +104,10 @@ def choose_starts(
 
 
 def score_block(problem: Problem, origin: Candidate, columns: ScoreColumns, block: Block) -> float:
-    """Linearised gain [nats] over the fitted model, all places kept."""
+    """Linearised gain [nats] with all places kept.
+
+    It is over the fitted model.
+    """
     there = _stand(origin, columns, block)
     return _evaluate(problem, block.model, there, 0) - origin.log_evidence
 
@@ -105,7 +118,10 @@ def _stand(origin: Candidate, columns: ScoreColumns, block: Block) -> "Linearise
 
 
 class Linearised(NamedTuple):
-    """A model linearised at (η, φ): Gram matrices of [∂F/∂η | ∂F/∂φ | residual], and Ω."""
+    """A model linearised at (η, φ).
+
+    Gram matrices of [∂F/∂η | ∂F/∂φ | residual], and Ω.
+    """
 
     gram: NDArray[np.float64]
     own: NDArray[np.float64]
@@ -116,7 +132,10 @@ class Linearised(NamedTuple):
 def drop_places(
     problem: Problem, model: EffectModel, there: Linearised, *, rounds: int
 ) -> tuple[EffectModel, float]:
-    """Drop places of the last piece one by one while the linearised evidence rises."""
+    """Drop places of the last piece one by one.
+
+    It goes on while the linearised evidence rises.
+    """
     now, evidence = model, _evaluate(problem, model, there, rounds)
     while True:
         last = len(now.pieces) - 1
@@ -137,7 +156,10 @@ def drop_places(
 def evaluate_without(
     problem: Problem, model: EffectModel, there: Linearised, smaller: EffectModel, rounds: int
 ) -> float:
-    """Log evidence of a model with fewer numbers in φ, linearised where the larger one is."""
+    """Log evidence of a model with a smaller φ.
+
+    It is linearised where the larger one is.
+    """
     d = len(there.omega)
     kept = model.match(smaller)
     absent = np.setdiff1d(np.flatnonzero(model.amplitudes), kept)
@@ -161,7 +183,7 @@ def _evaluate(problem: Problem, model: EffectModel, there: Linearised, rounds: i
 
 
 def prune(problem: Problem, candidate: Candidate) -> Candidate:
-    """Drop places that the fitted model does not need, and fit what is left."""
+    """Drop needless places, and fit what is left."""
     fit = candidate.fit
     there = Linearised(fit.gram, fit.own, fit.shared, fit.omega)
     model, _ = drop_places(problem, candidate.model, there, rounds=5)
@@ -181,7 +203,9 @@ def rank_pieces(
     progress: Progress,
     floor: float = -np.inf,
 ) -> tuple[list[Candidate], list[Score]]:
-    """Score every form on top of a fitted model, and fit the promising ones; best first.
+    """Score every form, and fit the promising ones.
+
+    The forms are on top of a fitted model; best first.
 
     `floor` as in `fit_scored`.
     """
@@ -196,7 +220,9 @@ def fit_scored(
     progress: Progress,
     floor: float = -np.inf,
 ) -> list[Candidate]:
-    """Fit every promising form among those that were scored, best first.
+    """Fit every promising form among those scored.
+
+    The best comes first.
 
     `floor` is the log evidence [nats] below which none of them could be chosen: what others of
     their kind have reached, or what is asked of them.
@@ -239,17 +265,23 @@ def fit_scored(
 
 
 def find_best(candidates: Iterable[Candidate]) -> float:
-    """Best log evidence [nats] of those that were fitted; −∞ of none."""
+    """Best log evidence [nats] of fitted models; else −∞."""
     return max((c.log_evidence for c in candidates if c.fit is not None), default=-np.inf)
 
 
 def competing_nats(gain: float) -> float:
-    """Distance [nats] from the best model, of such a gain, within which others compete with it."""
+    """Distance [nats] from the best that still competes.
+
+    It depends on the gain of the best model.
+    """
     return max(DECISIONS.rival_nats, DECISIONS.rival_share * gain)
 
 
 def go_on(problem: Problem, model: EffectModel, fit: Fit, rival: float = -np.inf) -> Fit | None:
-    """Fit on until it comes to rest, or clearly will not reach the log evidence of a rival."""
+    """Fit on until it rests or cannot win.
+
+    It cannot where it clearly will not reach the log evidence of a rival.
+    """
     if fit.converged:
         return fit
     return problem.fit(model, (fit.own, fit.shared, fit.omega), first=fit.first, rival=rival)

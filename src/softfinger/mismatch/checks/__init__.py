@@ -1,1 +1,1 @@
-"""What a fitted model leaves: where, when, and of which shape."""
+"""What a fitted model leaves: where, when, which shape."""

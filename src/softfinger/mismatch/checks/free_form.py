@@ -1,4 +1,6 @@
-"""A free-form term for what no effect explains: splines in the argument that they fit best.
+"""A free-form term for what no effect explains.
+
+It is a spline in the argument that fits best.
 
 Coefficients are normal; their sd is the one of a grid that the evidence prefers. One linearisation
 ranks the terms. It does not settle them: where every trial has parameters of its own, a spline may
@@ -51,7 +53,10 @@ class FreeForm(NamedTuple):
 
 
 class TermScore(NamedTuple):
-    """What one linearisation says of a term whose coefficients have some sd: gain [nats]."""
+    """Score of a term by one linearisation.
+
+    Its coefficients have some sd; the gain is in [nats].
+    """
 
     gain: float
     size: float
@@ -59,7 +64,10 @@ class TermScore(NamedTuple):
 
 
 def fit_free_form(problem: Problem, candidate: Candidate) -> FreeForm | None:
-    """Fit a free-form term in every argument on top of a fitted model; the best that gains."""
+    """Fit the best free-form term over a model.
+
+    Every argument is tried on top of the fitted model; the best must gain.
+    """
     scores = [s for t in list_terms(problem, candidate) for s in score_term(problem, candidate, t)]
     best: FreeForm | None = None
     for score in sorted(scores, key=lambda s: -s.gain):
@@ -72,7 +80,10 @@ def fit_free_form(problem: Problem, candidate: Candidate) -> FreeForm | None:
 
 
 def score_term(problem: Problem, candidate: Candidate, term: Term) -> list[TermScore]:
-    """Score a term in each size by the model linearised where the candidate stands; Ω adapts."""
+    """Score a term in each size.
+
+    The model is linearised at the candidate; Ω adapts.
+    """
     fit = candidate.fit
     shared = np.concatenate([fit.shared, np.zeros(term.count)])
     gram = term.linearise(fit.own, shared)
@@ -93,7 +104,9 @@ def score_term(problem: Problem, candidate: Candidate, term: Term) -> list[TermS
 def settle_term(
     problem: Problem, candidate: Candidate, score: TermScore, rival: float = -np.inf
 ) -> FreeForm | None:
-    """Fit a term to the end, unless it clearly gains less than a rival [nats].
+    """Fit a term to the end.
+
+    It stops where it clearly gains less than a rival [nats].
 
     None where the model leaves its range.
     """
@@ -127,7 +140,10 @@ def settle_term(
 
 
 def _widen(problem: Problem, candidate: Candidate, term: Term, size: float) -> Prior:
-    """Prior of the model with the term's coefficients, their sd being `size`."""
+    """Prior of a model with coefficients of sd `size`.
+
+    They are the term's.
+    """
     prior = problem.build_prior(candidate.model)
     return prior._replace(
         mean=np.concatenate([prior.mean, np.zeros(term.count)]),

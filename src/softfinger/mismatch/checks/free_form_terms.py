@@ -1,4 +1,6 @@
-"""What a free-form term may depend on, and the model with such a term in it.
+"""What a free-form term may depend on.
+
+Also the model with such a term in it.
 
 Within trials a term adds to a joint's angle a cubic B-spline of time, of the time since the last
 change of load, of the load, of the angle itself or, followed late, of its rate, the same in every
@@ -61,7 +63,10 @@ class Term(NamedTuple):
 
 
 def list_terms(problem: Problem, candidate: Candidate) -> list[Term]:
-    """List the terms that the recordings allow on top of a fitted model."""
+    """List the terms that the recordings allow.
+
+    They are on top of a fitted model.
+    """
     angle, _ = problem.simulate(candidate.model, candidate.fit.own, candidate.fit.shared)
     terms = []
     arguments = list_arguments(problem, angle) | {RATE: compute_rate_array(problem, candidate)}
@@ -76,7 +81,10 @@ def list_terms(problem: Problem, candidate: Candidate) -> list[Term]:
 
 
 def list_arguments(problem: Problem, angle: Array) -> dict[str, Array]:
-    """What a term within trials may depend on, at the nodes: (trial, joint, node)."""
+    """List the arguments of a term within trials.
+
+    They are at the nodes: (trial, joint, node).
+    """
     trials = problem.trials
     shape = (len(trials.name), trials.joints, trials.node.shape[1], 2)
     since, load = np.zeros(shape), np.zeros(shape)
@@ -94,7 +102,9 @@ def list_arguments(problem: Problem, angle: Array) -> dict[str, Array]:
 
 
 def evaluate_basis_array(values: Array, derivative: int = 0) -> Array:
-    """Evaluate a clamped cubic B-spline basis (…, knots) on [0, 1], or a derivative of it.
+    """Evaluate a cubic B-spline basis (…, knots).
+
+    It is clamped, on [0, 1]; its derivatives are evaluated too.
 
     >>> evaluate_basis_array(np.array([0.0, 0.3, 1.0])).sum(axis=-1).round(12)
     array([1., 1., 1.])
@@ -107,7 +117,9 @@ def evaluate_basis_array(values: Array, derivative: int = 0) -> Array:
 def _build_within(
     problem: Problem, candidate: Candidate, name: str, values: Array, span: tuple[float, float]
 ) -> Term:
-    """Build a term of the angle: F + s(x), x being known or, for `ANGLE`, F itself.
+    """Build a term of the angle: F + s(x).
+
+    x is known or, for `ANGLE`, F itself.
 
     For `RATE` the angle follows s(x) late, and a joint at rest is left where it is.
     """
@@ -145,7 +157,10 @@ def _scale(values: Array, span: tuple[float, float]) -> Array:
 
 
 def _build_between(problem: Problem, candidate: Candidate, name: str, values: Array) -> Term:
-    """Build a term of the trials' parameters: F(η + s(x)); q_ini is left as it is."""
+    """Build a term of trials' parameters: F(η + s(x)).
+
+    q_ini is left as it is.
+    """
     d, p = candidate.fit.own.shape[1], len(candidate.fit.shared)
     seen = np.isfinite(values)
     span = float(values[seen].min()), float(values[seen].max())

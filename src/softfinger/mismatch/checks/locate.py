@@ -1,9 +1,10 @@
-"""Where a model misses: joint × phase × time since the change of load, and between trials.
+"""Where a model misses, within and between trials.
 
-Within trials, a cell holds whitened residuals, of unit variance if the model is right: their mean
-square and their mean over trials are tested. Between trials, each trial's own parameters are tested
-against everything that differs between trials. p-values are held to a false-discovery rate
-(Benjamini, Hochberg 1995, J. R. Stat. Soc. B 57, 289).
+Within trials, a cell of joint × phase × time since the change of load contains whitened residuals,
+of unit variance if the model is right: their mean square and their mean over trials are tested.
+Between trials, each trial's own parameters are tested against everything that differs between
+trials. p-values are limited by a false-discovery rate (Benjamini, Hochberg 1995, J. R. Stat.
+Soc. B 57, 289).
 """
 
 import numpy as np
@@ -22,13 +23,16 @@ PHASES = ("rest", "loading", "holding", "unloading")
 
 
 def whiten_all(problem: Problem, candidate: Candidate) -> list[NDArray[np.float64]]:
-    """Whitened residuals (bin, joint) of each trial at its own mode."""
+    """Whitened residuals (bin, joint) of each trial's mode."""
     angle, _ = problem.simulate(candidate.model, candidate.fit.own, candidate.fit.shared)
     return [whiten_residual(problem.trials, angle, i) for i in range(len(problem.trials.name))]
 
 
 def time_since_change(problem: Problem, trial: int) -> NDArray[np.float64]:
-    """Time [s] (bin,) since the last change of load, or since the start."""
+    """Time [s] (bin,) since the last load change.
+
+    Before any change it counts from the start.
+    """
     trials = problem.trials
     time = trials.node[trial, : trials.bins[trial]].mean(axis=1)
     edges = np.concatenate([[min(time[0], 0.0)], trials.changes[trial]])
@@ -37,7 +41,10 @@ def time_since_change(problem: Problem, trial: int) -> NDArray[np.float64]:
 
 
 def label_phase(problem: Problem, trial: int) -> NDArray[np.int64]:
-    """Phase (bin,) as an index into PHASES, from the load and its last change."""
+    """Phase (bin,) as an index into PHASES.
+
+    It follows from the load and its last change.
+    """
     load = load_at(problem.trials, trial)
     top = max(np.abs(load).max(), 1e-300)
     time = problem.trials.node[trial, : problem.trials.bins[trial]].mean(axis=1)
@@ -48,7 +55,9 @@ def label_phase(problem: Problem, trial: int) -> NDArray[np.int64]:
 
 
 def locate_within(problem: Problem, candidate: Candidate) -> xr.Dataset:
-    """Test every cell of joint × phase × time since the change of load.
+    """Test every cell of joint × phase × time.
+
+    The time is that since the change of load.
 
     Returns
     -------
@@ -91,7 +100,9 @@ def locate_within(problem: Problem, candidate: Candidate) -> xr.Dataset:
 
 
 def locate_between(problem: Problem, candidate: Candidate) -> xr.Dataset:
-    """Test each joint's own parameters against everything that differs between trials.
+    """Test each joint's own parameters against trial covariates.
+
+    These are everything that differs between trials.
 
     Returns
     -------
@@ -134,7 +145,10 @@ def locate_between(problem: Problem, candidate: Candidate) -> xr.Dataset:
 
 
 def list_trial_covariates(problem: Problem) -> dict[str, NDArray[np.float64]]:
-    """What differs between trials: number, rest, load, load of the trial before, logged values."""
+    """List what differs between trials.
+
+    Number, rest, load, load of the trial before, logged values.
+    """
     setting = problem.setting
     largest = np.abs(problem.trials.load_torque).max(axis=1)
     before = np.concatenate([[np.nan], largest[:-1]])
@@ -157,7 +171,10 @@ def list_trial_covariates(problem: Problem) -> dict[str, NDArray[np.float64]]:
 def find_window(
     problem: Problem, base: Candidate, final: Candidate, share: float = 0.8
 ) -> tuple[float, float]:
-    """Time since the change of load [s] that holds the middle share of what an effect changed."""
+    """Time [s] since the change of load that matters.
+
+    It contains the middle share of what an effect changed.
+    """
     before, after = whiten_all(problem, base), whiten_all(problem, final)
     since = np.concatenate([time_since_change(problem, i) for i in range(len(before))])
     change = np.concatenate(

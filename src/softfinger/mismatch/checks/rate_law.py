@@ -1,4 +1,6 @@
-"""What a law of the rate does to a joint: resistance that is not in proportion to the motion.
+"""What a law of the rate does to joints.
+
+Their resistance is not in proportion to the motion.
 
 A Voigt element whose damper resists by c_v (θ̇ − s(θ̇)/τ), τ = c_v/k_v, moves as the linear one but
 for δ, where to first order τ δ̇ + δ = s(θ̇): a spline of the rate that the element follows late.
@@ -18,7 +20,10 @@ Array = NDArray[np.float64]
 
 
 def compute_rate_array(problem: Problem, candidate: Candidate) -> Array:
-    """Rates (trial, joint, node) [rad/s] at which the joints of a fitted model move."""
+    """Rates (trial, joint, node) [rad/s] of the joints.
+
+    They are those of a fitted model.
+    """
     apart = APART * problem.trials.interval
     later = replace(problem, trials=problem.trials._replace(node=problem.trials.node + apart))
     fit, nothing = candidate.fit, np.zeros(0, np.int64)
@@ -29,7 +34,9 @@ def compute_rate_array(problem: Problem, candidate: Candidate) -> Array:
 
 
 def follow_late_array(problem: Problem, candidate: Candidate, basis: Array) -> Array:
-    """Let the trials' Voigt elements follow functions of time (trial, joint, node, function).
+    """Let Voigt elements follow functions of time.
+
+    The elements are the trials'; the functions are (trial, joint, node, function).
 
     Between nodes the functions are straight lines, for which the response is exact.
     """

@@ -1,10 +1,12 @@
-"""Slips in single trials: angles that are off by a constant from some moment on, as after a slip.
+"""Slips in single trials.
+
+From some moment on, angles are off by a constant.
 
 Each joint's residual, frame by frame, is weighed against a step of normal size at any moment at
 which the finger is quiet. The trial's own parameters are free to adapt, and the evidence is
 averaged over joints, moments and sizes. A slip has to beat two rivals (Fox 1972), weighed in the
 same way, which noise with heavy tails brings: one wrong frame, and one large innovation, which
-AR(1) noise forgets only slowly. Trials slip with an unknown probability, over which it is averaged
+AR(1) noise forgets only slowly. The evidence is averaged over the unknown probability of a slip
 as well. Each joint is weighed by itself: what its noise shares with its neighbours' is not used.
 
 References
@@ -30,7 +32,10 @@ Array = NDArray[np.float64]
 
 
 class Slips(NamedTuple):
-    """Evidence for slips [nats], the trials that slip, and the joints (from 1) that do."""
+    """Evidence for slips [nats], and where they are.
+
+    The trials that slip, and the joints (from 1) that do.
+    """
 
     gain: float
     trials: list[str]
@@ -38,7 +43,9 @@ class Slips(NamedTuple):
 
 
 class Series(NamedTuple):
-    """One joint in one trial: whitened rows, and the joint's own parameters.
+    """One joint in one trial.
+
+    Its whitened rows, and the joint's own parameters.
 
     rows (n, OWN + 1) of [∂F/∂η | residual]; weight, carried (n,): row i is weight · (x_i −
     carried · x_{i−1}); pull (OWN,) = Ω⁻¹(μ − η) and precision Ω⁻¹ of η; quiet (n,).
@@ -53,7 +60,10 @@ class Series(NamedTuple):
 
 
 def find_slips(problem: Problem, candidate: Candidate, angles: xr.Dataset) -> Slips:
-    """Weigh slips in single trials on top of a fitted model, `angles` being the artifact."""
+    """Weigh slips in single trials over a model.
+
+    `angles` is the artifact; the model is fitted.
+    """
     trials = problem.trials
     evidence = np.full((len(trials.name), trials.joints), -np.inf)
     rival = evidence.copy()
@@ -75,7 +85,9 @@ def find_slips(problem: Problem, candidate: Candidate, angles: xr.Dataset) -> Sl
 
 
 def project_steps(series: Series) -> tuple[Array, Array]:
-    """Products of whitened steps that begin at frame s with the rows (s, OWN + 1), and norms² (s,).
+    """Products of whitened steps with the rows.
+
+    Steps begin at frame s: (s, OWN + 1), and norms² (s,).
 
     A step is weight at s and weight · (1 − carried) later.
     """
@@ -85,7 +97,10 @@ def project_steps(series: Series) -> tuple[Array, Array]:
 
 
 def project_outliers(series: Series) -> list[tuple[Array, Array]]:
-    """Project one wrong frame, and one large innovation, as `project_steps` does steps."""
+    """Project one wrong frame, and one large innovation.
+
+    The results are as those of `project_steps`.
+    """
     back = np.append(series.weight[1:] * series.carried[1:], 0.0)
     here = series.rows * series.weight[:, None]
     after = np.concatenate([series.rows[1:], np.zeros((1, series.rows.shape[1]))])
@@ -94,7 +109,10 @@ def project_outliers(series: Series) -> list[tuple[Array, Array]]:
 
 
 def weigh_shapes(series: Series, product: Array, square: Array, sizes: Array) -> float:
-    """Evidence [nats] for one of the shapes, over the quiet moments and sizes (of unit noise)."""
+    """Evidence [nats] for one of the shapes.
+
+    It is averaged over the quiet moments and sizes (of unit noise).
+    """
     own, left = series.rows[:, :-1], series.rows[:, -1]
     cross, pull = product[series.quiet, :-1], product[series.quiet, -1]
     inner = np.linalg.inv(series.precision + own.T @ own)
@@ -118,7 +136,10 @@ def _average(evidence: Array) -> Array:
 def _list_series(
     problem: Problem, candidate: Candidate, angles: xr.Dataset
 ) -> list[tuple[int, int, Series, float]]:
-    """Place of trial and joint, its series and the noise's sd, where enough was seen."""
+    """Series where enough was seen.
+
+    Place of trial and joint, the series, and the noise's sd.
+    """
     trials, fit = problem.trials, candidate.fit
     noise = problem.noise[["noise_sd", "noise_autocorrelation"]].to_dataarray().values
     factor = problem.noise["noise_factor"].sel(trial=trials.name).transpose(*LAYOUT).values

@@ -1,4 +1,7 @@
-"""Numbers of a verdict that come straight from two fits: residuals, spread, elpd, bias."""
+"""Numbers of a verdict straight from two fits.
+
+Residuals, spread, elpd, bias.
+"""
 
 import numpy as np
 import xarray as xr
@@ -19,7 +22,9 @@ from softfinger.mismatch.verdict.schema import Elpd
 def compute_residual(
     problem: Problem, candidate: Candidate, angles: xr.Dataset
 ) -> NDArray[np.float64]:
-    """Recorded minus predicted angle (trial, joint, frame) [rad]; NaN where a frame is not used.
+    """Recorded minus predicted angle (trial, joint, frame) [rad].
+
+    It is NaN where a frame is not used.
 
     What a wrong log or clock most probably did counts as predicted.
     """
@@ -35,7 +40,10 @@ def compute_residual(
 
 
 def compute_elpd(problem: Problem, base: Candidate, final: Candidate) -> Elpd | None:
-    """Leave-one-trial-out elpd of two fits; None for a single trial."""
+    """Leave-one-trial-out elpd of two fits.
+
+    None for a single trial.
+    """
     before, after = ((c.fit, problem.build_prior(c.model)) for c in (base, final))
     return compare_elpd(problem, before, after)
 
@@ -43,7 +51,10 @@ def compute_elpd(problem: Problem, base: Candidate, final: Candidate) -> Elpd | 
 def compare_elpd(
     problem: Problem, before: tuple[Fit, Prior], after: tuple[Fit, Prior]
 ) -> Elpd | None:
-    """Leave-one-trial-out elpd of two fits with their priors; None for a single trial."""
+    """Leave-one-trial-out elpd of two fits with their priors.
+
+    None for a single trial.
+    """
     trials = problem.trials
     if len(trials.name) < 2:
         return None
@@ -66,7 +77,10 @@ def compute_spread(problem: Problem, candidate: Candidate) -> NDArray[np.float64
 def explain_spread(
     problem: Problem, base: Candidate, final: Candidate
 ) -> dict[str, dict[str, float]]:
-    """Share of the trial-to-trial variance that the final model's physics explains."""
+    """Share of the variance that the physics explains.
+
+    The variance is between trials; the physics is the final model's.
+    """
     share = 1.0 - compute_spread(problem, final) / compute_spread(problem, base)
     return {
         name: {str(j + 1): float(share[j, k]) for j in range(len(share))}
@@ -75,7 +89,9 @@ def explain_spread(
 
 
 def compare_parameters(problem: Problem, base: Candidate, final: Candidate) -> xr.Dataset:
-    """Population means before and after, and the bias that the omission caused.
+    """Population means before and after, and the bias.
+
+    The omission caused the bias.
 
     Returns
     -------
@@ -96,7 +112,9 @@ def compare_parameters(problem: Problem, base: Candidate, final: Candidate) -> x
 
 
 def compute_excess(problem: Problem, candidate: Candidate) -> tuple[float, float]:
-    """Excess of what is left within trials over the noise, and its p-value.
+    """Excess of the residual over the noise.
+
+    It is within trials, and has a p-value.
 
     What a model misses lasts from bin to bin; noise, once whitened, does not, whatever its size.
     With a the correlation of neighbouring whitened residuals r of a joint, pooled over trials,
@@ -122,7 +140,9 @@ def compute_excess(problem: Problem, candidate: Candidate) -> tuple[float, float
 
 
 def compute_square_excess(fit: Fit, rows: NDArray[np.int64]) -> float:
-    """Excess of χ² within trials over its expectation, per number.
+    """Excess of χ² within trials over its expectation.
+
+    Per number.
 
     Each trial's residual is taken perpendicular to what its own parameters could still take up, so
     the population has no part in it.

@@ -1,4 +1,6 @@
-"""What a protocol can show: each effect's signal, what the base model swallows of it, and likeness.
+"""What a protocol can show.
+
+Each effect's signal, what the base model swallows of it, and likeness.
 
 The signal of an effect at a given strength is its change of all recorded angles, in units of their
 noise. What is left of it after each trial's own parameters and their population mean have adapted
@@ -17,7 +19,9 @@ from softfinger.mismatch.search.calibrate import project_columns_array
 
 
 def tabulate_masking(columns: ScoreColumns, problem: Problem, base: Candidate) -> xr.Dataset:
-    """Tabulate every effect under one protocol, each in the form that shows best.
+    """Tabulate every effect under one protocol.
+
+    Each is in the form that shows best.
 
     Parameters
     ----------
@@ -70,6 +74,9 @@ def tabulate_masking(columns: ScoreColumns, problem: Problem, base: Candidate) -
 
 
 def list_invisible(table: xr.Dataset, needed: float) -> list[str]:
-    """Effects that could not gain `needed` nats at any plausible strength."""
+    """Effects that could not gain `needed` nats.
+
+    They could not at any plausible strength.
+    """
     hidden = table["expected_gain"].values < needed
     return [str(name) for name in table["effect"].values[hidden]]

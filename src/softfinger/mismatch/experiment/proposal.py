@@ -1,4 +1,7 @@
-"""What to record next, so that what these recordings leave open would show."""
+"""What to record next.
+
+It would show what these recordings leave open.
+"""
 
 from typing import Any
 
@@ -15,7 +18,7 @@ from softfinger.mismatch.experiment.protocols import (
 
 
 def propose_experiment(found: Diagnosis, angles: xr.Dataset) -> dict[str, Any] | None:
-    """Propose the protocol that best tells apart what a verdict leaves open.
+    """Propose the protocol for a verdict's open questions.
 
     That is what its equivalent sets differ in, else what these recordings could not show. The
     protocols keep within the largest load and the longest trial that were recorded.
@@ -79,7 +82,10 @@ def list_open_questions(found: Diagnosis) -> list[str]:
 
 
 def choose_column(angles: xr.Dataset) -> tuple[str, float]:
-    """Column of a load log that this rig writes, and what a torque is multiplied by for it."""
+    """Column of a load log that this rig writes.
+
+    Also what a torque is multiplied by for it.
+    """
     kinds = angles["load_kind"].values.astype(str)
     if (kinds == "tension_n").all():
         return "tension_n", 1.0 / float(angles["wire_offset"])

@@ -1,4 +1,7 @@
-"""Which experiment would show it: masking tables of protocols before, and proposals after, data."""
+"""Which experiment would show an effect.
+
+Masking tables of protocols before data, and proposals after.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -21,14 +24,19 @@ from softfinger.mismatch.experiment.masking import tabulate_masking
 
 
 class PlannedProtocol(NamedTuple):
-    """Load histories that trials go through in turn: knots (history, knot) [s], [N m]."""
+    """Load histories that trials have in turn.
+
+    Knots (history, knot) [s], [N m].
+    """
 
     load_time: NDArray[np.float64]
     load_torque: NDArray[np.float64]
 
 
 def list_protocols(largest: float, duration: float) -> dict[str, PlannedProtocol]:
-    """Protocols within a rig's limits: largest load [N m] and length of a trial [s].
+    """Protocols within a rig's limits.
+
+    They are the largest load [N m] and the length of a trial [s].
 
     >>> list(list_protocols(0.04, 40.0))
     ['step', 'levels', 'staircase', 'triangle']
@@ -56,7 +64,9 @@ def build_design(
     protocol: PlannedProtocol,
     trials: int = DECISIONS.design_trials,
 ) -> tuple[Problem, Candidate]:
-    """Build a campaign without data: the base model's motion under another protocol.
+    """Build a campaign without data.
+
+    It has the base model's motion under another protocol.
 
     The finger, the noise, the frame interval and the population are those of `problem`.
     """
@@ -113,7 +123,10 @@ def _describe(design: Problem, problem: Problem, own: NDArray, angles: xr.Datase
 def plan_experiment(
     problem: Problem, base: Candidate, protocols: dict[str, PlannedProtocol]
 ) -> dict[str, xr.Dataset]:
-    """Masking table of every protocol: what each could show of each effect."""
+    """Masking table of every protocol.
+
+    It shows what each could show of each effect.
+    """
     tables = {}
     for name, protocol in protocols.items():
         design, start = build_design(problem, base, protocol)
@@ -123,7 +136,9 @@ def plan_experiment(
 
 
 def measure_separation(table: xr.Dataset, wanted: Sequence[str]) -> xr.DataArray:
-    """Expected gain [nats] of each wanted effect under one protocol, apart from the other ones.
+    """Expected gain [nats] of each wanted effect.
+
+    It is under one protocol, apart from the other effects.
 
     What looks like one of the others has been taken out of it; 0 where the protocol cannot have it.
 
@@ -153,7 +168,9 @@ def measure_separation(table: xr.Dataset, wanted: Sequence[str]) -> xr.DataArray
 def choose_protocol(
     tables: Mapping[str, xr.Dataset], wanted: Sequence[str], needed: float
 ) -> tuple[str, xr.DataArray] | None:
-    """Choose the protocol that shows most of the wanted effects, and the faintest of those best.
+    """Choose the protocol that shows most wanted effects.
+
+    Among equals it is the one that shows the faintest best.
 
     Parameters
     ----------

@@ -1,1 +1,4 @@
-"""The search for sets of effects, and its false alarms."""
+"""The search for sets of effects.
+
+Its false alarms are part of it.
+"""

@@ -1,4 +1,6 @@
-"""How large the best gain of the whole catalogue gets by chance: a parametric bootstrap.
+"""Chance's best gain over the catalogue, by bootstrap.
+
+The bootstrap is parametric.
 
 Campaigns are drawn from the fitted base model, on the campaign's own loads and frames, but only in
 the whitened reduced space: of a trial z* = A b + e nothing is needed but Cᵀz*, which is normal with
@@ -20,7 +22,10 @@ from softfinger.mismatch.decisions import DECISIONS
 
 
 class FalseAlarms(NamedTuple):
-    """Largest gain over the catalogue in each replicate (replicate,) [nats]."""
+    """Largest gain in each replicate (replicate,) [nats].
+
+    It is over the whole catalogue.
+    """
 
     gain: NDArray[np.float64]
 
@@ -41,7 +46,10 @@ class FalseAlarms(NamedTuple):
         return float(share * np.exp(-(gain - edge) / max(beyond.mean(), 0.5)))
 
     def threshold(self, probability: float) -> float:
-        """Gain [nats] that chance exceeds with a probability (below the tail's share)."""
+        """Gain [nats] that chance exceeds with a probability.
+
+        The probability is below the tail's share.
+        """
         ordered = np.sort(self.gain)
         edge = ordered[-int(np.ceil(DECISIONS.tail_share * len(ordered)))]
         beyond = ordered[ordered >= edge] - edge
@@ -56,7 +64,10 @@ def calibrate_false_alarms(
     rng: np.random.Generator,
     replicates: int,
 ) -> FalseAlarms:
-    """Draw replicates of the base model and find the largest gain in each."""
+    """Find the largest gain in replicates without effects.
+
+    The replicates are drawn from the base model.
+    """
     d = len(base.fit.omega)
     whole = np.ascontiguousarray(columns.bare)
     factor = np.stack([_root(gram) for gram in whole])
@@ -86,7 +97,10 @@ def _refit(
     omega: NDArray,
     form: int,
 ) -> float:
-    """Gain [nats] of one form with Ω fitted anew: what differs between trials may shrink."""
+    """Gain [nats] of one form, Ω fitted anew.
+
+    What differs between trials may shrink.
+    """
     d = len(omega)
     own, more = np.arange(d), columns.first[form] + np.arange(columns.count[form])
     wider = prior._replace(
@@ -109,7 +123,9 @@ def score_columns_array(
     prior: tuple,
     omega: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Gain [nats] of each form (form,), Ω fitted under the base model.
+    """Gain [nats] of each form (form,).
+
+    Ω is fitted under the base model.
 
     Parameters
     ----------
@@ -124,10 +140,12 @@ def score_columns_array(
 
 
 def _root(gram: NDArray) -> NDArray:
-    """Root R of a Gram matrix of any rank, R Rᵀ = G: symmetric in scaled columns.
+    """Root R of a Gram matrix G = RRᵀ.
 
-    Rounding hardly moves it, whereas a Cholesky factor of columns that hide in each other hangs on
-    the order of its pivots.
+    It is symmetric in scaled columns; G may have any rank.
+
+    Rounding hardly moves it, whereas a Cholesky factor of columns that hide in each other
+    depends on the order of its pivots.
     """
     size = np.sqrt(np.maximum(np.diag(gram), 1e-300))
     values, vectors = np.linalg.eigh(gram / np.outer(size, size))
@@ -149,7 +167,10 @@ def _score(
     block: int,
     omega: NDArray,
 ) -> tuple[NDArray, NDArray, NDArray]:
-    """Gain of each form, and mean and sd of each amplitude: one Ω, one inverse for each trial."""
+    """Gain of each form, and its amplitudes.
+
+    Mean and sd of each amplitude: one Ω, one inverse for each trial.
+    """
     trials, d = gram.shape[0], omega.shape[0]
     own = np.zeros((trials, d + 1, d + 1))
     own[:, :d, :d] = gram[:, :d, :d]
@@ -195,7 +216,9 @@ def project_columns_array(
     precision: NDArray[np.float64],
     omega: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """What is left of columns after η ~ N(μ, Ω) and μ have taken up what they can.
+    """What is left of columns once parameters adapt.
+
+    η ~ N(μ, Ω) and μ take up what they can.
 
     Returns
     -------

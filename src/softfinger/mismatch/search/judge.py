@@ -1,4 +1,6 @@
-"""Every leading model is judged with the measurement that its own residual asks for.
+"""Leading models are judged with their own measurement.
+
+It is the one that the model's own residual requires.
 
 What a model leaves may come from the recordings: a load log that scatters, clocks, a picture that
 drifts. Each may take an effect's place only where its evidence is better. So the measurement that
@@ -23,7 +25,9 @@ from softfinger.mismatch.search.stepwise import Search
 
 
 class Judged(NamedTuple):
-    """A model with a measurement of its own: the problem with it, and its log evidence [nats].
+    """A model with a measurement of its own.
+
+    The problem with it, and its log evidence [nats].
 
     The noise's own level counts, so that models with different measurements compare.
     """
@@ -36,7 +40,9 @@ class Judged(NamedTuple):
 def weigh_log(
     plain: Problem, base: Candidate, singles: list[Candidate], angles: xr.Dataset, needed: float
 ) -> float:
-    """Evidence [nats] for another log of the same load, against the log that was fitted.
+    """Evidence [nats] for another log of the load.
+
+    The rival is the log that was fitted.
 
     Each counts by the base model or by the best effects, an effect less what chance gains.
 
@@ -76,7 +82,9 @@ def _list_leaders(base: Candidate, singles: list[Candidate], needed: float) -> l
 def settle_measurement(
     plain: Problem, base: Candidate, singles: list[Candidate], needed: float
 ) -> tuple[Problem, Candidate]:
-    """Take the measurement of whichever leads: the base model, or one of the best effects.
+    """Take the measurement of whichever leads.
+
+    The base model leads, or one of the best effects.
 
     Parameters
     ----------
@@ -106,9 +114,11 @@ def settle_measurement(
 def judge_finalists(
     plain: Problem, problem: Problem, search: Search, angles: xr.Dataset, needed: float
 ) -> tuple[Problem, Search]:
-    """Judge the leading sets of effects anew, each with its own measurement.
+    """Judge the leading sets of effects anew.
 
-    Frames that count are those that do not stand out from the best model. A model leads only if
+    Each has its own measurement.
+
+    Frames count that are no outliers of the best model. A model leads only if
     what it has more than a simpler one gains more than `needed` nats.
 
     Parameters
@@ -146,7 +156,9 @@ def judge_finalists(
 def judge(
     plain: Problem, candidate: Candidate, fitted: Problem | None, base: Candidate
 ) -> Judged | None:
-    """Fit a model with the disturbances that its residual shows; None where that fails.
+    """Fit a model with its residual's disturbances.
+
+    None where that fails.
 
     Parameters
     ----------
@@ -170,7 +182,10 @@ def judge(
 
 
 def measure_again(problem: Problem, candidate: Candidate, angles: xr.Dataset) -> Problem:
-    """Judge the frames against a better model; the problem as it is where the same ones count."""
+    """Judge the frames against a better model.
+
+    The problem stays as it is where the same ones count.
+    """
     chosen = angles.sel(trial=problem.trials.name)
     noise = measure(chosen, predict_frames(problem, candidate, chosen))
     known = problem.noise["used"].sel(trial=problem.trials.name).values
@@ -213,7 +228,7 @@ def _settle(search: Search, settled: list[Candidate], needed: float) -> Search:
 
 
 def _measure_level(problem: Problem) -> float:
-    """What the noise itself adds to a log evidence [nats]."""
+    """The noise's part of a log evidence [nats]."""
     return -0.5 * float(problem.trials.logdet.sum())
 
 

@@ -1,4 +1,6 @@
-"""From fitted models to a decision: which effects, how probable, what cannot be told apart.
+"""From fitted models to a decision.
+
+Which effects, how probable, what looks alike.
 
 Prior ½ on the base model, the rest shared evenly by the sets of effects that were fitted, and
 within a set by its forms. Where several sets remain that share an effect and differ in what they
@@ -47,13 +49,19 @@ class Posterior(NamedTuple):
         return chosen
 
     def doubt(self, probability: float) -> "Posterior":
-        """Keep in mind that, but for this probability, what is missing is not in the catalogue."""
+        """Allow for a probability of unlisted physics.
+
+        With it, what is missing is not in the catalogue.
+        """
         inclusion = {name: probability * p for name, p in self.inclusion.items()}
         return self._replace(inclusion=inclusion)
 
 
 def weigh_models(base: Candidate, others: Iterable[Candidate]) -> Posterior:
-    """Weigh the base model and every other fitted model by evidence and prior."""
+    """Weigh the fitted models by evidence and prior.
+
+    The base model is one of them.
+    """
     groups: dict[Ids, list[Candidate]] = {}
     for candidate in others:
         groups.setdefault(candidate.model.ids - base.model.ids, []).append(candidate)
@@ -74,11 +82,13 @@ def weigh_models(base: Candidate, others: Iterable[Candidate]) -> Posterior:
 
 
 def settle_search(search: Search) -> Search:
-    """Keep what the likely sets of effects share, where they disagree about a slight rest.
+    """Keep what the likely sets of effects share.
 
-    Such a rest is too small, and too little like any one effect, to be given a name. Where
-    the base model is still the most probable, though a gain has passed the test of false alarms, as
-    one in a hundred does by chance, nothing is said to be missing.
+    They disagree about a slight rest.
+
+    Such a rest is too small, and too little like any one effect, to be given a name. A gain may
+    pass the test of false alarms, as one in a hundred does by chance. If the base model is still
+    the most probable, nothing counts as missing.
     """
     posterior = weigh_models(search.base, search.candidates)
     likely = posterior.equivalent
@@ -98,7 +108,9 @@ def settle_search(search: Search) -> Search:
 
 
 def drop_negligible(search: Search) -> Search:
-    """Take back what lies below an effect's floor: a good rig's own errors reach that far.
+    """Take back what lies below an effect's floor.
+
+    A good rig's own errors reach that far.
 
     What is taken back has been explained; so no rival of it, and no larger set, is claimed either.
     """

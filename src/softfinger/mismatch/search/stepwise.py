@@ -1,8 +1,8 @@
-"""Which effects together: forward addition, backward elimination, every model kept.
+"""Search for effects that act together.
 
-What one effect leaves may be the error of its textbook form. So a further effect has a free-form
-term on top of the effects before as its rival: it is believed where its few numbers say more than a
-spline in time, load or angle does.
+Forward addition, backward elimination, every model kept. What one effect leaves may be the error
+of its textbook form. So a further effect has a free-form term on top of the effects before as its
+rival. It is believed where its few numbers gain more than a spline in time, load or angle does.
 """
 
 from collections.abc import Iterable
@@ -31,7 +31,7 @@ from softfinger.mismatch.decisions import DECISIONS
 
 
 class Shape(NamedTuple):
-    """The best free-form term on top of a fit; None where there is none.
+    """Best free-form term on a fit, or None.
 
     `ahead` is what the fitted model gains by a measurement of its own [nats].
     """
@@ -91,7 +91,7 @@ def search_effects(
     progress: Progress,
     ranked: tuple[list[Candidate], list[Score]],
 ) -> Search:
-    """Add effects while the best addition gains more than `needed` nats; then eliminate.
+    """Add effects while one gains `needed` nats, then eliminate.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def search_effects(
     needed
         Gain [nats] that chance exceeds in 1 % of campaigns, over the whole catalogue.
     ranked
-        What `rank_pieces` says of the catalogue on top of the base model.
+        What `rank_pieces` gives for the catalogue on top of the base model.
     """
     pieces, refused = catalogue
     singles, scores = ranked
@@ -155,7 +155,7 @@ def search_effects(
 
 
 def require_gain(needed: float, explained: float, pieces: list[Piece], best: Candidate) -> float:
-    """Gain [nats] that a further effect must bring to be believed.
+    """Gain [nats] that a further effect must bring.
 
     As much as a first one, and what it costs that there are so many more pairs than effects. Where
     an effect before has no free law, also more than the error that its textbook forms may have.
@@ -169,28 +169,28 @@ def require_gain(needed: float, explained: float, pieces: list[Piece], best: Can
 
 
 def allow_rest(explained: float, needed: float) -> float:
-    """Evidence [nats] that effects which explain so much may leave to a shape, a line or slips."""
+    """Evidence [nats] for a rest that effects may leave."""
     return max(needed, DECISIONS.least_left, DECISIONS.shape_left * explained)
 
 
 def measure_shape(problem: Problem, candidate: Candidate) -> Shape:
-    """Fit the best free-form term on top of a fitted model."""
+    """Fit the best free-form term over a model."""
     ahead = candidate.log_evidence - candidate.fit.log_evidence
     return Shape(candidate.fit, fit_free_form(problem, candidate), ahead)
 
 
 def shape_rest(problem: Problem, search: Search) -> Search:
-    """Have the free-form term on top of the best model, unless it was fitted before."""
+    """Have the best model's free-form term, fitted once."""
     if search.shape is not None and search.shape.fit is search.best.fit:
         return search
     return search._replace(shape=measure_shape(problem, search.best))
 
 
 def hold_against_shape(problem: Problem, search: Search) -> Search:
-    """Hold the effects that were found against a free-form term alone.
+    """Compare the effects with a free-form term alone.
 
-    One with which they do not compete shows something of which they only take the part; then it
-    stands in their place. A little more than they do any spline says where the evidence is large,
+    A term with which they do not compete shows something else, which they only imitate. It then
+    takes their place. Where the evidence is large, any spline gains a little more than they do,
     for no recording has the textbook form.
     """
     if search.best is search.base:
@@ -202,12 +202,12 @@ def hold_against_shape(problem: Problem, search: Search) -> Search:
 
 
 def _excels(shape: Shape, explained: float) -> bool:
-    """Whether effects that explain so much do not compete with a free-form term."""
+    """Whether effects do not compete with a free-form term."""
     return shape.gain > explained + competing_nats(explained)
 
 
 def _list_rivals(base: Candidate, found: list[Candidate], size: int) -> list[Candidate]:
-    """Best models of the closest sets of effects of one size."""
+    """Best models of the closest sets, of one size."""
     best: dict[frozenset[str], Candidate] = {}
     for candidate in sorted(found, key=lambda c: -c.log_evidence):
         if candidate.fit is not None and len(candidate.model.ids) == size:
@@ -219,7 +219,7 @@ def _list_rivals(base: Candidate, found: list[Candidate], size: int) -> list[Can
 
 
 def _can_lead(rival: Candidate, best: Candidate, larger: list[Candidate]) -> bool:
-    """Whether a set is no farther behind the best than a further effect brings the best ahead."""
+    """Whether one more effect could let a set lead."""
     behind = best.log_evidence - rival.log_evidence
     return behind <= max(find_best(larger) - best.log_evidence, DECISIONS.rival_nats)
 
@@ -231,7 +231,7 @@ def _extend(
     progress: Progress,
     floor: float,
 ) -> list[Candidate]:
-    """Rank every further effect on top of a fitted model; `floor` as in `fit_scored`."""
+    """Rank every further effect; `floor` as in `fit_scored`."""
     more = _compatible(rival, [p for p in pieces if p.effect.id not in rival.model.ids])
     columns = collect_columns(problem, rival, progress(more, "trying effects"))
     return rank_pieces(problem, rival, columns, progress, floor)[0]
@@ -244,9 +244,10 @@ def _try_partners(
     pieces: list[Piece],
     progress: Progress,
 ) -> list[Candidate]:
-    """Rank every partner of either effect of a pair, but for those `tried` with all others.
+    """Rank every partner of either effect of a pair.
 
-    One that says little alone is met through the other only, which need not be its true partner
+    Those `tried` with all others are left out. One that gains little alone is met
+    through the other only, which need not be its true partner
     (floating search: Pudil, Novovičová and Kittler 1994, Pattern Recognit. Lett. 15, 1119).
     """
     found = []
@@ -264,7 +265,7 @@ def _list_added(problem: Problem, candidate: Candidate) -> list[Piece]:
 
 
 def _fit_without(problem: Problem, candidate: Candidate, piece: Piece) -> Candidate | None:
-    """Fit what is left of a fitted model without a piece; None where it does not come to rest."""
+    """Fit a model without a piece, else None."""
     kept = tuple(p for p in candidate.model.pieces if p is not piece)
     model = replace(candidate.model, pieces=kept)
     shared = candidate.fit.shared[candidate.model.match(model)]
@@ -276,7 +277,7 @@ def _fit_without(problem: Problem, candidate: Candidate, piece: Piece) -> Candid
 
 
 def _compatible(candidate: Candidate, pieces: Iterable[Piece]) -> list[Piece]:
-    """Pieces that claim no slot that the model already uses in another sense."""
+    """Pieces that claim no slot in another sense."""
     fitting = []
     for piece in pieces:
         try:
@@ -291,7 +292,7 @@ def _compatible(candidate: Candidate, pieces: Iterable[Piece]) -> list[Piece]:
 def _eliminate(
     problem: Problem, candidate: Candidate, needed: float, found: list[Candidate]
 ) -> Candidate:
-    """Drop effects whose absence costs less than `needed` nats; each smaller model is kept."""
+    """Drop effects that cost less than `needed` nats."""
     while len(added := _list_added(problem, candidate)) > 1:
         fits = (_fit_without(problem, candidate, piece) for piece in added)
         smaller = [c for c in fits if c is not None]

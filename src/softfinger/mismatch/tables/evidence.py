@@ -1,4 +1,7 @@
-"""What a search found, as tables: the ranking of all models, and where two models miss."""
+"""What a search found, as tables.
+
+The ranking of all models, and where two models miss.
+"""
 
 import numpy as np
 import xarray as xr
@@ -17,7 +20,9 @@ MODELS = ("base", "final")
 def tabulate_ranking(
     search: Search, posterior: Posterior, alarms: FalseAlarms, needed: float
 ) -> xr.Dataset:
-    """Tabulate every model that was fitted, best first, and what follows for effects.
+    """Tabulate every model that was fitted, best first.
+
+    What follows for effects is tabulated too.
 
     Returns
     -------
@@ -66,7 +71,9 @@ def tabulate_ranking(
 def tabulate_location(
     problem: Problem, base: Candidate, final: Candidate, line: Line
 ) -> xr.Dataset:
-    """Tabulate where the base and the final model miss, and the strongest line that is left.
+    """Tabulate where the base and final model miss.
+
+    The strongest line that is left is tabulated too.
 
     Returns
     -------

@@ -1,4 +1,7 @@
-"""Everything behind a verdict, as the artifacts of a diagnosis, and its repaired model."""
+"""Artifacts of a diagnosis, and its repaired model.
+
+They contain everything behind a verdict.
+"""
 
 from collections.abc import Mapping
 from typing import Any
@@ -71,7 +74,10 @@ def tabulate_diagnosis(
 
 
 def tabulate_free_form(diagnosis: Diagnosis) -> xr.Dataset:
-    """Tabulate the shape of what no effect explains; without any quantity where none is needed."""
+    """Tabulate the shape of what no effect explains.
+
+    It has no quantity where none is needed.
+    """
     free, nan = diagnosis.findings.free, float("nan")
     if free is not None and diagnosis.verdict.free_form is not None:
         shape = free.shape.assign_attrs(argument=free.argument, gain_nats=free.gain)
@@ -86,7 +92,9 @@ def tabulate_free_form(diagnosis: Diagnosis) -> xr.Dataset:
 
 
 def measure_free_form(diagnosis: Diagnosis, free: FreeForm) -> dict[str, float]:
-    """Measure what a free-form term does to the fit and to the prediction of left-out trials.
+    """Measure what a free-form term does.
+
+    To the fit, and to the prediction of left-out trials.
 
     Returns
     -------

@@ -1,6 +1,8 @@
-"""How well trials are predicted by others: bands for trials and for load levels left out.
+"""How well trials are predicted by others.
 
-Trials are left out in folds. What the others say of μ and φ is solved in the model linearised at
+Bands for trials and for load levels left out.
+
+Trials are left out in folds. What the others show of μ and φ is solved in the model linearised at
 all trials' modes; for a level that is left out the model is fitted again. New trials are then drawn
 from that, moved by the full forward model under the left-out trials' own loads, and noise is added.
 """
@@ -23,7 +25,10 @@ from softfinger.mismatch.decisions import DECISIONS
 
 
 class Population(NamedTuple):
-    """What some trials say of new ones: mean and covariance of (μ, φ), and Ω."""
+    """What some trials show of new ones.
+
+    Mean and covariance of (μ, φ), and Ω.
+    """
 
     mean: NDArray[np.float64]
     covariance: NDArray[np.float64]
@@ -33,7 +38,10 @@ class Population(NamedTuple):
 def learn_without(
     problem: Problem, candidate: Candidate, left_out: NDArray[np.bool_]
 ) -> Population:
-    """Learn the population from the other trials, in the linearised model."""
+    """Learn the population from the other trials.
+
+    The model is linearised.
+    """
     fit = candidate.fit
     moved, near, centre = centre_gram(
         fit.gram, problem.build_prior(candidate.model), fit.own, fit.shared
@@ -45,7 +53,9 @@ def learn_without(
 def refit_without(
     problem: Problem, candidate: Candidate, left_out: NDArray[np.bool_]
 ) -> Population | None:
-    """Fit the model again to the other trials; None where that fails.
+    """Fit the model again to the other trials.
+
+    None where that fails.
 
     The left-out trials stay in their places with no information, so that whatever differs between
     trials keeps its meaning.
@@ -76,7 +86,9 @@ def predict_left_out(
     groups: list[tuple[NDArray[np.bool_], Population]],
     rng: np.random.Generator,
 ) -> NDArray[np.float64]:
-    """Draw new trials' angles (draw, trial, joint, bin) [rad] under the loads of left-out ones.
+    """Draw new trials' angles under left-out loads.
+
+    (draw, trial, joint, bin) [rad].
 
     Parameters
     ----------
@@ -125,7 +137,9 @@ def rank_recordings(
     noise_sd: NDArray[np.float64],
     rng: np.random.Generator,
 ) -> NDArray[np.float64]:
-    """Rank recordings (trial, joint, bin) among draws with noise: in (0, 1), NaN where unknown.
+    """Rank recordings (trial, joint, bin) among noisy draws.
+
+    Ranks are in (0, 1), NaN where unknown.
 
     >>> draws = np.array([1.0, 2.0, 3.0]).reshape(3, 1, 1, 1)
     >>> rank_recordings(draws, np.full((1, 1, 1), 2.5), np.zeros((1, 1, 1)),
@@ -138,7 +152,9 @@ def rank_recordings(
 
 
 def list_folds(trials: int) -> list[NDArray[np.bool_]]:
-    """List the trials to leave out together, every fifth in turn.
+    """List the trials to leave out together.
+
+    Every fifth in turn.
 
     >>> [int(fold.sum()) for fold in list_folds(7)]
     [2, 2, 1, 1, 1]
@@ -148,7 +164,9 @@ def list_folds(trials: int) -> list[NDArray[np.bool_]]:
 
 
 def list_levels(problem: Problem) -> dict[float, NDArray[np.bool_]]:
-    """List the load levels of a campaign: largest load → its trials; at most six, evenly chosen.
+    """List the load levels of a campaign.
+
+    Largest load → its trials; at most six, evenly chosen.
 
     Empty where all trials reach one level, so that none can be predicted from the others.
     """

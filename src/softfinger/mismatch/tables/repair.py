@@ -1,4 +1,7 @@
-"""What the repair does: parameters, residuals and predictions of two models side by side."""
+"""Comparison of base and repaired model.
+
+Parameters, residuals and predictions of the two models.
+"""
 
 import numpy as np
 import xarray as xr
@@ -33,7 +36,9 @@ def measure_repair(
     angles: xr.Dataset,
     rng: np.random.Generator,
 ) -> xr.Dataset:
-    """Measure parameters, residuals, scores and predictions of the base and the final model.
+    """Measure what a repair changes.
+
+    Parameters, residuals, scores and predictions of the base and the final model.
 
     Parameters
     ----------
@@ -71,7 +76,10 @@ def measure_repair(
 
 
 def label_unit(angles: xr.Dataset) -> str:
-    """Unit of the load: N m, or `command` where the load is one or only assumed."""
+    """Unit of the load.
+
+    N m, or `command` where the load is one or only assumed.
+    """
     kinds = set(angles["load_kind"].values.astype(str).tolist())
     return "N m" if kinds <= {"tension_n", "torque_nm"} else "command"
 
@@ -119,7 +127,10 @@ def _measure_model(
 
 
 def score_left_out(problem: Problem, candidate: Candidate) -> NDArray[np.float64]:
-    """Leave-one-trial-out log predictive density of each trial (trial,) [nats]; NaN for one."""
+    """Leave-one-trial-out log density of each trial (trial,) [nats].
+
+    It is NaN for one.
+    """
     trials = problem.trials
     if len(trials.name) < 2:
         return np.full(1, np.nan)
@@ -134,7 +145,9 @@ def measure_coverage(
     noise_sd: NDArray[np.float64],
     rng: np.random.Generator,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Share of recorded angles inside bands of trials that were left out, and its 90 % bounds.
+    """Share of recorded angles inside left-out trials' bands.
+
+    Its 90 % bounds are measured too.
 
     Returns
     -------
@@ -154,7 +167,9 @@ def measure_coverage(
 
 
 def share_inside(rank: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Share of ranks (trial, joint, bin) inside each central band: (trial, joint, ci_prob).
+    """Share of ranks inside each central band.
+
+    From (trial, joint, bin) to (trial, joint, ci_prob).
 
     >>> share_inside(np.array([[[0.5, 0.3, 0.01, np.nan]]])).round(3)
     array([[[0.667, 0.667]]])
@@ -197,7 +212,10 @@ def measure_levels(
 
 
 def compute_bin_noise(trials: Trials) -> NDArray[np.float64]:
-    """Compute the sd of every bin's noise (trial, joint, bin) [rad], NaN where none was seen."""
+    """Compute every bin's noise (trial, joint, bin) [rad].
+
+    It is an sd, NaN where none was seen.
+    """
     kinds = {}
     for kind in np.unique(trials.protocol):
         size = trials.size[kind]
@@ -228,12 +246,15 @@ def _describe_bins(problem: Problem) -> dict[str, tuple]:
 
 
 def _mask(trials: Trials, values: NDArray) -> NDArray:
-    """Values (trial, joint, bin), NaN past the last bin and where a joint was not seen."""
+    """Values (trial, joint, bin), NaN where unseen.
+
+    So past the last bin, and for joints that were not seen.
+    """
     real = np.arange(values.shape[2]) < trials.bins[:, None]
     return np.where(real[:, None] & trials.present[:, :, None], values, np.nan)
 
 
 def _mean(values: NDArray) -> NDArray:
-    """Mean over the first axis of what is known; NaN where nothing is."""
+    """Mean over the first axis; NaN where unknown."""
     known = np.isfinite(values).sum(axis=0)
     return np.where(known > 0, np.nansum(values, axis=0) / np.maximum(known, 1), np.nan)

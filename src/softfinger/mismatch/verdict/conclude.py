@@ -35,7 +35,10 @@ def conclude(
     hidden: set[str],
     needed: float,
 ) -> Verdict:
-    """Write the verdict; `hidden` could not show alone, but may beside what was found."""
+    """Write the verdict.
+
+    `hidden` could not show alone, but may beside what was found.
+    """
     final = search.best
     decision = choose_decision(search, posterior, findings.is_unlisted(needed))
     if decision == "unlisted" and search.best is not search.base:
@@ -74,7 +77,7 @@ def conclude(
 
 
 def keep_likely(effects: list[StatedEffect]) -> list[StatedEffect]:
-    """Keep the effects that are likely a part of what is unlisted."""
+    """Keep the effects likely in what is unlisted."""
     return [effect for effect in effects if effect.probability > DECISIONS.likely]
 
 
@@ -89,7 +92,10 @@ def choose_decision(search: Search, posterior: Posterior, unlisted: bool) -> str
 
 
 def describe_remaining(problem: Problem, candidate: Candidate, findings: Findings) -> Remaining:
-    """What is left of χ² within trials, over what the noise alone leaves, and where most of it."""
+    """Share of χ² that the final model leaves.
+
+    It is within trials, over what the noise alone leaves; also where most of it is.
+    """
     cells = locate_within(problem, candidate)
     place = cells["q_value"].fillna(1.0).stack(cell=("joint", "phase", "window"))
     worst = place[int(np.argmin(place.values))]
@@ -109,7 +115,9 @@ def describe_free_form(free: FreeForm | None) -> FreeFormNote | None:
 
 
 def locate_misfit(problem: Problem, candidate: Candidate, findings: Findings) -> Location:
-    """Where an unlisted misfit lies: between trials if its shape does, else in cells of time.
+    """Where an unlisted misfit lies.
+
+    Between trials if its shape does, else in cells of time.
 
     A slip or a shape has a Bayes factor, whose inverse bounds a p-value (Vovk and Wang 2021, Ann.
     Stat. 49, 1736): without it, evidence so large comes in no more than that share of campaigns.
@@ -144,7 +152,7 @@ def locate_misfit(problem: Problem, candidate: Candidate, findings: Findings) ->
 
 
 def list_set_aside(angles: xr.Dataset, used: list[str]) -> list[SetAside]:
-    """Trials that were set aside before, and those of which no frame informs."""
+    """Trials set aside before, or without informing frames."""
     silent = [str(name) for name in angles["trial"].values if str(name) not in used]
     nothing = [SetAside(trial=name, reason=NO_FRAME) for name in silent]
     if "set_aside_reason" not in angles:

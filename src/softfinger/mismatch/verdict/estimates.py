@@ -1,4 +1,7 @@
-"""The effects of a verdict: where each acts, how large it is, in figures and in words."""
+"""The effects of a verdict.
+
+Where each acts and how large it is, in figures and in words.
+"""
 
 import numpy as np
 from scipy.stats import norm
@@ -23,7 +26,10 @@ from softfinger.mismatch.verdict.statements import state_effect
 def state_effects(
     problem: Problem, search: Search, posterior: Posterior, decision: str
 ) -> list[StatedEffect]:
-    """Effects of the best model; under `ambiguous` also every member of the set."""
+    """Effects of the best model.
+
+    Under `ambiguous` also every member of the set.
+    """
     final = search.best
     given = search.base.model.ids
     chosen = [(final, k) for k, p in enumerate(final.model.pieces) if p.effect.id not in given]
@@ -66,7 +72,10 @@ def describe(
 
 
 def estimate_parameters(candidate: Candidate, number: int) -> dict[str, Estimate]:
-    """Posterior of each parameter of one piece, under the names of the verdict."""
+    """Posterior of each parameter of one piece.
+
+    The names are those of the verdict.
+    """
     sd = np.sqrt(np.diag(candidate.fit.shared_covariance))
     estimates = {}
     for k, entry in enumerate(candidate.model.entries):
@@ -76,7 +85,10 @@ def estimate_parameters(candidate: Candidate, number: int) -> dict[str, Estimate
 
 
 def estimate_entry(entry: Entry, mean: float, sd: float) -> dict[str, Estimate]:
-    """Posterior of one number of φ, by name; what is reported otherwise goes by its quantiles."""
+    """Posterior of one number of φ, by name.
+
+    What is reported otherwise goes by its quantiles.
+    """
     parameter = entry.parameter
     if parameter.term:
         return {}
@@ -93,7 +105,10 @@ def estimate_entry(entry: Entry, mean: float, sd: float) -> dict[str, Estimate]:
 
 
 def locate_effect(problem: Problem, base: Candidate, candidate: Candidate, number: int) -> Location:
-    """Where one effect acts: the p-value of each joint that its amplitudes have."""
+    """Where one effect acts.
+
+    The p-value of each joint that its amplitudes have.
+    """
     piece = candidate.model.pieces[number]
     sd = np.sqrt(np.diag(candidate.fit.shared_covariance))
     joints = {str(j + 1): 1.0 for j in range(problem.trials.joints)}

@@ -1,4 +1,7 @@
-"""What a verdict says of an effect's free law, and of the textbook's against it."""
+"""An effect's free law in a verdict.
+
+The evidence against the textbook's is part of it.
+"""
 
 from collections.abc import Iterable
 
@@ -8,12 +11,14 @@ from softfinger.mismatch.verdict.schema import StatedLaw
 
 
 def state_law(candidate: Candidate, number: int, others: Iterable[Candidate]) -> StatedLaw | None:
-    """State the free law of one effect of a model; None where its form is a textbook's.
+    """State the free law of one effect.
+
+    None where its form is a textbook's.
 
     Parameters
     ----------
     others
-        Other fitted models: of those with the same effects, the best of each textbook form tells
+        Other fitted models: of those with the same effects, the best of each textbook form shows
         how far that form is from the law [nats].
     """
     piece = candidate.model.pieces[number]

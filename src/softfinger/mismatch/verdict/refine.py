@@ -1,4 +1,7 @@
-"""A verdict whose effects' parameters come from sampling the full model, not from its curvature."""
+"""Verdict with sampled parameters of the effects.
+
+They come from sampling the full model, not from its curvature.
+"""
 
 from typing import Any, NamedTuple
 
@@ -27,7 +30,10 @@ SAMPLING: dict[str, Any] = {
 
 
 class Refined(NamedTuple):
-    """A verdict, and the largest R-hat of φ; NaN where nothing was sampled."""
+    """A verdict, and the largest R-hat of φ.
+
+    It is NaN where nothing was sampled.
+    """
 
     verdict: Verdict
     r_hat: float
@@ -36,7 +42,9 @@ class Refined(NamedTuple):
 def refine_verdict(
     diagnosis: Diagnosis, angles: xr.Dataset, rng: np.random.Generator, r_hat_max: float
 ) -> Refined:
-    """Sample the best model, and give its effects' parameters by their draws.
+    """Sample the best model for its effects' parameters.
+
+    The verdict then gives them by their draws.
 
     The verdict stays as it is where nothing was left out, or where the chains do not agree.
 
@@ -81,7 +89,10 @@ def refine_verdict(
 
 
 def estimate_draws(entry: Entry, internal: NDArray[np.float64]) -> dict[str, Estimate]:
-    """Posterior of one number of φ, by name, from its draws (n,) on the internal scale."""
+    """Posterior of one number of φ, from draws.
+
+    It goes by name; draws (n,) are on the internal scale.
+    """
     estimates = {}
     for name, values in entry.report(internal).items():
         low, high = np.quantile(values, (0.05, 0.95))

@@ -1,4 +1,4 @@
-"""The verdict of a diagnosis: its declared content, its checks and its file.
+"""The verdict of a diagnosis: content, checks, file.
 
 The keys and their meaning are a format that others read (`verdict.json`, version 1). Keys without
 a unit suffix are dimensionless or nats.
@@ -23,7 +23,10 @@ class _VerdictPart(BaseModel):
 
 
 class Estimate(_VerdictPart):
-    """One parameter of an effect: mean, sd, and the interval that holds 90 %."""
+    """One parameter of an effect.
+
+    Mean, sd, and the interval that contains 90 %.
+    """
 
     mean: float
     sd: Annotated[float, Field(ge=0.0)]
@@ -32,7 +35,10 @@ class Estimate(_VerdictPart):
 
 
 class Location(_VerdictPart):
-    """Where it acts: joints (p-value each), times since the last change, trials, covariate."""
+    """Where an effect acts.
+
+    Joints (p-value each), times since the last change, trials, covariate.
+    """
 
     level: Level
     joints: dict[str, Probability]
@@ -42,7 +48,10 @@ class Location(_VerdictPart):
 
 
 class StatedLaw(_VerdictPart):
-    """A free law: where its curve is, and each textbook form's evidence against it [nats]."""
+    """A free law.
+
+    Where its curve is, and each textbook form's evidence against it [nats].
+    """
 
     argument: str
     form: str
@@ -64,7 +73,10 @@ class StatedEffect(_VerdictPart):
 
 
 class Elpd(_VerdictPart):
-    """Leave-one-trial-out log predictive density [nats], the trial's own parameters integrated."""
+    """Leave-one-trial-out log predictive density [nats].
+
+    The trial's own parameters are integrated.
+    """
 
     baseline: float
     final: float
@@ -73,7 +85,10 @@ class Elpd(_VerdictPart):
 
 
 class ResidualRms(_VerdictPart):
-    """Residual of the base and the final model at each trial's posterior mode, and the noise."""
+    """Residuals of the base and the final model.
+
+    At each trial's posterior mode; the noise is given too.
+    """
 
     baseline: float
     final: float
@@ -96,7 +111,10 @@ class SetAside(_VerdictPart):
 
 
 class Suffering(_VerdictPart):
-    """What the recordings themselves suffer from: it never changes the decision."""
+    """What the recordings themselves suffer from.
+
+    It never changes the decision.
+    """
 
     id: str
     joints: list[int]
@@ -107,7 +125,10 @@ class Suffering(_VerdictPart):
 
 
 class Remaining(_VerdictPart):
-    """What is left under the final model, against what its measurement allows."""
+    """What is left under the final model.
+
+    It is compared with what its measurement allows.
+    """
 
     rms_over_noise: float
     p_value: Probability
@@ -115,7 +136,10 @@ class Remaining(_VerdictPart):
 
 
 class Warned(_VerdictPart):
-    """What looked wrong in the recordings; trials are empty where it concerns all."""
+    """What looked wrong in the recordings.
+
+    Trials are empty where it concerns all.
+    """
 
     id: str
     trials: list[str]
@@ -123,7 +147,7 @@ class Warned(_VerdictPart):
 
 
 class Verdict(_VerdictPart):
-    """What a diagnosis says."""
+    """Result of a diagnosis."""
 
     version: Literal[1] = 1
     campaign: str
@@ -155,13 +179,19 @@ class Verdict(_VerdictPart):
 
 
 def write_verdict(verdict: Verdict, path: Path) -> None:
-    """Write a verdict as JSON, keys in the order of their declaration."""
+    """Write a verdict as JSON, keys as declared.
+
+    They are in the order of their declaration.
+    """
     text = json.dumps(verdict.model_dump(mode="json"), indent=2, ensure_ascii=False)
     Path(path).write_text(text + "\n", encoding="utf-8")
 
 
 def read_verdict(path: Path) -> Verdict:
-    """Read a verdict; `ArtifactFault` lists everything that is wrong with the file."""
+    """Read a verdict.
+
+    `ArtifactFault` lists everything that is wrong with the file.
+    """
     try:
         return Verdict.model_validate_json(Path(path).read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError) as error:

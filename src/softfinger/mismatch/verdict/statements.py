@@ -18,7 +18,7 @@ UNITS = {
 
 
 def format_estimate(mean: float, sd: float) -> str:
-    """Write a mean with its sd, two digits of it.
+    """Write a mean with two digits of its sd.
 
     >>> format_estimate(5.91234, 0.3987), format_estimate(1234.0, 56.0)
     ('5.91 ± 0.40', '1234 ± 56')
