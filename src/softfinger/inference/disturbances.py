@@ -1,4 +1,6 @@
-"""What a wrong log or clock does to the angles: directions in which the noise is larger.
+"""What a wrong log or clock does to angles.
+
+It makes the noise larger in some directions.
 
 To first order an error of the load log, of a clock, or a drift of the picture adds G z, z normal
 of sd s, with G what the error moves the angles by: the sensitivity of the model to the log, or
@@ -6,7 +8,7 @@ the speed of the finger. Its covariance s² G Gᵀ is of low rank, so with white
 
     (1 + s² G Gᵀ)⁻¹ = 1 − s G (1 + s² GᵀG)⁻¹ Gᵀ s
 
-and everything follows from the Gram matrix of [∂F/∂η | ∂F/∂φ | residual | G].
+and all else follows from the Gram matrix of [∂F/∂η | ∂F/∂φ | residual | G].
 """
 
 from collections.abc import Mapping
@@ -39,9 +41,11 @@ SLIGHT = 1e-6  # of the noise's variance, that a direction adds
 
 
 def list_disturbances(problem: Problem, candidate: Candidate) -> dict[str, Array]:
-    """What errors of unit size move the angles by: id → (trial, joint, bin · 2, column) [rad].
+    """What errors of unit size move the angles by.
 
-    Those of a load that was only assumed have no log to err.
+    Id → (trial, joint, bin · 2, column) [rad].
+
+    A load that was only assumed has no log that errs.
     """
     speed = _measure_speed(problem, candidate)
     time = problem.trials.node.reshape(len(speed), 1, -1)
@@ -65,7 +69,7 @@ def fit_disturbances(
     Returns
     -------
     size, evidence, directions
-        Id → size and evidence [nats] of those that are there; `list_disturbances`.
+        Id → size and evidence [nats] of those that are present; `list_disturbances`.
     """
     directions = list_disturbances(problem, candidate)
     fit = candidate.fit
@@ -93,7 +97,9 @@ def fit_disturbances(
 def soften_gram_array(
     whole: Array, model: NDArray[np.int64], soft: Mapping[str, tuple[NDArray[np.int64], float]]
 ) -> tuple[Array, float]:
-    """Gram matrices (trial, …) of some columns under larger noise, and what log|Σ| gains.
+    """Gram matrices (trial, …) under larger noise.
+
+    They are of some columns; also what log|Σ| gains.
 
     Parameters
     ----------
@@ -127,7 +133,7 @@ def soften_gram_array(
 def admit_disturbances(
     problem: Problem, size: Mapping[str, float], directions: Mapping[str, Array]
 ) -> Problem:
-    """Let the noise be larger along some directions, by their sizes."""
+    """Enlarge the noise along some directions by their sizes."""
     trials = problem.trials
     scaled = np.concatenate([size[name] * directions[name] for name in size], axis=3)
     parts, gained = [], []
@@ -145,9 +151,11 @@ def admit_disturbances(
 
 
 def locate_disturbances(problem: Problem, candidate: Candidate, time: Array) -> Array:
-    """Most probable disturbance (trial, joint, frame) [rad] at some times (trial, frame) [s].
+    """Most probable disturbance (trial, joint, frame) [rad] at times.
 
-    Given the modes of η and φ, and between the bins' nodes by straight lines.
+    The times are (trial, frame) [s].
+
+    The modes of η and φ are given; between the bins' nodes it follows straight lines.
     """
     trials, fit, moved = problem.trials, candidate.fit, problem.directions
     found = np.zeros((len(trials.name), trials.joints, time.shape[1]))
@@ -172,14 +180,17 @@ def _simulate(problem: Problem, candidate: Candidate, **changes: Array) -> Array
 
 
 def _measure_speed(problem: Problem, candidate: Candidate) -> Array:
-    """Speed (trial, joint, bin · 2) [rad/s], over a few milliseconds."""
+    """Speed (trial, joint, bin · 2) [rad/s] over milliseconds."""
     node = problem.trials.node
     after, before = (_simulate(problem, candidate, node=node + s) for s in (STEP_S, -STEP_S))
     return (after - before) / (2 * STEP_S)
 
 
 def _spread_jitter(trials: Trials, speed: Array) -> Array:
-    """One column for each bin in which the finger moves fast: its frames err alone."""
+    """One column for each bin with fast motion.
+
+    The frames of such a bin err alone.
+    """
     count, joints, nodes = speed.shape
     mean = speed.reshape(count, joints, -1, 2).mean(axis=3)
     frames = np.ones((count, nodes // 2))
@@ -196,7 +207,9 @@ def _spread_jitter(trials: Trials, speed: Array) -> Array:
 
 
 def _walk_array(share: Array) -> Array:
-    """Leading shapes (…, k) of a random walk over shares (…) of a trial, of sd 1 at its end.
+    """Leading shapes (…, k) of a random walk.
+
+    It is over shares (…) of a trial, of sd 1 at its end.
 
     Karhunen–Loève: √2 sin((k − ½) π t/T) / ((k − ½) π).
 
@@ -208,7 +221,10 @@ def _walk_array(share: Array) -> Array:
 
 
 def _list_walks(problem: Problem) -> Array:
-    """How a random walk of each joint moves the angles, of the noise's sd at a trial's end."""
+    """How a random walk of each joint moves angles.
+
+    It has the noise's sd at a trial's end.
+    """
     trials, joints = problem.trials, problem.trials.joints
     node = trials.node.reshape(len(trials.name), -1)
     walk = _walk_array((node - node[:, :1]) / np.maximum(node[:, -1:] - node[:, :1], 1e-300))
@@ -218,7 +234,10 @@ def _list_walks(problem: Problem) -> Array:
 
 
 def _move_rows(problem: Problem, candidate: Candidate) -> Array:
-    """What a relative error of every row of the load log moves the angles by."""
+    """Effect on the angles of load log errors.
+
+    Every row of the log has a relative error.
+    """
     trials = problem.trials
     rows = [_group_rows(*load) for load in zip(trials.load_time, trials.load_torque, strict=True)]
     count = max(int(row.max(initial=-1)) + 1 for row, _ in rows)
@@ -233,7 +252,10 @@ def _move_rows(problem: Problem, candidate: Candidate) -> Array:
 
 
 def _drift_load(problem: Problem, candidate: Candidate) -> Array:
-    """How a gain of the load cell that walks within a trial moves the angles."""
+    """How a walking load cell gain moves the angles.
+
+    It walks within a trial.
+    """
     trials = problem.trials
     start, end = trials.node[:, 0, 0, None], trials.node[:, -1, -1, None]
     walk = _walk_array(np.clip((trials.load_time - start) / (end - start), 0.0, 1.0))
@@ -246,7 +268,9 @@ def _drift_load(problem: Problem, candidate: Candidate) -> Array:
 
 
 def _group_rows(time: Array, torque: Array) -> tuple[NDArray[np.int64], Array]:
-    """Which knots err together (knot,), −1 where there is no load, and with which sd.
+    """Which knots err together (knot,), with which sd.
+
+    −1 where there is no load.
 
     A jump has two knots; the first of them repeats the row before.
 

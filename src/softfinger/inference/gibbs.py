@@ -42,7 +42,10 @@ from softfinger.progress import follow_progress
 
 @dataclass
 class ChainState:
-    """η (d, trial), χ² (trial,), μ, σ (d,), φ (p,), log s of a chain; φ is unbounded."""
+    """State of a chain.
+
+    η (d, trial), χ² (trial,), μ and σ (d,), φ unbounded (p,), log s.
+    """
 
     eta: NDArray[np.float64]
     square: NDArray[np.float64]

@@ -235,7 +235,7 @@ def _fit_base(angles: xr.Dataset, noise: xr.Dataset, before: Fit | None) -> tupl
 def predict_frames(
     problem: Problem, candidate: Candidate, angles: xr.Dataset
 ) -> NDArray[np.float64]:
-    """Each trial's angles (trial, joint, frame) [rad] at its mode."""
+    """Angles (trial, joint, frame) [rad] at the trials' modes."""
     return simulate_frames(problem, candidate, angles, gradient=False)[0]
 
 

@@ -59,7 +59,7 @@ def build_setting(angles: xr.Dataset, trials: Trials, own: NDArray[np.float64]) 
 
 
 def read_geometry(angles: xr.Dataset) -> FingerGeometry | None:
-    """Read the finger's geometry; None where it is not declared."""
+    """Read the finger's geometry; None if not declared."""
     names = ("link_length", "link_mass", "link_centre", "link_inertia")
     values = [angles[name].values.astype(float) for name in names]
     scalars = [float(angles[name]) for name in ("joint_length", "wire_offset")]

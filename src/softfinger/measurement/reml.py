@@ -8,7 +8,7 @@ likelihood (REML) of the window takes account of the noise that the quartic swal
 
     −2 log L(σ, ρ) = (n − p) log σ² + log|R| + log|XᵀR⁻¹X| + yᵀ(R⁻¹ − R⁻¹X(XᵀR⁻¹X)⁻¹XᵀR⁻¹)y / σ²
 
-Windows cannot tell noise that outlasts them from a drift without end. So how long it lasts,
+Windows cannot separate noise that outlasts them from a drift without end. So how long it lasts,
 τ = −1/log ρ frames, has an exponential prior with a mean of a quarter of a window.
 
 References

@@ -1,4 +1,7 @@
-"""What the best model leaves besides the evidence of listed effects."""
+"""What the best model leaves.
+
+The evidence of listed effects is apart.
+"""
 
 from typing import NamedTuple
 
@@ -43,19 +46,27 @@ class Findings(NamedTuple):
 
     @property
     def left(self) -> float:
-        """Evidence [nats] for what two effects leave: a third, a shape, a line, or slips."""
+        """Evidence [nats] for what two effects leave.
+
+        A third, a shape, a line, or slips.
+        """
         free = 0.0 if self.free is None else self.free.gain
         return max(self.further, free, self.line.gain, self.slips.gain)
 
     def is_unlisted(self, needed: float) -> bool:
-        """Whether more is left than noise, or more than listed effects may leave to a shape."""
+        """Whether more is left than is allowed.
+
+        That is more than noise, or more than listed effects may leave to a shape.
+        """
         return bool(self.p_value < DECISIONS.missing or self.left > allow_rest(self.gain, needed))
 
 
 def examine(problem: Problem, search: Search, angles: xr.Dataset, *, needed: float) -> Findings:
-    """Examine what the best model leaves: scatter, a line, a shape.
+    """Examine what the best model leaves.
 
-    What `shape_rest` makes of a search is asked for.
+    Scatter, a line, a shape.
+
+    The search must come from `shape_rest`.
     """
     time = angles.sel(trial=problem.trials.name)["time"].transpose("trial", "frame").values
     line = find_line(problem, compute_residual(problem, search.best, angles), time)
@@ -71,10 +82,12 @@ def examine(problem: Problem, search: Search, angles: xr.Dataset, *, needed: flo
 
 
 def weigh_against_shape(search: Search, findings: Findings) -> float:
-    """Probability that what is missing is the best effects and a rest, and not a shape alone.
+    """Probability of the best effects against a shape.
 
-    What no effect explains may make effects seem to be there that only take its part. A free-form
-    term on top of the base model takes it without them; both have prior ½.
+    The effects are missing with a rest, and not a shape alone.
+
+    Effects may seem present that only imitate what no effect explains. A free-form term on top
+    of the base model takes it without them; both have prior ½.
     """
     shape = search.base.log_evidence + search.alone.gain
     rest = 0.0 if findings.free is None else findings.free.gain

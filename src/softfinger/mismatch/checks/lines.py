@@ -1,4 +1,6 @@
-"""A wave in what a model leaves: one frequency at which every trial holds too much power.
+"""Waves in what a model leaves.
+
+At one frequency, every trial has too much power.
 
 A trial's residual, whitened as an AR(1) series, has power P ~ χ²₂ at every frequency. A wave of
 normal amplitude, with a phase of its own in each trial, makes it (1 + g) χ²₂, so that a trial's
@@ -20,9 +22,11 @@ from softfinger.mismatch.priors import PRIORS
 
 
 class Line(NamedTuple):
-    """The strongest line: frequency [Hz], joint from 1, corrected p-value, evidence [nats].
+    """The strongest line.
 
-    Joint 0 stands for all joints together, as the load moves them.
+    Frequency [Hz], joint from 1, corrected p-value, evidence [nats].
+
+    Joint 0 is all joints together, as the load moves them.
     """
 
     frequency_hz: float
@@ -32,7 +36,9 @@ class Line(NamedTuple):
 
 
 def find_line(problem: Problem, residual: NDArray[np.float64], time: NDArray[np.float64]) -> Line:
-    """Find the strongest spectral line, of one joint or of all as the load moves them.
+    """Find the strongest spectral line.
+
+    It is of one joint, or of all as the load moves them.
 
     Parameters
     ----------
@@ -65,7 +71,9 @@ def find_line(problem: Problem, residual: NDArray[np.float64], time: NDArray[np.
 
 
 def list_shapes(stiffness: NDArray[np.float64]) -> NDArray[np.float64]:
-    """List how far a wave moves the joints, (shape, joint): each alone, then all by a load.
+    """List how far a wave moves the joints.
+
+    (shape, joint): each alone, then all by a load.
 
     >>> list_shapes(np.array([1.0, 2.0]))
     array([[1. , 0. ],
@@ -110,7 +118,9 @@ def measure_power(
 def transform_series(
     values: NDArray[np.float64], time: NDArray[np.float64], frequency: NDArray[np.float64]
 ) -> NDArray[np.complex128]:
-    """Fourier sums Σ v exp(−2πi f t) at evenly spaced frequencies, at uneven times.
+    """Fourier sums at uneven times.
+
+    Σ v exp(−2πi f t), at evenly spaced frequencies.
 
     A frequency is a coarse step and a fine one, so that few exponentials make all waves.
 
@@ -126,7 +136,9 @@ def transform_series(
 def whiten_series(
     values: NDArray[np.float64], gap: NDArray[np.float64], rho: float
 ) -> NDArray[np.float64]:
-    """Whiten an AR(1) series seen with gaps, in intervals over which its correlation is ρ.
+    """Whiten an AR(1) series seen with gaps.
+
+    The gaps are in intervals over which its correlation is ρ.
 
     >>> whiten_series(np.array([1.0, 1.0]), np.array([1.0]), 0.6)
     array([1. , 0.5])

@@ -1,4 +1,7 @@
-"""What the recordings themselves suffer from, in words: findings that never change the decision."""
+"""What the recordings suffer from, in words.
+
+These findings never change the decision.
+"""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -11,7 +14,10 @@ from softfinger.mismatch.verdict.schema import Suffering, Warned
 
 
 class _Words(NamedTuple):
-    """Key of the size, the sentence from size and measurement, and the verdict's id if another."""
+    """How a component appears in a verdict.
+
+    Key of the size, the sentence from size and measurement, and the verdict's id if another.
+    """
 
     key: str
     say: Callable[[float, xr.Dataset], str]
@@ -19,7 +25,7 @@ class _Words(NamedTuple):
 
 
 def describe_measurement(measurement: xr.Dataset) -> list[Suffering]:
-    """Describe every component that is there, that with the most evidence first."""
+    """Describe every component, the most evident first."""
     names = measurement["component"].values.astype(str).tolist()
     sizes = measurement["component_size"].values.tolist()
     evidence = measurement["component_evidence"].values.tolist()
@@ -40,7 +46,7 @@ def describe_measurement(measurement: xr.Dataset) -> list[Suffering]:
 
 
 def doubt_declared(measurement: xr.Dataset) -> list[Warned]:
-    """Warn where a declared sd of the noise is not what the recordings show."""
+    """Warn where a declared sd does not fit recordings."""
     declared = measurement["noise_sd"].values
     shown = measurement["recorded_noise_sd"].values
     ratio = float(np.exp(np.nanmean(np.log(shown / declared)))) if (shown > 0).any() else 1.0
