@@ -22,8 +22,6 @@ SCHEMA_FILE = PROJECT / "workflow/schemas/config.schema.yaml"
 def read_config(file: Path | None = None) -> dict[str, Any]:
     """Read the configuration: defaults, overridden by a file.
 
-    The defaults are those of ``config/default.yaml``.
-
     Raises
     ------
     ListedFault

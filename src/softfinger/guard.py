@@ -3,7 +3,7 @@
 All that the command started ends with it.
 
 ``python -m softfinger.guard FD COMMAND…`` runs the command in the guard's process group. FD is the
-reading end of a pipe whose writing end only the parent holds: when that closes, however the parent
+reading end of a pipe whose writing end only the parent has: when that closes, however the parent
 ended, the group is ended too.
 """
 

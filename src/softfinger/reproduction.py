@@ -1,7 +1,7 @@
 """Compare a rerun with a committed run's manifest.
 
 ``python -m softfinger.reproduction manifest FOLDER MANIFEST`` writes the manifest of the run in a
-folder, ``… compare FOLDER MANIFEST`` says of each file whether it is the same, and why not.
+folder, ``… compare FOLDER MANIFEST`` reports of each file whether it is the same, and why not.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ KINDS = {
     ),
     **dict.fromkeys(("checks", "summary"), "sampling"),
 }
-"""What artifacts hang on, where it is more than rounding."""
+"""What artifacts depend on, where it is more than rounding."""
 REASONS = {
     "code_sha256": "the code of its stage",
     "params_sha256": "the configuration",

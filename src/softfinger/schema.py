@@ -49,7 +49,7 @@ def format_schema() -> str:
     )
 
 
-def _drop_titles(node: Any) -> Any:  # noqa: ANN401 (a JSON tree holds anything)
+def _drop_titles(node: Any) -> Any:  # noqa: ANN401 (a JSON tree contains anything)
     if isinstance(node, dict):
         kept = {key: _drop_titles(value) for key, value in node.items()}
         return {k: v for k, v in kept.items() if not (k == "title" and isinstance(v, str))}

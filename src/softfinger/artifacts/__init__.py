@@ -1,4 +1,4 @@
-"""NetCDF artifacts: what each one holds, how it is saved, and what is refused at the door."""
+"""NetCDF artifacts: content, saving, and refused files."""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable, list_faults
 from softfinger.artifacts.store import (

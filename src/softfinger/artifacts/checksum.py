@@ -1,8 +1,10 @@
-"""A checksum at the end of every artifact: a flipped bit is refused before anything is read.
+"""A checksum at the end of every artifact.
+
+A file with a flipped bit is refused before anything is read.
 
 NetCDF does not notice a flipped bit in a number, and HDF5 may loop for ever on one in its
 structure. Whatever follows the end of an HDF5 file is ignored by all that read such files, so the
-checksum of what stands before it is appended there: `softfinger sha256 ` and 64 hexadecimal digits.
+checksum of all before it is appended there: `softfinger sha256 ` and 64 hexadecimal digits.
 """
 
 from __future__ import annotations
@@ -23,7 +25,10 @@ def append_checksum(path: Path) -> None:
 
 
 def is_whole(path: Path) -> bool:
-    """Whether a file ends in the checksum of what stands before it."""
+    """Whether a file ends in its correct checksum.
+
+    The checksum is of all that precedes it.
+    """
     start = path.stat().st_size - LENGTH
     if start < 0:
         return False

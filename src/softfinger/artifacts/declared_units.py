@@ -1,7 +1,7 @@
-"""Artifacts of a specimen in the units that its campaign declares.
+"""Artifacts of a specimen in its declared units.
 
-Inside, a specimen's motion is an angle [rad] (`tracking.specimen`); `angles` says in its attributes
-what one radian is. For a finger nothing changes.
+Inside, a specimen's motion is an angle [rad] (`tracking.specimen`); the attributes of
+`angles` state what one radian is. For a finger nothing changes.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ IN_KEY = re.compile(r"(?P<per>per_)?rad(?P<power>\d*)(?=_|$)")
 
 
 def state_in_declared_units(artifacts: Mapping[str, Any]) -> dict[str, Any]:
-    """Turn every motion of opened artifacts into the declared unit.
+    """Turn all motions into the declared unit.
 
     Parameters
     ----------
@@ -73,7 +73,10 @@ def _state(dataset: xr.Dataset, size: float, stamp: Mapping[str, str]) -> xr.Dat
 
 
 def _state_parameter(name: str, array: xr.DataArray, size: float) -> xr.DataArray:
-    """Parameters: stiffness and viscosity per unit of motion, q_ini in it."""
+    """Parameters in the unit of motion.
+
+    Stiffness and viscosity are per unit of it, q_ini in it.
+    """
     parameter = array["parameter"].astype(str)
     initial = (parameter == "q_ini") | (parameter == "log_q_ini")
     if name in OWN_SCALE:
@@ -92,7 +95,7 @@ def _state_parameter(name: str, array: xr.DataArray, size: float) -> xr.DataArra
 
 
 def state_key(key: str, motion_unit: str, load_unit: str) -> tuple[str, int]:
-    """Name of an effect's parameter in the declared units, and the power of a radian in it.
+    """Parameter name in declared units, with radian's power.
 
     >>> state_key("stop_angle_rad_1", "mm", "N"), state_key("stiffening_per_rad2_1", "mm", "N")
     (('stop_angle_mm_1', 1), ('stiffening_per_mm2_1', -2))

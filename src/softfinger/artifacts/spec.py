@@ -1,4 +1,4 @@
-"""The declared content of an artifact, and the faults of a dataset that should be one."""
+"""Declared content of an artifact, and a dataset's faults."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ NUMPY_KINDS = {"number": "f", "whole number": "iu", "truth value": "b", "text": 
 
 @dataclass(frozen=True)
 class Variable:
-    """One variable of an artifact: its dimensions, unit, meaning and the range that is believed."""
+    """One variable: dimensions, unit, meaning, believed range."""
 
     dims: tuple[str, ...]
     units: str
@@ -27,7 +27,7 @@ class Variable:
     compress: bool = False
 
     def list_faults(self, name: str, array: xr.DataArray) -> Iterator[str]:
-        """Sentences that say in what an array differs from this declaration."""
+        """Sentences on differences from this declaration."""
         if array.dims != self.dims:
             yield f"variable '{name}' has dims {array.dims}; expected {self.dims}"
         if array.size == 0:  # an empty array has lost its type in the file
@@ -47,7 +47,9 @@ class Variable:
 
 @dataclass(frozen=True)
 class ArtifactSpec:
-    """What an artifact holds. A tree of groups (a fit) declares the variables of each group.
+    """Declared content of an artifact.
+
+    A tree of groups (a fit) declares the variables of each group.
 
     A group that `optional_groups` names, or of nothing but optional variables, may be missing.
     """
@@ -65,7 +67,7 @@ class ArtifactSpec:
 
 
 def list_faults(spec: ArtifactSpec, dataset: xr.Dataset) -> list[str]:
-    """Faults of a dataset that should be the given artifact, all of them.
+    """Faults of a dataset against its artifact.
 
     A variable or coordinate that the artifact does not declare is a fault too.
     """
@@ -76,7 +78,10 @@ def list_faults(spec: ArtifactSpec, dataset: xr.Dataset) -> list[str]:
 
 
 def list_tree_faults(spec: ArtifactSpec, tree: xr.DataTree) -> list[str]:
-    """Faults of a tree of groups; groups and variables beyond the declared ones may be there."""
+    """Faults of a tree of groups.
+
+    More groups and variables than the declared ones are allowed.
+    """
     faults = [f"attribute '{key}' is missing" for key in spec.attrs if key not in tree.attrs]
     for group, variables in spec.groups.items():
         if group not in tree.children:
@@ -96,7 +101,10 @@ def list_tree_faults(spec: ArtifactSpec, tree: xr.DataTree) -> list[str]:
 
 
 def list_unit_faults(declared: Mapping[str, Variable], dataset: xr.Dataset) -> list[str]:
-    """Faults of the units that a file states; arrays in memory need not state any."""
+    """Faults of the units that a file states.
+
+    Arrays in memory need not state any.
+    """
     stated = {name: dataset[name].attrs.get("units") for name in declared if name in dataset}
     return [
         f"variable '{name}' is in {unit}; expected {declared[name].units}"

@@ -1,4 +1,7 @@
-"""Save and open artifacts. The only code that touches NetCDF."""
+"""Save and open artifacts.
+
+No other code reads or writes NetCDF.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,10 @@ COMPRESSION = {"zlib": True, "complevel": 4, "shuffle": True}
 
 @contextmanager
 def write_atomically(path: Path | str) -> Iterator[Path]:
-    """Give a temporary name beside ``path`` that replaces it only when all went well."""
+    """Yield a temporary name that becomes ``path``.
+
+    It is beside ``path`` and replaces it only when all went well.
+    """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     if path.is_dir():
@@ -42,7 +48,7 @@ def write_atomically(path: Path | str) -> Iterator[Path]:
 
 
 def _remove_left_over(path: Path) -> None:
-    """Remove what writers of this file left that were killed."""
+    """Remove files that killed writers of this left."""
     start, end = f".{path.stem}.", f".partial{path.suffix}"
     for left in path.parent.glob(f"{glob.escape(start)}*{glob.escape(end)}"):
         writer = left.name.removeprefix(start).removesuffix(end)
@@ -63,7 +69,9 @@ def _is_running(process: int) -> bool:
 def save_artifact(
     dataset: xr.Dataset, spec: ArtifactSpec, path: Path | str, provenance: Provenance
 ) -> None:
-    """Validate a dataset, stamp units, meaning and provenance on it, and write it whole or not.
+    """Validate, stamp and write a dataset, whole or not.
+
+    The stamps are units, meaning and provenance.
 
     Units are set from the spec, never trusted from the arrays: arithmetic carries them on wrongly.
 
@@ -91,7 +99,9 @@ def save_artifact(
 def save_tree(
     tree: xr.DataTree, spec: ArtifactSpec, path: Path | str, provenance: Provenance
 ) -> None:
-    """Validate and write a tree of ArviZ groups, as :func:`save_artifact` does for a dataset.
+    """Validate and write a tree of ArviZ groups.
+
+    It works like :func:`save_artifact`.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The table of artifacts in the README, generated from their declarations.
+"""The README's table of artifacts, from their declarations.
 
 ``python -m softfinger.artifacts.table README.md`` renews it; a test finds drift.
 """
@@ -17,13 +17,13 @@ PLACE = re.compile(f"{re.escape(BEGIN)}.*?{re.escape(END)}", re.DOTALL)
 
 
 def format_table() -> str:
-    """Markdown table artifact → rule → variables with their units."""
+    """Markdown table: artifact, rule, variables with units."""
     rows = [f"| `{s.name}.nc` | `{s.rule}` | {_list_variables(s)} |" for s in list_specs()]
     return "\n".join(["| artifact | rule | variables [unit] |", "| --- | --- | --- |", *rows])
 
 
 def renew_table(text: str) -> str:
-    """Text with the table between its two marks replaced by the present one."""
+    """Text with an up-to-date table between its marks."""
     return PLACE.sub(f"{BEGIN}\n{format_table()}\n{END}", text)
 
 

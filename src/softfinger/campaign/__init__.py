@@ -1,4 +1,7 @@
-"""The campaign folder: one finger or specimen, many trials. Read, validate, list every fault."""
+"""The campaign folder: one finger, many trials.
+
+A specimen may replace the finger. The folder is read and validated, and every fault is listed.
+"""
 
 from softfinger.campaign.description import Camera, DeclaredFinger, Intrinsics
 from softfinger.campaign.folder import Campaign, Trial, check_campaign, list_tables, read_campaign

@@ -1,4 +1,4 @@
-"""What ``campaign.yaml`` may say: every key, its unit and the range that is believed."""
+"""Keys, units and believed ranges of ``campaign.yaml``."""
 
 from __future__ import annotations
 
@@ -26,7 +26,10 @@ Place = Annotated[float, Field(gt=-2.0, lt=2.0)]
 
 
 class DeclaredFinger(DeclaredSection):
-    """The finger: number of joints, and the geometry that dynamics and tracking need."""
+    """The finger: joints and geometry.
+
+    Dynamics and tracking need the geometry.
+    """
 
     joints: int = Field(ge=1, le=32)
     link_length_m: tuple[Length, ...] | None = None
@@ -39,7 +42,7 @@ class DeclaredFinger(DeclaredSection):
 
     @property
     def bends_sign(self) -> int:
-        """+1 where the finger bends counter-clockwise in the picture, −1 where clockwise."""
+        """+1 for counter-clockwise bending in the picture, −1 otherwise."""
         return 1 if self.bends == "counter-clockwise" else -1
 
     @model_validator(mode="after")
@@ -84,7 +87,10 @@ HexColour = Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
 
 
 class Dot(DeclaredSection):
-    """A dot that no rigid link binds: by its place in the first picture, or by its own colour."""
+    """A dot that no rigid link binds.
+
+    It is found by its place in the first picture, or by its own colour.
+    """
 
     diameter_px: float = Field(gt=1.0, lt=1e4)
     at_px: tuple[float, float] | None = None
@@ -98,7 +104,7 @@ class Dot(DeclaredSection):
 
 
 class Camera(DeclaredSection):
-    """The camera, and the markers on links or the free dots that it sees."""
+    """The camera, and the markers or dots it sees."""
 
     fps: float = Field(gt=0.01, lt=1e5)
     metres_per_pixel: float | None = Field(default=None, gt=1e-8, lt=0.1)
@@ -195,7 +201,7 @@ def read_description(folder: Path) -> Description:
     Raises
     ------
     CampaignFault
-        The file is missing, is no YAML, or says something that is not in the format; all of its
+        The file is missing, is no YAML, or contains something that is not in the format; all of its
         faults are listed, each with its line and key.
     """
     path = folder / FILE_NAME

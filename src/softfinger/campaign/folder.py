@@ -1,4 +1,4 @@
-"""The campaign folder as a whole: its description, its trials and what is wrong with them."""
+"""A campaign's description, trials and faults."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Level = Literal["video", "markers", "angles"]
 
 @dataclass(frozen=True)
 class Trial:
-    """One recorded pull: its recording, its load log and what else was noted."""
+    """One pull: recording, load log and notes."""
 
     name: str
     row: int
@@ -41,7 +41,9 @@ class Trial:
 
 @dataclass(frozen=True)
 class Campaign:
-    """One finger or specimen, one rig, many trials, in the order in which they were recorded.
+    """One finger or specimen, one rig, many trials.
+
+    Trials are in the order in which they were recorded.
 
     A specimen is read as a finger of one joint; `specimen` then gives the units of its tables.
     """
@@ -58,7 +60,9 @@ class Campaign:
 
 
 def read_campaign(folder: Path | str) -> Campaign:
-    """Read a campaign's description and its table of trials; recordings are not opened.
+    """Read a campaign's description and table of trials.
+
+    Recordings are not opened.
 
     A row that names no usable recording is set aside with its reason.
 
@@ -119,7 +123,9 @@ def _refuse_no_folder(folder: Path) -> None:
 
 
 def check_campaign(folder: Path | str) -> dict[str, str]:
-    """Read every table of a campaign and list what would be set aside: trial → reason.
+    """List unusable trials of a campaign: trial → reason.
+
+    It reads every table.
 
     Videos are only looked for; whether they decode is found out by tracking them.
 
@@ -141,7 +147,10 @@ def check_campaign(folder: Path | str) -> dict[str, str]:
 
 
 def list_tables(campaign: Campaign) -> list[Path]:
-    """Every text file that a campaign is read from: description, table, recordings and logs."""
+    """A campaign's description, table, recordings and logs.
+
+    These are all text files that it is read from.
+    """
     recordings = [trial.recording for trial in campaign.trials if trial.level != "video"]
     logs = sorted({trial.load for trial in campaign.trials if trial.load is not None})
     return [campaign.folder / FILE_NAME, campaign.folder / TABLE_NAME, *recordings, *logs]
@@ -161,7 +170,10 @@ def _check_trial(campaign: Campaign, trial: Trial) -> str:
 def _refuse_markers(
     trials: list[Trial], set_aside: dict[str, str]
 ) -> tuple[list[Trial], dict[str, str]]:
-    """Set aside what a specimen has no use for: marker tables."""
+    """Set aside marker tables of a specimen.
+
+    It has no use for them.
+    """
     reasons = {
         trial.name: f"{TABLE_NAME}, row {trial.row + 2}, column '{trial.level}': a specimen's "
         "recordings are tables with time_s and motion; name them in the column 'angles'"
@@ -207,7 +219,10 @@ def _read_covariates(folder: Path, table: pd.DataFrame) -> dict[str, np.ndarray]
 def _set_aside_unlogged(
     trials: list[Trial], set_aside: dict[str, str]
 ) -> tuple[list[Trial], dict[str, str]]:
-    """Set trials without a log aside where others have one: a unit command is no newton."""
+    """Set aside unlogged trials where others have logs.
+
+    A unit command is no newton.
+    """
     logged = [trial for trial in trials if trial.load is not None]
     if not logged:
         return trials, set_aside

@@ -1,4 +1,7 @@
-"""Load logs: from rows of a CSV file to a piecewise-linear load with jumps."""
+"""Load logs: CSV rows to a piecewise-linear load.
+
+The load may jump.
+"""
 
 from __future__ import annotations
 
@@ -27,10 +30,12 @@ SMALLEST_LOAD, LARGEST_LOAD = 1e-12, 1e12  # of any kind, a command's in its own
 def read_load(
     campaign: Campaign, trial: Trial, frame_interval: float, first_frame: float
 ) -> tuple[np.ndarray, np.ndarray, str]:
-    """Read the generalised torque that the base model puts on every joint of a trial.
+    """Read a trial's generalised torque on every joint.
+
+    It is the one that the base model applies.
 
     A ``tension_n`` becomes the torque tension × wire offset; ``torque_nm`` and ``command`` act as
-    they stand, and so does a specimen's ``load``, in its own unit. Without a log a unit command
+    they are, and so does a specimen's ``load``, in its own unit. Without a log a unit command
     from the first frame is assumed.
 
     Parameters
@@ -129,7 +134,7 @@ def refuse_mixed_loads(name: str, kinds: Mapping[str, str]) -> None:
 def build_load_array(
     time: np.ndarray, value: np.ndarray, step_within: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Knots of the piecewise-linear load that the rows of a log stand for.
+    """Knots of a log's piecewise-linear load.
 
     Straight lines between rows, but rows of different value at most ``step_within`` seconds apart
     are a jump at the later one: a straight line there would fake a delay of the response. Before

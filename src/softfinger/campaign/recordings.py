@@ -29,7 +29,10 @@ MARKER_NAME = re.compile(r"^(base|link_[1-9]\d*)_[1-9]\d*$")
 
 
 def marker_names(camera: Camera) -> list[str]:
-    """Names of the declared markers, base first: ``base_1, base_2, link_1_1, …``; or of dots."""
+    """Names of the declared markers or dots.
+
+    Markers of the base come first: ``base_1, base_2, link_1_1, …``.
+    """
     if camera.dots:
         return list(camera.dots)
     links = ["base", *(f"link_{i + 1}" for i in range(len(camera.markers) - 1))]
@@ -37,7 +40,9 @@ def marker_names(camera: Camera) -> list[str]:
 
 
 def read_angle_table(campaign: Campaign, trial: Trial) -> xr.Dataset:
-    """Read a trial's relative joint angles, or the motion of a specimen in its own unit.
+    """Read a trial's joint angles or specimen's motion.
+
+    Angles are relative; a motion is in its own unit.
 
     Rows that share a time stamp (a clock coarser than the recording) become one frame, their mean.
 
@@ -88,7 +93,7 @@ def read_angle_table(campaign: Campaign, trial: Trial) -> xr.Dataset:
 
 
 def _refuse_dead_joints(file_name: str, columns: list[str], angle: np.ndarray) -> None:
-    """Refuse a joint that shows one angle throughout, and one that is another's copy."""
+    """Refuse a constant joint, and a copied one."""
     for joint, values in enumerate(angle):
         seen = values[np.isfinite(values)]
         if seen.size >= LEAST_ROWS and np.ptp(seen) == 0.0:
@@ -105,7 +110,10 @@ def _refuse_dead_joints(file_name: str, columns: list[str], angle: np.ndarray) -
 
 
 def _average_repeats_array(time: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Mean of the numbers that share a time; NaN where there is none."""
+    """Mean of the numbers that share a time.
+
+    NaN where there is none.
+    """
     frame_time, frame = np.unique(time, return_inverse=True)
     seen = np.isfinite(angle)
     total = np.zeros((angle.shape[0], frame_time.size))

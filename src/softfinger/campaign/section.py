@@ -1,9 +1,12 @@
-"""Base of every section of ``campaign.yaml``: no unknown key, no infinite number."""
+"""Base of every section of ``campaign.yaml``.
+
+It refuses unknown keys and infinite numbers.
+"""
 
 from pydantic import BaseModel, ConfigDict
 
 
 class DeclaredSection(BaseModel):
-    """Keys and values of one section, all of them declared."""
+    """Declared keys and values of one section."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=False, allow_inf_nan=False)

@@ -1,4 +1,7 @@
-"""A specimen: anything with one degree of freedom, in whatever units it was measured."""
+"""A specimen: anything with one degree of freedom.
+
+It is measured in any unit.
+"""
 
 from typing import Annotated
 
@@ -22,20 +25,29 @@ Words = Annotated[str, Field(min_length=1, max_length=60)]
 
 
 class Quantity(DeclaredSection):
-    """What is measured, and its unit; "1" where it has none."""
+    """A measured quantity and its unit.
+
+    "1" where it has none.
+    """
 
     quantity: Words
     unit: Unit
 
 
 class Motion(Quantity):
-    """The motion, and the sd of its noise in its own unit, where that is known."""
+    """The motion, and its noise where known.
+
+    The noise is an sd in the motion's own unit.
+    """
 
     noise_sd: float | None = Field(default=None, gt=0.0)
 
 
 class Specimen(DeclaredSection):
-    """One degree of freedom: a motion that follows a load."""
+    """A motion that follows a load.
+
+    It has one degree of freedom.
+    """
 
     motion: Motion
     load: Quantity

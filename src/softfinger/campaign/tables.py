@@ -1,4 +1,7 @@
-"""CSV tables with a declared set of columns, every fault with its row and column."""
+"""CSV tables with a declared set of columns.
+
+Every fault names its row and column.
+"""
 
 from __future__ import annotations
 
@@ -22,12 +25,14 @@ MISSING_WORDS = frozenset({"", "nan", "na"})
 
 
 def read_text_table(path: Path) -> pd.DataFrame:
-    """Read a CSV file as text, one column per heading, nothing converted.
+    """Read a CSV file as text.
+
+    One column per heading; nothing is converted.
 
     Raises
     ------
     TrialFault
-        The file cannot be read or is empty, is not UTF-8, holds a NUL, its headings are not
+        The file cannot be read or is empty, is not UTF-8, contains a NUL, its headings are not
         different words, its rows do not have one width, or it is larger than any recording.
     """
     obstacle = find_obstacle(path)
@@ -102,7 +107,7 @@ def _refuse_nul(path: Path, stream: BinaryIO) -> None:
 def check_columns(
     path: Path, table: pd.DataFrame, required: Sequence[str], optional: Sequence[str] = ()
 ) -> None:
-    """Refuse a table whose columns are not the declared ones.
+    """Refuse a table with other than declared columns.
 
     Raises
     ------
@@ -153,7 +158,9 @@ def to_numbers(
 
 
 def check_times(path: Path, time: np.ndarray) -> None:
-    """Refuse times that run backwards, or that no trial has; they may stand still.
+    """Refuse times that run backwards or are impossible.
+
+    Equal times are allowed.
 
     Raises
     ------

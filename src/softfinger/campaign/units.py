@@ -1,4 +1,4 @@
-"""Units by name: what pint knows, and the spellings that laboratories use."""
+"""Units by name, in pint's and laboratories' spellings."""
 
 from __future__ import annotations
 
@@ -49,7 +49,9 @@ def _registry() -> pint.UnitRegistry:
 
 @cache
 def parse_unit(text: str) -> pint.Unit:
-    """Unit that a text names, by pint; "1" where it is without one.
+    """Unit that a text names, by pint.
+
+    "1" where it has none.
 
     Raises
     ------
@@ -87,7 +89,7 @@ def is_unit(text: str) -> bool:
 
 
 def find_factor(unit: str, wanted: str) -> float:
-    """Number by which values in one unit are multiplied to be in another.
+    """Factor from one unit to another.
 
     Raises
     ------

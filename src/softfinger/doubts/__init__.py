@@ -1,4 +1,6 @@
-"""What looks wrong in a campaign, from physics and from its own trials.
+"""What looks wrong in a campaign.
+
+Physics and the campaign's own trials show it.
 
 Every kind of doubt is one small file. None of them changes a number: a doubt is a sentence with
 its evidence, its likeliest cause and what to do.
@@ -27,7 +29,7 @@ __all__ = ["Doubt", "doubt_camera", "doubt_files", "find_doubts", "tabulate_doub
 
 
 def find_doubts(angles: xr.Dataset) -> list[Doubt]:
-    """List what looks wrong in the `angles` artifact of a campaign."""
+    """List what looks wrong in a campaign's `angles`."""
     trials = describe_trials(angles)
     names = [trial.name for trial in trials]
     finger = "motion_unit" not in angles.attrs

@@ -1,4 +1,7 @@
-"""Recordings that are copies of each other, whole or in part, shifted or not."""
+"""Recordings that copy each other, whole or shifted.
+
+A part is enough.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,10 @@ DIGITS = 7
 
 
 def doubt_copies(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
-    """Doubt trials whose changes from frame to frame are also those of another trial."""
+    """Doubt trials that repeat another trial's changes.
+
+    These are the changes from frame to frame.
+    """
     windows = [_list_windows(trial) for trial in trials]
     owners: dict[bytes, int] = {}
     copies: dict[int, set[int]] = {}

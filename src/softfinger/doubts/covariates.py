@@ -1,4 +1,7 @@
-"""Covariates out of the range of their unit, or of the other trials."""
+"""Covariates out of range.
+
+The range is that of their unit, or of the other trials.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,10 @@ SPREADS = 8.0
 def doubt_covariates(
     names: Sequence[str], covariates: Sequence[str], value: Array
 ) -> Iterator[Doubt]:
-    """Doubt the values (trial, covariate) that were noted beside the trials."""
+    """Doubt covariates (trial, covariate).
+
+    They were noted beside the trials.
+    """
     for column, values in zip(covariates, value.T, strict=True):
         wrong = _find_out_of_range(column, values)
         low, high, unit = _get_range(column)
@@ -59,7 +65,10 @@ def _find_out_of_range(column: str, values: Array) -> NDArray[np.bool_]:
 
 
 def _find_slip(values: Array) -> NDArray[np.bool_]:
-    """Values that a slip of the unit makes of the others', and that lie far from all of them."""
+    """Values that a slip of the unit explains.
+
+    They lie far from all the others, and the slip makes them of these.
+    """
     known = np.isfinite(values)
     wrong = np.zeros(values.size, bool)
     usual = np.median(values[known]) if known.any() else 0.0

@@ -1,4 +1,7 @@
-"""Sizes against physics: loads, stiffness against weight, links against their mass."""
+"""Doubtful sizes: loads, stiffness, masses.
+
+Stiffness is compared with the weight, links with their mass.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,7 @@ DECLARED_NOISE = (0.2, 30.0)
 
 
 def doubt_dimension(trials: Sequence[TrialFeatures], angles: xr.Dataset) -> Iterator[Doubt]:
-    """Doubt what is out of range in all trials at once."""
+    """Doubt what is out of range in all trials."""
     kind = str(angles["load_kind"].values[0])
     length, mass = (angles[name].to_numpy() for name in ("link_length", "link_mass"))
     arm, joint = float(angles["wire_offset"]), float(angles["joint_length"])
@@ -82,7 +85,10 @@ def doubt_dimension(trials: Sequence[TrialFeatures], angles: xr.Dataset) -> Iter
 def doubt_range(
     what: str, value: float, bounds: tuple[float, float], unit: str, cause: str
 ) -> Iterator[Doubt]:
-    """Doubt a number outside its bounds; nothing where it is NaN, because not declared."""
+    """Doubt a number outside its bounds.
+
+    A number that was not declared is NaN and raises no doubt.
+    """
     if not np.isfinite(value) or bounds[0] <= value <= bounds[1]:
         return
     said = f"{value:.3g} {unit}".strip()

@@ -1,4 +1,4 @@
-"""A doubt: what looks wrong, on what evidence, from what cause, and what to do."""
+"""A doubt: finding, evidence, cause, and what to do."""
 
 from __future__ import annotations
 
@@ -30,7 +30,10 @@ NEAR = 0.15  # of a factor, in its logarithm
 
 @dataclass(frozen=True)
 class Doubt:
-    """One warning; trials and joints are empty where it concerns all."""
+    """One warning about trials and joints.
+
+    They are empty where it concerns all.
+    """
 
     id: str
     statement: str
@@ -39,7 +42,9 @@ class Doubt:
 
 
 def name_factor(ratio: float, spread: float = NEAR) -> str:
-    """The slip that makes a ratio, as the middle of a sentence.
+    """Clause on the slip that makes a ratio.
+
+    It is the middle of a sentence.
 
     >>> name_factor(58.0)
     'a factor of 58, near 57.3 (degrees for radians)'
@@ -55,7 +60,9 @@ def name_factor(ratio: float, spread: float = NEAR) -> str:
 
 
 def name_trials(names: Sequence[str], of: int) -> str:
-    """Trials as the subject of a sentence: named, or counted where they are many.
+    """Trials as the subject of a sentence.
+
+    They are named, or counted where they are many.
 
     >>> name_trials(["a"], 8), name_trials(["a", "b"], 2)
     ('trial a', 'all trials')

@@ -1,4 +1,7 @@
-"""Simple features of every trial, which the doubts compare with the campaign's."""
+"""Simple features of every trial.
+
+The doubts compare them with the campaign's.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +29,10 @@ SHIFTS = (0.3, 0.6, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0)
 
 @dataclass(frozen=True)
 class TrialFeatures:
-    """One trial's arrays without padding, thinned ones beside, and its fitted response."""
+    """One trial's arrays and its fitted response.
+
+    They are without padding; thinned arrays are added.
+    """
 
     name: str
     time: Array
@@ -57,7 +63,10 @@ class TrialFeatures:
 
     @property
     def loaded_at(self) -> float:
-        """Time [s] at which the load first acts; NaN where it never does."""
+        """Time [s] at which the load first acts.
+
+        NaN where it never does.
+        """
         return find_first_load(self.load_time, self.load)
 
     @property
@@ -69,7 +78,7 @@ class TrialFeatures:
 
 
 def describe_trials(angles: xr.Dataset) -> list[TrialFeatures]:
-    """Describe every trial of the `angles` artifact by its features."""
+    """Features of every trial in the `angles` artifact."""
     arrays = [_cut(angles.isel(trial=k)) for k in range(angles.sizes["trial"])]
     spans = [time[-1] - time[0] for time, *_ in arrays]
     horizon = float(np.median(spans))
@@ -78,7 +87,10 @@ def describe_trials(angles: xr.Dataset) -> list[TrialFeatures]:
 
 
 def _cut(one: xr.Dataset) -> tuple[Array, Array, Array, Array, float]:
-    """Frames, angles and load of a trial without the padding, and its share of stale frames."""
+    """Frames, angles, load and stale share of a trial.
+
+    The padding is cut off; the share is that of stale frames.
+    """
     time = one["time"].to_numpy()
     inside = np.isfinite(time)
     angle = one["joint_angle"].transpose("joint", "frame").to_numpy()[:, inside]
@@ -135,7 +147,10 @@ def _describe(
 
 
 def thin(time: Array, load_time: Array) -> NDArray[np.intp]:
-    """Indices of at most some hundred frames: even in number, and those after load changes."""
+    """Indices of at most some hundred frames.
+
+    They are even in number, and contain those after load changes.
+    """
     even = np.linspace(0, time.size - 1, MOST_FRAMES // 2).astype(int)
     changes = np.unique(load_time)
     changes = changes[:: max(1, changes.size // 12)]
@@ -144,7 +159,9 @@ def thin(time: Array, load_time: Array) -> NDArray[np.intp]:
 
 
 def find_first_load(load_time: Array, load: Array) -> float:
-    """Time [s] from which a load differs from 0; NaN where it never does.
+    """Time [s] of the first nonzero load.
+
+    NaN where there is none.
 
     >>> find_first_load(np.array([0.0, 1.0, 1.0, 4.0]), np.array([0.0, 0.0, 2.0, 2.0]))
     1.0
@@ -156,7 +173,10 @@ def find_first_load(load_time: Array, load: Array) -> float:
 
 
 def measure_rest(time: Array, angle: Array, loaded_at: float) -> Array:
-    """Median angle (joint,) of the frames before the load; NaN where there are none."""
+    """Median angle (joint,) of the frames before the load.
+
+    NaN where there are none.
+    """
     before = angle[:, time <= loaded_at]
     rest = np.full(len(angle), np.nan)
     for joint, values in enumerate(before):
@@ -166,14 +186,19 @@ def measure_rest(time: Array, angle: Array, loaded_at: float) -> Array:
 
 
 def measure_unexplained(response: Response, angle: Array) -> float:
-    """Rms of the residual over that of the motion, joints pooled."""
+    """Rms of the residual over the motion's.
+
+    Joints are pooled.
+    """
     motion = angle - np.nanmean(angle, axis=1, keepdims=True)
     left = np.nansum(response.residual**2)
     return float(np.sqrt(left / max(np.nansum(motion**2), 1e-300)))
 
 
 def measure_noise(angle: Array) -> tuple[Array, Array]:
-    """Sd (joint,) [rad] and correlation (joint, joint) of the noise, from second differences.
+    """Noise sd (joint,) [rad] and correlation (joint, joint).
+
+    Both come from second differences.
 
     Robust against the motion: of the frames, the half in which the joints bend least counts.
     """
@@ -198,7 +223,10 @@ def measure_noise(angle: Array) -> tuple[Array, Array]:
 def _find_shift(
     explain: Callable[[float], tuple[Response, float]], unexplained: float, span: float
 ) -> float:
-    """The shift that explains most; 0 where none explains more than none."""
+    """The shift that explains most.
+
+    It is 0 where none explains more than no shift.
+    """
     tried = [sign * s for s in SHIFTS if s < 0.5 * span for sign in (1, -1)]
     left = {shift: explain(shift)[1] for shift in tried} | {0.0: unexplained}
     return min(left, key=lambda shift: left[shift])
@@ -210,7 +238,10 @@ def _find_farthest(moved: Array) -> Array:
 
 
 def _reach(response: Response, after: float) -> Array:
-    """Response (joint,) to a unit step after some time; flow counts over the same time."""
+    """Response (joint,) to a unit step after some time.
+
+    Flow counts over the same time.
+    """
     finite = response.times[1:-1]
     risen = np.concatenate([[1.0], -np.expm1(-after / finite), [1.0]])
     return response.amplitude @ risen

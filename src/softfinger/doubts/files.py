@@ -1,4 +1,4 @@
-"""Recordings that are one file: by name, by link or by content."""
+"""Recordings with the same name, link or content."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ BLOCK = 1 << 20
 
 
 def doubt_files(recordings: Mapping[str, Path]) -> Iterator[Doubt]:
-    """Doubt trials (name → recording) whose files are the same, or of the same content.
+    """Doubt trials with the same file or content.
+
+    The argument is name → recording.
 
     Only files of equal size are read.
     """

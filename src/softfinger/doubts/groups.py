@@ -1,4 +1,4 @@
-"""Trials that lie apart from the others in one number."""
+"""Trials that lie apart in one number."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ GAP_IN_SPREADS = 4.0
 
 
 def find_apart(values: Array, least_gap: float) -> NDArray[np.bool_]:
-    """Members that a wide gap parts from the larger group; of equal halves, the upper.
+    """Members beyond a wide gap from the larger group.
+
+    Of two equal halves it is the upper.
 
     Parameters
     ----------

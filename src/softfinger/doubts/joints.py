@@ -1,4 +1,4 @@
-"""Joints: against the load, dead, exchanged, or measured against the base."""
+"""Doubtful joints: against load, dead, exchanged, absolute."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ CLOSER = 0.35  # by which another order's noise must fit better, rms of the corr
 
 
 def doubt_joints(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
-    """Doubt what the joints of a chain show beside each other."""
+    """Doubt joints by comparing them along the chain."""
     yield from _doubt_sign(trials)
     if trials[0].angle.shape[0] > 1:
         yield from _doubt_dead(trials)
@@ -69,7 +69,10 @@ def _doubt_dead(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
 
 
 def _doubt_absolute(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
-    """Angles against the base add the base's error to every joint: noise goes together."""
+    """Doubt angles that seem measured against the base.
+
+    They add the base's error to every joint, so the noise of the joints goes together.
+    """
     together = np.array([_goes_together(trial) for trial in trials])
     others = [_pairs(t.correlation).mean() for t, a in zip(trials, together, strict=True) if not a]
     usual = np.nanmedian(others) if np.isfinite(others).any() else 0.0
@@ -98,7 +101,10 @@ def _pairs(correlation: Array) -> Array:
 
 
 def _doubt_order(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
-    """The noise of neighbours goes against each other, and so tells who is beside whom."""
+    """Doubt the order of the joints.
+
+    The noise of neighbours has opposite signs, which shows who is beside whom.
+    """
     count = trials[0].angle.shape[0]
     found: dict[tuple[int, ...], list[str]] = {}
     for trial in trials:
@@ -118,7 +124,10 @@ def _doubt_order(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
 
 
 def _find_order(correlation: Array) -> tuple[int, ...] | None:
-    """Order of the joints whose neighbours err against each other; None where as declared."""
+    """Order of joints in which neighbours err oppositely.
+
+    None where it is the declared one.
+    """
     if not np.isfinite(correlation).all():
         return None
     count = len(correlation)

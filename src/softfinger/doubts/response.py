@@ -1,4 +1,6 @@
-"""The causal response of a joint to its load: creep that never turns back.
+"""Causal response of a joint to its load.
+
+It creeps and never turns back.
 
 q(t) = q₀ + Σₖ aₖ ∫ φₖ(t − s) dL(s), with φ an elastic step, exponential creep on times from a few
 frames to the trial's length, and flow; all aₖ of one sign. Every linear viscoelastic material that
@@ -40,13 +42,18 @@ class Response:
 
 
 def choose_times(span: float, interval: float) -> Array:
-    """Creep times [s] (term,), from a few frames to the span; the first 0, the last ∞."""
+    """Creep times [s] (term,), from frames to span.
+
+    The first is 0, the last ∞.
+    """
     shortest = min(2.0 * interval, 0.1 * span)
     return np.concatenate([[0.0], np.geomspace(shortest, span, N_TIMES), [np.inf]])
 
 
 def compute_terms(time: Array, load_time: Array, load: Array, times: Array) -> Array:
-    """Response (frame, term) of every term to a piecewise-linear load that begins at 0.
+    """Response (frame, term) to a piecewise-linear load.
+
+    The load begins at 0; each term has its column.
 
     A jump ΔL at s adds ΔL (1 − exp(−(t − s)/τ)), a change Δm of slope adds
     Δm (t − s − τ (1 − exp(−(t − s)/τ))); flow is ∫ L dt over the span of the frames.
@@ -60,7 +67,10 @@ def compute_terms(time: Array, load_time: Array, load: Array, times: Array) -> A
 
 
 def split_load(load_time: Array, load: Array) -> tuple[Array, Array, Array, Array]:
-    """Jumps of a load (at, size) and changes of its slope (at, size)."""
+    """Jumps and slope changes of a load.
+
+    Each is (at, size).
+    """
     gap = np.diff(load_time)
     step = gap <= 0
     slope = np.where(step, 0.0, np.diff(load) / np.where(step, 1.0, gap))
@@ -88,7 +98,10 @@ def _respond(
 
 
 def fit_response(terms: Array, angle: Array, times: Array) -> Response:
-    """Fit angles (joint, frame), NaN = missing, by non-negative least squares of either sign."""
+    """Fit angles (joint, frame) by non-negative least squares.
+
+    NaN = missing; the response has either sign.
+    """
     amplitude = np.zeros((len(angle), times.size))
     rest, residual = np.zeros(len(angle)), np.full_like(angle, np.nan)
     for joint, values in enumerate(angle):

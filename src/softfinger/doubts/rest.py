@@ -1,4 +1,7 @@
-"""Angles at rest that are not those of the others, or of no straight finger."""
+"""Doubtful angles at rest.
+
+They differ from the others', or from those of any straight finger.
+"""
 
 from __future__ import annotations
 

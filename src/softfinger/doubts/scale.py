@@ -1,4 +1,7 @@
-"""Trials that move many times as far per load as the others: a slip of a unit."""
+"""Trials with a gain many times the others'.
+
+The gain is motion per load; a slip of a unit causes it.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,10 @@ NOISE_RATIO = 8.0
 
 
 def doubt_scale(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
-    """Doubt gains, joint by joint and all joints together, and noise."""
+    """Doubt gains and noise.
+
+    Gains are taken joint by joint, and for all joints together.
+    """
     yield from _doubt_noise(trials)
     trials = [trial for trial in trials if not begins_late(trial)]  # their gain is unknown
     if not trials:

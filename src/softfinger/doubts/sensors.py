@@ -1,4 +1,7 @@
-"""Sensors: frozen, clipped, quantised, wrapped, without noise; frames that repeat."""
+"""Doubtful sensors.
+
+They are frozen, clipped, quantised, wrapped, without noise, or repeat frames.
+"""
 
 from __future__ import annotations
 
@@ -53,7 +56,9 @@ SAID = {
 
 
 def doubt_sensors(trials: Sequence[TrialFeatures], *, rotates: bool = True) -> Iterator[Doubt]:
-    """Doubt every trial's numbers by themselves; equal doubts become one.
+    """Doubt every trial's numbers by themselves.
+
+    Equal doubts become one.
 
     Only angles wrap around: `rotates` is false of a specimen.
     """
@@ -71,7 +76,7 @@ def doubt_sensors(trials: Sequence[TrialFeatures], *, rotates: bool = True) -> I
 
 
 def examine_sensors(trial: TrialFeatures) -> dict[str, float]:
-    """What is odd in the numbers of one trial: doubt → its size."""
+    """What is odd in a trial: doubt → size."""
     angle = trial.angle
     if angle.shape[1] < LEAST_FRAMES:
         return {}
@@ -90,7 +95,10 @@ def examine_sensors(trial: TrialFeatures) -> dict[str, float]:
 
 
 def _count_steps(angle: Array) -> float | None:
-    """Steps over the motion of the joint that moves most; None where they are fine."""
+    """Number of steps in the joint's motion.
+
+    The joint is the one that moves most; None where the steps are fine.
+    """
     widest = int(np.nanargmax(np.nanmax(angle, axis=1) - np.nanmin(angle, axis=1)))
     values = angle[widest][np.isfinite(angle[widest])]
     levels = np.unique(np.round(values, 9))
@@ -101,7 +109,10 @@ def _count_steps(angle: Array) -> float | None:
 
 
 def _find_plateaus(angle: Array) -> dict[str, float]:
-    """A long run of one value, or one extreme value again and again, in a joint with noise."""
+    """Long runs or repeated extremes in a noisy joint.
+
+    One value lasts, or one extreme value comes again and again.
+    """
     found: dict[str, float] = {}
     for values in angle:
         seen = values[np.isfinite(values)]

@@ -11,7 +11,10 @@ from softfinger.doubts.doubt import Doubt
 
 
 def tabulate_doubts(doubts: Sequence[Doubt], angles: xr.Dataset) -> xr.Dataset:
-    """Build the artifact `doubts`: a doubt that names no trial or joint is about all of them."""
+    """Build the artifact `doubts`.
+
+    A doubt that names no trial or joint is about all of them.
+    """
     names = angles["trial"].values.astype(str).tolist()
     joints = angles["joint"].values.tolist()
     about_trial = [[not d.trials or name in d.trials for name in names] for d in doubts]

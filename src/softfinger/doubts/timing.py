@@ -1,4 +1,7 @@
-"""Clocks: frame intervals, logs that cover another span, trials that start together."""
+"""Doubtful clocks.
+
+These are frame intervals, logs that cover another span, and trials that start together.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,7 @@ OVERLAP = 0.1
 
 
 def doubt_timing(trials: Sequence[TrialFeatures], started_at: Array) -> Iterator[Doubt]:
-    """Doubt the time stamps of recordings, load logs and starts."""
+    """Doubt time stamps, load logs and starts."""
     yield from _doubt_intervals(trials)
     yield from _doubt_spans(trials)
     yield from _doubt_starts(trials, started_at)

@@ -1,4 +1,4 @@
-"""What the paper's assumptions leave out, and where it goes."""
+"""What the paper's assumptions leave out, and where."""
 
 from __future__ import annotations
 
@@ -26,7 +26,9 @@ EARLIEST = 1e-4
 
 @styled
 def draw_assumptions(assumptions: xr.Dataset, changes: xr.Dataset) -> Figure:
-    """Draw the gaps over time, and below how the torque grows and what the fit makes of it.
+    """Draw the gaps over time and the torque's growth.
+
+    Below, the growth is drawn with what the fit makes of it.
 
     Parameters
     ----------
@@ -52,7 +54,10 @@ def draw_assumptions(assumptions: xr.Dataset, changes: xr.Dataset) -> Figure:
 
 
 def draw_gaps(ax: Axes, assumptions: xr.Dataset) -> None:
-    """Draw largest and rms gap of one joint over time, for each cause."""
+    """Draw each cause's largest and rms gaps over time.
+
+    The gaps are those of one joint.
+    """
     later = assumptions.sel(time=slice(EARLIEST, None))
     for cause, (words, colour) in CAUSES.items():
         for name, line, kind in (("gap_largest_at", "-", "largest"), ("gap_rms_at", ":", "rms")):
@@ -63,7 +68,10 @@ def draw_gaps(ax: Axes, assumptions: xr.Dataset) -> None:
 
 
 def draw_growth(ax: Axes, assumptions: xr.Dataset) -> None:
-    """Draw the torque's growth over the joint angle, with where the fingers ended."""
+    """Draw the torque's growth over the joint angle.
+
+    Marks show where the fingers ended.
+    """
     ax.plot(assumptions["angle"], 100 * assumptions["arm_growth"], color=RED, zorder=3)
     reached = (assumptions[name].values.ravel() for name in ("angle_reached", "torque_growth"))
     angle, growth = reached
@@ -73,7 +81,10 @@ def draw_growth(ax: Axes, assumptions: xr.Dataset) -> None:
 
 
 def draw_changes(ax: Axes, changes: xr.Dataset) -> None:
-    """Draw by how much the fitted parameters miss the true ones: median, and 90 % of fingers."""
+    """Draw the errors of the fitted parameters.
+
+    It shows the median and the range of 90 % of the fingers.
+    """
     ticks = []
     for place, parameter in enumerate(("k_v", "c_v", "c_p")):
         change = 100 * changes["fitted_change"].sel(parameter=parameter)

@@ -1,4 +1,4 @@
-"""Recordings against model: predictive bands of the joint angle over time."""
+"""Predictive bands of the joint angle beside recordings."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ COLUMNS = 3
 
 @styled
 def draw_bands(bands: xr.Dataset, end: float | None = None) -> Figure:
-    """Draw the model's predictive bands and the recordings', one panel per protocol and joint.
+    """Draw predictive bands of the model and the recordings.
+
+    Each protocol and joint has its panel.
 
     Filled: the posterior predictive interval of a new recording between the outermost quantiles,
     and its median. Dashed: the same limits of the two-stage estimate. Black: the recordings' median
@@ -58,13 +60,13 @@ def draw_bands(bands: xr.Dataset, end: float | None = None) -> Figure:
 
 
 def choose_protocols(bands: xr.Dataset) -> np.ndarray:
-    """Return the names of the protocols of most trials, in the artifact's order."""
+    """Protocols of most trials, in the artifact's order."""
     places = np.sort(np.argsort(-bands["protocol_trials"].values, kind="stable")[:MOST_PROTOCOLS])
     return bands["protocol"].values[places]
 
 
 def title_panel(bands: xr.Dataset, protocol: str, joint: int) -> str:
-    """Name a panel by what tells it from the others."""
+    """Name a panel by what distinguishes it."""
     names = [f"joint {joint}"] if bands["joint"].size > 1 else []
     names += [str(protocol)] if bands["protocol"].size > 1 else []
     return ", ".join(names) or f"joint {joint}"

@@ -1,4 +1,7 @@
-"""The proof: right names against the oracle's evidence, confusion, reliability, a buried case."""
+"""Figures of the proof.
+
+They show right names, confusion, reliability and a buried case.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +28,9 @@ WEAKEST, STRONGEST = 0.5, 3e4
 
 @styled
 def draw_right_by_evidence(score: xr.Dataset) -> Figure:
-    """Draw the share of right names against the oracle's evidence, every campaign a dot.
+    """Draw right names against the oracle's evidence.
+
+    The line is a share; every campaign is a dot.
 
     Parameters
     ----------
@@ -64,7 +69,10 @@ def draw_right_by_evidence(score: xr.Dataset) -> Figure:
 
 @styled
 def draw_confusion(score: xr.Dataset) -> Figure:
-    """Draw how often each truth (row) got each answer (column); rows and columns that occur."""
+    """Draw how often each truth got each answer.
+
+    Truths are rows and answers columns; only those that occur are drawn.
+    """
     counts = score["confusion"]
     counts = counts.isel(
         truth=np.flatnonzero(counts.sum("answer").values),
@@ -95,7 +103,7 @@ def _plain(words: xr.DataArray) -> list[str]:
 
 @styled
 def draw_reliability(score: xr.Dataset) -> Figure:
-    """Draw how often effects were there against the probability that was stated for them."""
+    """Draw the frequency of effects against their stated probability."""
     figure = new_figure(get_source(score), height=2.8, width=SINGLE_COLUMN)
     ax = figure.subplots()
     ax.plot([0, 1], [0, 1], color=PALE)
@@ -112,7 +120,7 @@ def draw_reliability(score: xr.Dataset) -> Figure:
 
 @styled
 def draw_buried_case(residual: xr.Dataset) -> Figure:
-    """Draw what a joint's recordings show beyond a model, before and after the repair.
+    """Draw a joint's residuals before and after the repair.
 
     Each point is a mean over trials, in units of its own standard deviation under noise alone.
 

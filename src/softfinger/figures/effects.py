@@ -1,4 +1,4 @@
-"""What an effect looks like: one small picture of a finger with it and without."""
+"""A small picture of what an effect does."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ SIZE_INCH = (2.3, 1.5)
 
 @styled
 def plot_effect(shown: xr.Dataset) -> Figure:
-    """Plot the joint that an effect moves most, with it and without.
+    """Plot the joint that an effect moves most.
+
+    It is shown with the effect and without.
 
     Parameters
     ----------

@@ -1,4 +1,7 @@
-"""The shape of what no listed effect explains, against what it depends on."""
+"""The shape of what no listed effect explains.
+
+It is drawn against what it depends on.
+"""
 
 from __future__ import annotations
 
@@ -68,7 +71,7 @@ def draw_free_form(free_form: xr.Dataset, load_unit: str) -> Figure:
 
 
 def label_argument(argument: str, load_unit: str) -> str:
-    """Label what a free-form term depends on, with its unit.
+    """Label a free-form term's argument, with its unit.
 
     >>> label_argument("largest_load_before", "N m")
     'largest load before [N m]'

@@ -1,4 +1,7 @@
-"""Forest of the hyperparameters: where the population lies and how wide it is."""
+"""Forest plot of the hyperparameters.
+
+Where the population lies and how wide it is.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +31,9 @@ MARKERS = {
 
 @styled
 def draw_hyperparameters(hyperparameters: xr.Dataset) -> Figure:
-    """Draw intervals of the population's centre and spread, per parameter and joint.
+    """Draw intervals of the population's centre and spread.
+
+    Each parameter and joint has its own.
 
     Thin line: interval of the stated probability; thick line: 50 %; dot: posterior median. Beside
     it whatever else is known: the two-stage estimate, the paper's table.

@@ -1,4 +1,4 @@
-"""Recordings as an import understood them: motion and load of a few trials."""
+"""Motion and load of a few imported trials."""
 
 from __future__ import annotations
 

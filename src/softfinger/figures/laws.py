@@ -23,7 +23,9 @@ NULL = {"factor": 1.0, "exponential": 1.0, "sum": 0.0}
 
 @styled
 def draw_laws(laws: xr.Dataset) -> Figure:
-    """Draw every free law with its band: a panel for each effect, a line for each joint.
+    """Draw every free law with its band.
+
+    Each effect has a panel, each joint a line.
 
     Parameters
     ----------

@@ -1,4 +1,7 @@
-"""What the recordings themselves suffer from: trial by trial, and as a joint deflects."""
+"""Noise and useless frames of the recordings.
+
+They are shown by trial, and by the joint's deflection.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,9 @@ JOINT_STYLES = ((BLUE, "o", "-"), (RED, "s", "--"), (GREEN, "^", "-."), (ORANGE,
 
 @styled
 def draw_measurement(noise: xr.Dataset, unit: str) -> Figure:
-    """Draw noise and useless frames of every trial, and noise against the deflection.
+    """Draw noise and useless frames of every trial.
+
+    The noise is also drawn against the deflection.
 
     Parameters
     ----------

@@ -1,4 +1,7 @@
-"""Left-out physics: the fit before and after, the evidence, where it acts, what would show."""
+"""Figures of left-out physics.
+
+They show the fit before and after, the evidence, where it acts, and what would show.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +35,9 @@ SMALLEST_Q = 1e-6
 
 @styled
 def draw_repair(repair: xr.Dataset, misfit: xr.Dataset, trial: str) -> Figure:
-    """Draw one trial with its models, and the squared residuals of all.
+    """Draw one trial with its models.
+
+    The squared residuals of all trials are below.
 
     Columns are joints. Top: the recording and its models at the trial's own mode. Middle: what
     each leaves of that trial; grey is twice the noise of a bin. Bottom: mean square of what each
@@ -81,7 +86,7 @@ def draw_fit(ax: Axes, repair: xr.Dataset) -> None:
 
 
 def draw_leftover(ax: Axes, repair: xr.Dataset) -> None:
-    """Draw what both models leave of one trial and joint [mrad]."""
+    """Draw both models' residuals of a trial's joint [mrad]."""
     time, noise = repair["time"].values, 2e3 * repair["bin_noise_sd"].values
     ax.fill_between(time, -noise, noise, color=PALE, alpha=0.6, linewidth=0)
     for model in repair["model"].values:
@@ -91,7 +96,10 @@ def draw_leftover(ax: Axes, repair: xr.Dataset) -> None:
 
 
 def draw_misfit(ax: Axes, misfit: xr.Dataset) -> None:
-    """Draw squared residuals over squared noise of all trials, by time since the load changed."""
+    """Draw squared residuals over squared noise of all trials.
+
+    The axis is the time since the load changed.
+    """
     ax.axhline(1.0, color=GREY, lw=0.7)
     for model in misfit["model"].values:
         colour, line, _ = MODEL_STYLES[str(model)]
@@ -104,7 +112,9 @@ def draw_misfit(ax: Axes, misfit: xr.Dataset) -> None:
 
 @styled
 def draw_ranking(ranking: xr.Dataset, evidence: xr.Dataset) -> Figure:
-    """Draw how much every effect alone gains over the base model, and what chance gains.
+    """Draw every effect's gain over the base model.
+
+    What chance gains is drawn beside it.
 
     Parameters
     ----------
@@ -137,10 +147,12 @@ def draw_ranking(ranking: xr.Dataset, evidence: xr.Dataset) -> Figure:
 
 @styled
 def draw_location(location: xr.Dataset) -> Figure:
-    """Draw where the base and the final model miss: false-discovery rates of cells.
+    """Draw where the base and the final model miss.
+
+    The cells show false-discovery rates.
 
     Each row is a joint; colour is the rate at which a cell counts as missed, 1e-6 or less darkest;
-    empty cells hold too few angles.
+    empty cells contain too few angles.
 
     Parameters
     ----------
@@ -172,7 +184,9 @@ def draw_location(location: xr.Dataset) -> Figure:
 
 @styled
 def draw_masking(masking: xr.Dataset) -> Figure:
-    """Draw what is left of every effect's signal, and which effects look alike.
+    """Draw what is left of every effect's signal.
+
+    It also shows which effects look alike.
 
     Parameters
     ----------

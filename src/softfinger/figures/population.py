@@ -26,7 +26,9 @@ VISCOELASTIC = ("k_v", "c_v", "c_p")
 
 @styled
 def draw_parameter_histograms(population: xr.Dataset, load_unit: str) -> Figure:
-    """Draw the trials' least-squares estimates and the fitted densities: parameter × joint.
+    """Draw the trials' estimates and the fitted densities.
+
+    The estimates are least squares; the panels are parameter × joint.
 
     The axis is logarithmic, so a log-normal looks normal; densities are per unit of the natural
     logarithm. Open bars are the estimates that the paper's rule drops.
@@ -52,7 +54,7 @@ def draw_parameter_histograms(population: xr.Dataset, load_unit: str) -> Figure:
 
 @styled
 def draw_initial_angles(population: xr.Dataset) -> Figure:
-    """Draw the distribution of the initial angle over trials, one panel per joint.
+    """Draw each joint's distribution of initial angles over trials.
 
     Parameters
     ----------
@@ -78,7 +80,10 @@ def finish_histograms(figure: Figure, axes: np.ndarray, joints: np.ndarray, labe
 
 
 def draw_histogram(ax: Axes, population: xr.Dataset, *, logarithmic: bool) -> None:
-    """Draw one parameter of one joint: bars of the estimates, curves of the densities."""
+    """Draw one joint's parameter: histogram and densities.
+
+    Bars are the estimates.
+    """
     edges = drop_missing(population["bar_edge"].values)
     for name, label, style in (
         ("kept_density", "trials kept", {"color": PALE}),
@@ -108,7 +113,10 @@ def drop_missing(values: np.ndarray) -> np.ndarray:
 
 
 def label_decades(ax: Axes, ratio: float) -> None:
-    """Label a logarithmic axis that spans few decades or many, in plain numbers."""
+    """Label a logarithmic axis in plain numbers.
+
+    It may span few decades or many.
+    """
     ax.set_xscale("log")
     subs = (1,) if ratio > 100 else (1, 3)
     ax.xaxis.set_major_locator(MaxNLocator(3) if ratio < 10 else LogLocator(subs=subs))

@@ -1,4 +1,4 @@
-"""What the priors alone say about the motion."""
+"""The motion that the priors alone expect."""
 
 from __future__ import annotations
 
@@ -19,7 +19,9 @@ from softfinger.figures.style import (
 
 @styled
 def draw_prior_predictive(prior: xr.Dataset) -> Figure:
-    """Draw the joint angle that the priors alone expect, beside what was recorded.
+    """Draw the joint angle that the priors expect.
+
+    The recorded angle is drawn beside it.
 
     Parameters
     ----------

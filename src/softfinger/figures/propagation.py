@@ -1,4 +1,4 @@
-"""How the spread of the parameters becomes spread of the motion."""
+"""From the parameters' spread to the motion's."""
 
 from __future__ import annotations
 
@@ -25,7 +25,9 @@ EARLY = 1.0
 
 @styled
 def draw_sobol(sobol: xr.Dataset) -> Figure:
-    """Draw first-order Sobol indices over time, all of it above, the first second below.
+    """Draw first-order Sobol indices over time.
+
+    The whole time is above, the first second below.
 
     Lines: the share of the angle's variance that each parameter causes alone. Bands: the interval
     that the posterior leaves, where the artifact has one. Thin lines: the total effect.
@@ -65,7 +67,9 @@ def draw_indices(ax: Axes, sobol: xr.Dataset) -> None:
 
 @styled
 def draw_shapley(shapley: xr.Dataset) -> Figure:
-    """Draw the Shapley effects of correlated parameters over time, with the posterior's interval.
+    """Draw Shapley effects of correlated parameters over time.
+
+    The posterior gives their intervals.
 
     Parameters
     ----------
@@ -99,9 +103,11 @@ def take_middle(values: xr.DataArray) -> xr.DataArray:
 
 @styled
 def draw_densities(densities: xr.Dataset) -> Figure:
-    """Draw the density of the joint angle at several times, one ridge per time.
+    """Draw the joint angle's density at several times.
 
-    Each density is scaled to its own peak and stands on the line of its time, so that its peak is
+    Each time has one ridge.
+
+    Each density is scaled to its own peak and drawn on the line of its time, so that its peak is
     seen to move and widen, from a needle at the start to a hill at the end.
 
     Parameters
@@ -125,7 +131,10 @@ def draw_densities(densities: xr.Dataset) -> Figure:
 
 
 def draw_ridge(ax: Axes, densities: xr.Dataset, base: float, colour: np.ndarray) -> None:
-    """Draw one density (angle) and its band on its line, over 1.6 lines at its peak."""
+    """Draw one density (angle) and its band.
+
+    At its peak it is 1.6 lines high.
+    """
     angle, density = densities["joint_angle"].values, densities["density"].values
     low, high = (densities["density_bound"].sel(bound=end).values for end in ("lower", "upper"))
     scale = 1.6 / np.nanmax(density)

@@ -1,4 +1,4 @@
-"""The recordings themselves: every trial's joint angles and loads over time."""
+"""Every trial's joint angles and loads over time."""
 
 from __future__ import annotations
 
@@ -27,7 +27,9 @@ JUMP = 4
 
 @styled
 def draw_recordings(angles: xr.Dataset) -> Figure:
-    """Draw every trial's joint angle over time, one row per joint, the load below.
+    """Draw every trial's joint angle over time.
+
+    Each joint has a row; the load is below.
 
     Lines are coloured by the trial's largest load and rasterised, so that a hundred trials stay
     small in a vector file. Missing and masked frames leave gaps.
@@ -58,7 +60,10 @@ def draw_recordings(angles: xr.Dataset) -> Figure:
 
 
 class _LoadColours:
-    """A colour per trial by its largest load; one plain colour where all loads are alike."""
+    """A colour per trial by its largest load.
+
+    One plain colour where all loads are alike.
+    """
 
     def __init__(self, angles: xr.Dataset) -> None:
         load = angles["load_torque"].values
@@ -69,7 +74,10 @@ class _LoadColours:
 
 
 def draw_trials(ax: Axes, angles: xr.Dataset, series: xr.DataArray, colours: np.ndarray) -> None:
-    """Draw one line per trial of `series` (trial, frame) over the artifact's time."""
+    """Draw one line of `series` (trial, frame) per trial.
+
+    The axis is the artifact's time.
+    """
     pairs = zip(angles["time"].values, series.transpose("trial", "frame").values, strict=True)
     lines = [np.column_stack(pair) for pair in pairs]
     alpha = float(np.clip(6 / max(len(lines), 1), 0.25, 0.9))
@@ -80,7 +88,10 @@ def draw_trials(ax: Axes, angles: xr.Dataset, series: xr.DataArray, colours: np.
 
 
 def draw_loads(ax: Axes, angles: xr.Dataset, colours: np.ndarray) -> None:
-    """Draw every trial's load: 0 before the first knot, the last value after the last knot."""
+    """Draw every trial's load over time.
+
+    It is 0 before the first knot, and keeps its last value after the last knot.
+    """
     end = float(angles["time"].max())
     lines = []
     for time, load in zip(angles["load_time"].values, angles["load_torque"].values, strict=True):

@@ -1,4 +1,7 @@
-"""What the model leaves: residuals over the time since the load changed, and their spectrum."""
+"""The model's residuals over time, and their spectrum.
+
+Time counts from the last change of the load.
+"""
 
 from __future__ import annotations
 
@@ -27,10 +30,12 @@ CHANGE_STYLES = {"rise": (BLUE, "after the load rose"), "fall": (RED, "after the
 
 @styled
 def draw_residuals(residuals: xr.Dataset) -> Figure:
-    """Draw the mean residual over the time since the load changed, and the residual's spectrum.
+    """Draw the mean residual and the residual's spectrum.
+
+    The mean is over the time since the load changed.
 
     Left: recording minus model, the mean over trials, all of it and the first second; the band is
-    what chance leaves of it, two standard errors. Whatever stands out of the band is motion that
+    what chance leaves of it, two standard errors. Whatever leaves the band is motion that
     most trials share and the model does not have. Right: the residual's power times frequency, so
     that equal areas are equal variance; a narrow peak is a ring.
 
@@ -39,7 +44,7 @@ def draw_residuals(residuals: xr.Dataset) -> Figure:
     residuals
         `mean_residual`, `residual_se` (change, joint, since_change) [rad];
         `residual_power` (change, joint, frequency) [rad2], frequency times power spectral density;
-        `peak_frequency` (change, joint) [Hz], NaN where no narrow peak stands out.
+        `peak_frequency` (change, joint) [Hz], NaN where there is no narrow peak.
     """
     joints, small = residuals["joint"], label_thousandth(get_motion_unit(residuals))
     figure = new_figure(get_source(residuals), height=0.5 + 1.6 * joints.size)
@@ -60,7 +65,10 @@ def draw_residuals(residuals: xr.Dataset) -> Figure:
 
 
 def draw_mean_residual(ax: Axes, residuals: xr.Dataset) -> None:
-    """Draw the mean residual of one joint with its band of chance around zero [mrad]."""
+    """Draw one joint's mean residual [mrad].
+
+    The band around zero shows chance.
+    """
     time = residuals["since_change"].values
     ax.axhline(0, color=GREY, linewidth=0.6)
     for change in residuals["change"].values:
@@ -72,7 +80,10 @@ def draw_mean_residual(ax: Axes, residuals: xr.Dataset) -> None:
 
 
 def draw_spectrum(ax: Axes, residuals: xr.Dataset) -> None:
-    """Draw frequency × power spectral density of one joint's residuals, its ring named."""
+    """Draw one joint's residual spectrum and name its ring.
+
+    The axis shows frequency × power spectral density.
+    """
     frequency = residuals["frequency"].values
     for change in residuals["change"].values:
         colour, _ = CHANGE_STYLES[str(change)]

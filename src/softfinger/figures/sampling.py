@@ -1,4 +1,4 @@
-"""Did the sampler do its work: agreement of chains and effective number of draws."""
+"""Agreement of chains and effective number of draws."""
 
 from __future__ import annotations
 
@@ -25,7 +25,9 @@ CHAIN_COLOURS = (BLUE, ORANGE, GREEN, PINK)
 
 @styled
 def draw_sampling(sampling: xr.Dataset, worst: xr.Dataset) -> Figure:
-    """Draw R-hat and effective draws of every quantity, and the draws of the worst one.
+    """Draw R-hat and effective draws of every quantity.
+
+    The draws of the worst one are added.
 
     Parameters
     ----------
@@ -57,7 +59,10 @@ def draw_sorted(ax: Axes, values: np.ndarray, colour: str, label: str | None = N
 
 
 def draw_limit(ax: Axes, limit: float, place: float) -> None:
-    """Draw the limit that values are held against, its name at a share of the axis."""
+    """Draw a limit and its name.
+
+    The name is placed at a share of the axis.
+    """
     ax.axhline(limit, color=RED, linewidth=0.8, linestyle="--")
     ax.annotate(
         f"limit {limit:g}",

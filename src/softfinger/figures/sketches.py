@@ -1,4 +1,4 @@
-"""Sketches drawn by code: the finger's geometry and the joint's springs and dashpots.
+"""Sketches of the finger and of the joint model.
 
 They show what words mean, not data, so they carry no stamp.
 """
@@ -24,7 +24,10 @@ WIRES: Cords = ((OFFSET, RED, 1), (-OFFSET, GREY, 1))
 
 @styled
 def draw_finger_sketch(n_joint: int, *, wires: bool = True) -> Figure:
-    """Draw the finger from above: links, joints, relative angles, markers, and wires if it has."""
+    """Draw the finger from above.
+
+    It shows links, joints, relative angles, markers, and wires if there are any.
+    """
     figure = Figure(figsize=(SINGLE_COLUMN, 2.3))
     ax = figure.subplots()
     centre, heading = np.zeros(2), 0.0
@@ -45,7 +48,10 @@ def draw_finger_sketch(n_joint: int, *, wires: bool = True) -> Figure:
 
 
 def name_wires(ax: Axes) -> None:
-    """Name the pulled and the slack wire, and the wire's distance from the middle."""
+    """Name the pulled wire and the slack one.
+
+    The wire's distance from the middle is marked too.
+    """
     ax.annotate(
         "wire: tension f", (-LINK, OFFSET), (-LINK - 0.75, OFFSET),
         arrowprops={"arrowstyle": "<-", "color": RED}, color=RED, va="center", ha="right",
@@ -62,7 +68,10 @@ def along(heading: float) -> np.ndarray:
 
 
 def draw_link(ax: Axes, start: np.ndarray, heading: float, name: str, cords: Cords) -> None:
-    """Draw one link between two joint centres: its body, wires and markers."""
+    """Draw one link's body, wires and markers.
+
+    It lies between two joint centres.
+    """
     forward, side = along(heading), along(heading + np.pi / 2)
     body = start + forward * JOINT / 2, start + forward * (LINK - JOINT / 2)
     half = 1.45 * OFFSET
@@ -79,13 +88,19 @@ def draw_link(ax: Axes, start: np.ndarray, heading: float, name: str, cords: Cor
 
 
 def draw_direction(ax: Axes, centre: np.ndarray, heading: float) -> None:
-    """Draw where a link points, beyond the joint from which the angle is taken."""
+    """Draw a link's direction beyond its proximal joint.
+
+    The angle is taken from there.
+    """
     ends = np.array([centre, centre + along(heading) * REACH])
     ax.plot(*ends.T, color=BLUE, lw=0.4, zorder=5)
 
 
 def draw_joint(ax: Axes, centre: np.ndarray, heading: float, joint: int, cords: Cords) -> None:
-    """Draw one constricted joint, the wires across it and its relative angle."""
+    """Draw a constricted joint, its wires and angle.
+
+    The angle is relative.
+    """
     bent = heading + BEND
     for place, colour, width in (*cords, (0.0, GREY, 5)):
         ends = [
@@ -106,7 +121,10 @@ def draw_joint(ax: Axes, centre: np.ndarray, heading: float, joint: int, cords: 
 
 @styled
 def draw_joint_model_sketch() -> Figure:
-    """Draw the joint's model: spring and dashpot side by side, then a dashpot in series."""
+    """Draw the joint's model of springs and dashpots.
+
+    A spring and a dashpot are side by side; another dashpot is in series.
+    """
     figure = Figure(figsize=(SINGLE_COLUMN, 1.35))
     ax = figure.subplots()
     with mpl.rc_context({"lines.linewidth": 1.0}):
@@ -130,7 +148,7 @@ def draw_joint_model_sketch() -> Figure:
 
 
 def draw_rods(ax: Axes) -> None:
-    """Draw the wall and the rods that hold the elements together."""
+    """Draw the wall and rods between the elements."""
     ax.plot([0, 0], [-0.8, 0.8], color=BLACK, lw=2.5)
     for x in (0.3, 2.65):
         ax.plot([x, x], [-0.45, 0.45], color=BLACK)

@@ -1,4 +1,7 @@
-"""The style that every figure shares: widths, colours, the stamp, and the way it is saved."""
+"""The style that every figure shares.
+
+It sets widths, colours, the stamp, and the way figures are saved.
+"""
 
 from __future__ import annotations
 
@@ -47,7 +50,10 @@ PARAMETER_LABELS = {
 
 
 def styled[**P](draw: Callable[P, Figure]) -> Callable[P, Figure]:
-    """Make `draw` draw in the project's style, whatever the caller's settings are."""
+    """Make `draw` use the project's style, always.
+
+    The caller's settings do not matter.
+    """
 
     @functools.wraps(draw)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> Figure:
@@ -58,10 +64,12 @@ def styled[**P](draw: Callable[P, Figure]) -> Callable[P, Figure]:
 
 
 def new_figure(source: str, height: float, width: float = DOUBLE_COLUMN) -> Figure:
-    """Open a figure of `width` × `height` [inch], stamped `synthetic` or `measured`.
+    """A stamped figure of `width` × `height` [inch].
+
+    The stamp is `synthetic` or `measured`.
 
     The stamp is the `source` attr of the artifact that is drawn; a figure without one is refused,
-    because nobody could tell afterwards whether it shows a simulation.
+    because nobody could know afterwards whether it shows a simulation.
     """
     if source not in {"synthetic", "measured"}:
         raise ValueError(
@@ -74,12 +82,17 @@ def new_figure(source: str, height: float, width: float = DOUBLE_COLUMN) -> Figu
 
 
 def get_source(dataset: xr.Dataset) -> str:
-    """Return the `source` attr, or an empty string that `new_figure` refuses."""
+    """The `source` attr, or an empty string.
+
+    `new_figure` refuses the empty one.
+    """
     return str(dataset.attrs.get("source", ""))
 
 
 def label_load_unit(angles: xr.Dataset) -> str:
-    """Return the unit of the load: `N m`, or `command` where the load is one or only assumed.
+    """Unit of the load, or `command`.
+
+    `N m` for a torque; `command` where the load is one or only assumed.
 
     >>> label_load_unit(xr.Dataset({"load_kind": ("trial", ["command", "command"])}))
     'command'
@@ -100,7 +113,10 @@ def label_motion(dataset: xr.Dataset) -> str:
 
 
 def get_motion_unit(dataset: xr.Dataset) -> str:
-    """Return the unit of the motion: rad of a finger, as declared of a specimen."""
+    """Unit of the motion.
+
+    It is rad for a finger, and the declared one for a specimen.
+    """
     return str(dataset.attrs.get("motion_unit", "rad"))
 
 
@@ -114,7 +130,9 @@ def label_thousandth(unit: str) -> str:
 
 
 def label_parameter_unit(parameter: str, load_unit: str, motion_unit: str = "rad") -> str:
-    """Return the unit of a parameter; for a command, per unit of it.
+    """Unit of a parameter.
+
+    It is that of the load, per unit of motion.
 
     >>> label_parameter_unit("c_p", "N m"), label_parameter_unit("q_ini", "command")
     ('N m s/rad', 'rad')
@@ -131,26 +149,38 @@ def label_parameter_unit(parameter: str, load_unit: str, motion_unit: str = "rad
 def build_joint_axes(
     figure: Figure, n_joint: int, n_row: int = 1, *, sharex: str | bool = True, sharey: bool = False
 ) -> np.ndarray:
-    """Lay out axes (row, joint): a column per joint up to four, else a row per joint."""
+    """Lay out axes (row, joint), a column per joint.
+
+    Beyond four joints, each has a row.
+    """
     if n_joint <= 4:
         return figure.subplots(n_row, n_joint, squeeze=False, sharex=sharex, sharey=sharey)
     return figure.subplots(n_joint, n_row, squeeze=False, sharex=sharex, sharey=sharey).T
 
 
 def measure_joint_rows(n_joint: int, n_row: int) -> int:
-    """Count the rows that `build_joint_axes` lays out, for the height of the figure."""
+    """Number of rows that `build_joint_axes` lays out.
+
+    The figure's height follows from it.
+    """
     return n_row if n_joint <= 4 else n_joint
 
 
 def label_log_axis(axis: Axis) -> None:
-    """Label a logarithmic axis that spans few decades: 1, 2, 5, in plain numbers."""
+    """Label a short logarithmic axis 1, 2, 5.
+
+    It spans few decades; the numbers are plain.
+    """
     axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())
 
 
 def render_figure(figure: Figure, form: str = "svg") -> bytes:
-    """Return the bytes of a figure as `svg`, `pdf` or `png`; the same figure, the same bytes."""
+    """Bytes of a figure as `svg`, `pdf` or `png`.
+
+    The same figure gives the same bytes.
+    """
     metadata = {
         "svg": {"Date": None, "Creator": None},
         "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
@@ -163,7 +193,9 @@ def render_figure(figure: Figure, form: str = "svg") -> bytes:
 
 
 def shorten_paths(svg: bytes) -> bytes:
-    """Round the coordinates of an SVG's paths to 0.01 pt, which nobody sees, to save half of them.
+    """Round an SVG's path coordinates to 0.01 pt.
+
+    Nobody sees it, and it saves half of their bytes.
 
     >>> shorten_paths(b'<path d="M 1.234567 2.0 L -0.001 3"/>')
     b'<path d="M 1.23 2 L 0 3"/>'
@@ -176,6 +208,6 @@ def _round(number: re.Match[bytes]) -> bytes:
 
 
 def save_figure(figure: Figure, path: Path | str) -> None:
-    """Write a figure to `path`, in the form that its suffix names (.svg, .pdf, .png)."""
+    """Write a figure to `path` (.svg, .pdf, .png)."""
     path = Path(path)
     path.write_bytes(render_figure(figure, path.suffix.removeprefix(".")))

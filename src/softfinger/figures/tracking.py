@@ -27,7 +27,9 @@ LINK_COLOURS = (ORANGE, SKY, PINK, GREEN, BLUE)
 
 @styled
 def draw_tracking(trial: xr.Dataset, frame: int, image: xr.DataArray | None = None) -> Figure:
-    """Draw the markers of one frame, on the picture itself where it is given.
+    """Draw the markers of one frame.
+
+    They are drawn on the picture itself where it is given.
 
     Rings are found markers, crosses are flagged ones; thin lines are the paths that the markers
     take over the whole trial. Each link has its colour.
@@ -65,7 +67,10 @@ def name_link(marker: str) -> str:
 
 
 def draw_links(ax: Axes, trial: xr.Dataset, frame: int) -> None:
-    """Draw paths, rings and crosses of the markers of one trial (frame, marker, axis)."""
+    """Draw one trial's marker paths, rings and crosses.
+
+    The markers are (frame, marker, axis).
+    """
     names = [name_link(str(name)) for name in trial["marker"].values]
     links = list(dict.fromkeys(names))
     for place, link in enumerate(links):

@@ -1,4 +1,4 @@
-"""The one gate that every file goes through which others may have written."""
+"""The one gate for files of others."""
 
 from softfinger.gate.document import Document, read_document
 from softfinger.gate.files import find_obstacle, read_text

@@ -1,4 +1,7 @@
-"""YAML documents of others: plain values within limits, and the line of each."""
+"""YAML documents of others: values and their lines.
+
+Values are plain and within limits.
+"""
 
 from __future__ import annotations
 
@@ -44,20 +47,22 @@ Place = tuple[str | int, ...]
 
 @dataclass(frozen=True)
 class Document:
-    """Keys and values of a file, and the line at which each begins."""
+    """Keys and values of a file, with their lines."""
 
     content: Mapping[str, Any]
     lines: Mapping[Place, int] = field(default_factory=dict)
 
     def find_line(self, place: Place) -> int:
-        """Line of a value, or of the nearest part around it that is there."""
+        """Line of a value or of its nearest parent."""
         while place and place not in self.lines:
             place = place[:-1]
         return self.lines.get(place, 1)
 
 
 def read_document(path: Path) -> Document:
-    """Read a YAML document of keys and plain values: text, numbers, true, false, null, lists.
+    """Read a YAML document of plain values.
+
+    They are keys, text, numbers, true, false, null and lists.
 
     What a small file can make slow, large or strange is no part of it: aliases, tags, directives,
     keys that are no text, a second document, dates (which remain text).
@@ -98,7 +103,7 @@ class _EventReader:
         self.lines: dict[Place, int] = {}
         self.count = 0
 
-    def read_document(self) -> Any:  # noqa: ANN401 (a YAML tree holds anything)
+    def read_document(self) -> Any:  # noqa: ANN401 (a YAML tree contains anything)
         content, documents = None, 0
         for event in self.events:
             if isinstance(event, DocumentStartEvent):

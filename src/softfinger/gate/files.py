@@ -1,4 +1,4 @@
-"""Files as they come: whether one can be read, and its text."""
+"""Whether a file can be read, and its text."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ from softfinger.faults import Fault
 
 
 def find_obstacle(path: Path) -> str | None:
-    """What keeps a file from being read, as the end of a sentence, or None.
+    """What prevents reading a file, or None.
+
+    It is the end of a sentence.
 
     A folder, a pipe or a device is no file: reading one may never end.
     """
@@ -28,12 +30,14 @@ def find_obstacle(path: Path) -> str | None:
 
 
 def read_text(path: Path, largest_bytes: int) -> str:
-    """Text of a small file: UTF-8, with or without a byte-order mark, any line ends.
+    """Text of a small file.
+
+    It is UTF-8, with or without a byte-order mark, and with any line ends.
 
     Raises
     ------
     Fault
-        It cannot be read, is larger than `largest_bytes`, is not UTF-8 or holds a NUL.
+        It cannot be read, is larger than `largest_bytes`, is not UTF-8 or contains a NUL.
     """
     obstacle = find_obstacle(path)
     if obstacle:

@@ -1,4 +1,7 @@
-"""The report: artifacts → one self-contained HTML page, and figures for publication."""
+"""The report, a self-contained page, and publication figures.
+
+Both are made from artifacts.
+"""
 
 from softfinger.report.page import write_report
 

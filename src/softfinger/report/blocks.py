@@ -1,4 +1,7 @@
-"""What a page is made of: plain text in small pieces; the template turns them into HTML."""
+"""Pieces of plain text that make a page.
+
+The template turns them into HTML.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +36,10 @@ class Listing:
 
 @dataclass(frozen=True)
 class Fragment:
-    """A fixed piece of the page that the template holds, such as the model's equations."""
+    """A fixed piece of the page from the template.
+
+    The model's equations are one.
+    """
 
     kind: ClassVar[str] = "fragment"
     name: str
@@ -41,7 +47,10 @@ class Fragment:
 
 @dataclass(frozen=True)
 class Cell:
-    """A table's cell: what is read, and the number behind it for sorting and export."""
+    """A table's cell: text, and number behind it.
+
+    The number serves sorting and export.
+    """
 
     text: str
     value: float | None = None
@@ -49,7 +58,10 @@ class Cell:
 
 @dataclass(frozen=True)
 class Table:
-    """A table with a caption that names where its numbers come from."""
+    """A table with a caption.
+
+    The caption names where its numbers come from.
+    """
 
     kind: ClassVar[str] = "table"
     name: str
@@ -60,13 +72,16 @@ class Table:
     folded: bool = False
 
     def is_numeric(self, column: int) -> bool:
-        """Say whether a column holds numbers, and is set flush right."""
+        """Whether a column contains numbers, and is flush right."""
         return any(row[column].value is not None for row in self.rows)
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure with alternative text and caption; `true_colours` stay as they are in the dark."""
+    """A figure with alternative text and caption.
+
+    `true_colours` stay as they are in the dark.
+    """
 
     kind: ClassVar[str] = "picture"
     name: str
@@ -78,20 +93,29 @@ class Picture:
 
     @property
     def address(self) -> str:
-        """The figure as a data address, so that the page needs no other file."""
+        """The figure as a data address.
+
+        The page then needs no other file.
+        """
         code = base64.b64encode(render_figure(self.figure, "svg")).decode()
         return f"data:image/svg+xml;base64,{code}"
 
     @property
     def size(self) -> tuple[int, int]:
-        """Width and height on the screen [CSS px], a little larger than on paper."""
+        """Width and height on the screen [CSS px].
+
+        They are a little larger than on paper.
+        """
         width, height = self.figure.get_size_inches() * 96 * ON_SCREEN
         return round(width), round(height)
 
 
 @dataclass(frozen=True)
 class Check:
-    """One check against a limit; `passed` is None where it could not be made."""
+    """One check against a limit.
+
+    `passed` is None where it could not be made.
+    """
 
     name: str
     found: str
@@ -102,7 +126,10 @@ class Check:
 
     @property
     def failed(self) -> bool:
-        """Whether it was made and not passed; holds for numpy's truth values as well."""
+        """Whether the check was made and not passed.
+
+        numpy's truth values work as well.
+        """
         return self.passed is not None and not self.passed
 
     @property
@@ -138,7 +165,10 @@ class Section:
 
 @dataclass(frozen=True)
 class Tile:
-    """One of the verdicts at the head of the page; `passed` None = not judged."""
+    """One of the verdicts at the page's head.
+
+    `passed` is None where nothing was judged.
+    """
 
     question: str
     answer: str
@@ -153,5 +183,5 @@ def text(value: object) -> Cell:
 
 
 def number(shown: str, value: float) -> Cell:
-    """Make a cell of a number as it is read, and in full."""
+    """A cell of a number, short and in full."""
     return Cell(shown, float(value))

@@ -118,7 +118,9 @@ FOUND: dict[str, Callable[[Material, xr.Dataset], str]] = {
 
 
 def combine_checks(checks: tuple[Check, ...]) -> bool | None:
-    """Combine checks: False if any failed, True if the rest has at least one pass, else None.
+    """Combine checks into True, False or None.
+
+    False if any failed, True if the rest has at least one pass, else None.
 
     >>> combine_checks(())
     """

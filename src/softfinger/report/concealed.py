@@ -1,4 +1,7 @@
-"""The page of the proof: what was concealed, what was answered, and the score."""
+"""The page of the proof.
+
+It shows what was concealed, what was answered, and the score.
+"""
 
 from __future__ import annotations
 
@@ -63,7 +66,7 @@ class Proof:
 
 
 def render_proof(proof: Proof) -> str:
-    """Render the page of the proof as one HTML file that needs no other."""
+    """The page of the proof as self-contained HTML."""
     build = (_tell_question, _tell_score, _tell_buried, _tell_cases, _tell_measured, _tell_seals)
     return render_page(
         title=f"The proof, seed {proof.seed}: {len(proof.cases)} concealed campaigns",

@@ -1,4 +1,4 @@
-"""What the statistics of the proof mean, and what they should be."""
+"""Meanings and targets of the proof's statistics."""
 
 from __future__ import annotations
 

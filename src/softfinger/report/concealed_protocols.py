@@ -1,4 +1,4 @@
-"""Names by effect and protocol, alarms by condition: tables of the proof's page."""
+"""The proof's names by effect, alarms by condition."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ NO_EFFECT = ("clean", "outside")
 
 
 def build_protocols(cases: Sequence[Mapping[str, Any]]) -> Table:
-    """Tabulate right names of visible effects by effect and protocol.
+    """Table of right names by effect and protocol.
+
+    Only visible effects count.
 
     Parameters
     ----------
@@ -47,7 +49,9 @@ def count_named(cases: Sequence[Mapping[str, Any]]) -> str:
 
 
 def build_conditions(cases: Sequence[Mapping[str, Any]]) -> Table:
-    """Tabulate alarms on clean campaigns by what disturbed the measurement.
+    """Table of alarms on clean campaigns by disturbance.
+
+    The disturbances are those of the measurement.
 
     Parameters
     ----------

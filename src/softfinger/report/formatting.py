@@ -1,4 +1,4 @@
-"""Numbers as people read them: no more digits than the uncertainty bears."""
+"""Numbers with no more digits than certain."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ LEAST_SHARE_SHOWN = 20.0
 
 
 def format_measure(value: float, sd: float) -> str:
-    """Write a value with its standard deviation, rounded by the Particle Data Group's rule.
+    """A value with its standard deviation, rounded.
+
+    The rule is the Particle Data Group's.
 
     >>> format_measure(0.08712, 0.00213), format_measure(48431.0, 5120.0)
     ('0.0871 ± 0.0021', '(4.8 ± 0.5) × 10⁴')
@@ -36,7 +38,9 @@ def format_measure(value: float, sd: float) -> str:
 
 
 def count_decimals(sd: float) -> int:
-    """Count the decimals that a standard deviation leaves: two digits up to 3.54, then one.
+    """Decimals that a standard deviation leaves.
+
+    It keeps two digits up to 3.54, then one.
 
     >>> count_decimals(0.0123), count_decimals(0.0082), count_decimals(0.00967)
     (3, 3, 3)
@@ -48,7 +52,9 @@ def count_decimals(sd: float) -> int:
 
 
 def format_interval(low: float, high: float) -> str:
-    """Write an interval with two digits of a quarter of its width, about its standard deviation.
+    """An interval, rounded by its width.
+
+    It shows two digits of a quarter of its width, which is about its standard deviation.
 
     >>> format_interval(0.08312, 0.09123), format_interval(41230.0, 57000.0)
     ('0.0831 to 0.0912', '(4.12 to 5.70) × 10⁴')
@@ -63,7 +69,9 @@ def format_interval(low: float, high: float) -> str:
 
 
 def format_number(value: float, digits: int = 3) -> str:
-    """Write a number with so many significant digits and no needless exponent.
+    """A number with so many significant digits.
+
+    It has no needless exponent.
 
     >>> format_number(0.0123456), format_number(1234567.0), format_number(float("inf"))
     ('0.0123', '1.23 × 10⁶', '∞')
@@ -103,14 +111,19 @@ def format_shares(low: float, high: float, decimals: int = 0) -> str:
 
 
 def fix(value: float, decimals: int) -> str:
-    """Write with fixed decimals, a true minus sign, and no minus before zero."""
+    """A number with fixed decimals, true minus sign.
+
+    Zero has no minus.
+    """
     text = f"{value:.{decimals}f}"
     negative = text.startswith("-") and float(text) != 0
     return ("−" if negative else "") + text.lstrip("-")
 
 
 def choose_exponent(value: float) -> int:
-    """Return the power of ten to write apart; 0 from 0.001 to 10000.
+    """Power of ten to write apart.
+
+    It is 0 from 0.001 to 10000.
 
     >>> choose_exponent(0.02), choose_exponent(48000.0), choose_exponent(0.0)
     (0, 4, 0)

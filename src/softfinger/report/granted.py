@@ -1,4 +1,7 @@
-"""What the fit took for granted: one population, its parameters' correlations, and its priors."""
+"""What the fit took for granted.
+
+That is one population, its parameters' correlations, and its priors.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,10 @@ MOST_PAIRS = 20
 
 
 def show_independence(material: Material) -> tuple[Block, ...]:
-    """Show whether a trial's parameters are independent: as fitted, else as the data agree."""
+    """Show whether a trial's parameters are independent.
+
+    Where correlations are fitted they are shown, else how well the data agree with none.
+    """
     if material.find("correlations") is not None:
         return show_correlations(material, material.find("correlations"))
     found = material.find("independence")
@@ -54,7 +60,10 @@ def show_independence(material: Material) -> tuple[Block, ...]:
 
 
 def show_correlations(material: Material, found: xr.Dataset) -> tuple[Block, ...]:
-    """Show the fitted correlations of a trial's parameters, the surest first."""
+    """Show fitted correlations of a trial's parameters.
+
+    The surest come first.
+    """
     shown, pairs, prob = found.isel(pair=slice(MOST_PAIRS)), found.sizes["pair"], material.ci_prob
     rows = tuple(
         (text(name_own(str(one))), text(name_own(str(other))), *show_correlation(value))
@@ -88,7 +97,10 @@ def show_correlation(quantiles: np.ndarray) -> tuple[Cell, Cell]:
 
 
 def show_loo_pit(material: Material) -> tuple[Block, ...]:
-    """Show whether trials lie where the others predict them, at a few moments of every joint."""
+    """Show whether trials lie where others predict them.
+
+    A few moments of every joint are shown.
+    """
     found = material.find("loo_pit")
     if found is None:
         return ()
@@ -121,14 +133,20 @@ def show_loo_pit(material: Material) -> tuple[Block, ...]:
 
 
 def _show_sensitivity(*found: xr.DataArray) -> tuple[Cell, ...]:
-    """Cells of the sensitivities to the prior and the recordings, and of their reading."""
+    """Cells of the sensitivities to prior and recordings.
+
+    Their reading is added.
+    """
     *sizes, reading = found
     numbers = [number(format_number(float(size)), float(size)) for size in sizes]
     return (*numbers, text(reading.item()))
 
 
 def show_prior_sensitivity(material: Material) -> tuple[Block, ...]:
-    """Show which hyperparameters depend on their prior, and where the data disagree with it."""
+    """Show which hyperparameters depend on their prior.
+
+    It also shows where the data disagree with it.
+    """
     found = material.find("prior_sensitivity")
     if found is None:
         return ()

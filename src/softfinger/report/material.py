@@ -1,4 +1,4 @@
-"""What a report is written from: the artifacts of one campaign."""
+"""The artifacts of one campaign for its report."""
 
 from __future__ import annotations
 
@@ -19,14 +19,17 @@ NEEDED = ("angles", "checks", "summary")
 
 @dataclass(frozen=True)
 class Material:
-    """The artifacts of one campaign; everything but ``NEEDED`` may be missing."""
+    """The artifacts of one campaign.
+
+    Everything but ``NEEDED`` may be missing.
+    """
 
     artifacts: Mapping[str, Artifact]
     config: Mapping[str, Any]
     commit: str | None = None
 
     def __post_init__(self) -> None:
-        """Refuse a report about no recordings, or of nothing that was summed up."""
+        """Refuse a report without recordings or without summary."""
         for name in NEEDED:
             if name not in self.artifacts:
                 rule = "angles" if name == "angles" else "summarise"
@@ -41,7 +44,10 @@ class Material:
         return self.artifacts[name].assign_attrs(source=self.source)
 
     def find(self, group: str) -> xr.Dataset | None:
-        """Return a group of `checks` or `summary`, stamped; None where it was not made."""
+        """A stamped group of `checks` or `summary`.
+
+        None where it was not made.
+        """
         for name in ("checks", "summary"):
             tree = self.artifacts[name]
             if group in tree.children:
@@ -70,7 +76,10 @@ class Material:
 
     @property
     def load_unit(self) -> str:
-        """`N m`, `command`, or the declared unit of a specimen's load."""
+        """Unit of the load, or `command`.
+
+        It is `N m` for a finger, and the declared one for a specimen.
+        """
         return label_load_unit(self.angles)
 
     @property
@@ -85,12 +94,18 @@ class Material:
 
     @property
     def is_alone(self) -> bool:
-        """Whether there is but one trial, which nothing can be compared with."""
+        """Whether there is one trial only.
+
+        Nothing can be compared with it.
+        """
         return self.angles.sizes["trial"] < 2
 
     @cached_property
     def bands(self) -> xr.Dataset:
-        """The artifact `bands`, protocols named and sorted by load if that tells them apart."""
+        """The artifact `bands`, with named and sorted protocols.
+
+        They are sorted by load if that distinguishes them.
+        """
         bands, found = self.get("bands"), self.find("calibration")
         bands = bands.assign(protocol_trials=found["protocol_trials"])
         peaks = found["protocol_load"].values

@@ -1,4 +1,4 @@
-"""The report: one self-contained HTML page from the artifacts of one campaign."""
+"""The report's HTML page from one campaign's artifacts."""
 
 from __future__ import annotations
 
@@ -62,7 +62,9 @@ def write_report(
     path: Path | str,
     commit: str | None = None,
 ) -> None:
-    """Write the report of one campaign as one HTML file that needs no other and no network.
+    """Write one campaign's report as self-contained HTML.
+
+    It needs no other file and no network.
 
     A failed check turns its verdict red; the report is written all the same.
 
@@ -71,10 +73,10 @@ def write_report(
     artifacts
         By name: `angles` (needed); `markers` (one batch), `picture`, `tracking_quality`,
         `least_squares`, `posterior`, `bands`,
-        `densities`, `sobol`, `truth`, and `verdict` (the mapping of verdict.json). What is missing
-        is said to be missing.
+        `densities`, `sobol`, `truth`, and `verdict` (the mapping of verdict.json). The page
+        states what is missing.
     config
-        The whole configuration; its block `report` holds the limits of the checks.
+        The whole configuration; its block `report` contains the limits of the checks.
     path
         The file to write.
     commit
@@ -117,7 +119,7 @@ def render_page(
     folded: Sequence[Section] = (),
     load_unit: str = "N m",
 ) -> str:
-    """Render a page; every word that is not ours is escaped.
+    """Render a page; all foreign words are escaped.
 
     Parameters
     ----------
@@ -157,7 +159,9 @@ SYMBOL = re.compile(r"\b(log_)?([kcq])_(v|p|ini)\b")
 
 
 def set_symbols(words: str) -> Markup:
-    """Escape words and set the model's symbols with their indices low, their logarithms as ln.
+    """Escape words and set the model's symbols.
+
+    Indices are low, logarithms are written ln.
 
     >>> set_symbols("k_v < log_c_p")
     Markup('<i>k</i><sub>v</sub> &lt; ln <i>c</i><sub>p</sub>')

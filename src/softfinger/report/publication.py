@@ -1,4 +1,7 @@
-"""Figures and tables for a paper: vector files by name, and a LaTeX document that holds them."""
+"""Figures and tables for a paper.
+
+Vector files by name, and a LaTeX document with them.
+"""
 
 from __future__ import annotations
 
@@ -95,7 +98,9 @@ def write_figure(
     artifacts: Mapping[str, Artifact],
     paths: Sequence[Path | str],
 ) -> None:
-    """Write one figure, once per path, in the form of the path's suffix (.pdf, .png, .svg).
+    """Write one figure as .pdf, .png or .svg.
+
+    The path's suffix decides; each path is written once.
 
     Raises
     ------
@@ -108,7 +113,9 @@ def write_figure(
 
 
 def write_parameter_table(artifacts: Mapping[str, Artifact], path: Path | str) -> None:
-    """Write the paper's table, μ and σ of every parameter at every joint, as LaTeX.
+    """Write the paper's table as LaTeX.
+
+    It contains μ and σ of every parameter at every joint.
 
     Raises
     ------
@@ -168,7 +175,9 @@ def write_document(
     artifacts: Mapping[str, Artifact],
     path: Path | str,
 ) -> None:
-    """Write a LaTeX document of the named figures and the table, which lie beside it.
+    """Write a LaTeX document with figures and table.
+
+    They lie beside it.
 
     Raises
     ------
@@ -213,7 +222,9 @@ def render_float(picture: Picture) -> str:
 
 
 def escape_tex(words: str) -> str:
-    r"""Escape words for LaTeX, the model's symbols set as symbols; foreign letters stay.
+    r"""Escape words for LaTeX.
+
+    The model's symbols are set as symbols; foreign letters stay.
 
     >>> print(escape_tex("k_v is 5 ± 1 % of c_p_x"))
     $k_{v}$ is 5 $\pm$ 1 \% of c\_p\_x

@@ -24,9 +24,9 @@ class PictureSource(Protocol):
     """What takes pictures."""
 
     def read(self) -> tuple[float, NDArray[np.uint8]]:
-        """Next frame: stamp on the camera's clock [s], picture.
+        """Wait for the next frame.
 
-        Waits for it.
+        Returns its stamp on the camera's clock [s], and the picture.
         """
 
     def close(self) -> None:
@@ -61,9 +61,9 @@ class OpenCvCamera:
         self._stamped: bool | None = None
 
     def read(self) -> tuple[float, NDArray[np.uint8]]:
-        """Next frame: stamp [s], picture (row, column, channel).
+        """Wait for the next frame.
 
-        Waits for it.
+        Returns its stamp [s] and picture (row, column, channel).
 
         Raises
         ------

@@ -54,7 +54,7 @@ def compute_flash_duration(fps: float) -> float:
 def find_light_changes(brightness: NDArray[np.float64]) -> NDArray[np.int_]:
     """Frames at which the light changes visibly.
 
-    None without contrast.
+    Without contrast there are none.
 
     >>> find_light_changes(np.array([9, 8, 99, 98, 9]))
     array([2, 4])

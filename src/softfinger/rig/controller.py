@@ -54,7 +54,7 @@ class Controller:
     Attributes
     ----------
     identity
-        What it said that it is.
+        What it reported of itself.
     """
 
     def __init__(self, link: SerialLink, plan: Plan, identity: Identity) -> None:
@@ -108,7 +108,7 @@ class Controller:
     def watch(self) -> None:
         """Listen, feed the watchdog, and refuse what is unsafe.
 
-        Must be called all the time.
+        It must be called all the time.
 
         Raises
         ------

@@ -206,7 +206,7 @@ class Device:
     def _flash(self, message: Message, now: float) -> dict[str, object]:
         self._require("idle")
         half = message.get_integer("half_us") / 1e6
-        # As a clock of microseconds tells them, after a pause in which the camera sees the dark.
+        # As a clock of microseconds gives them, after a pause in which the camera sees the dark.
         count = 2 * message.get_integer("flashes")
         self.edges = [round(now + half * k, 6) for k in range(1, count + 1)]
         self._edges_told = 0

@@ -1,6 +1,6 @@
 """What the person at the rig sees.
 
-Trial, tension, frame rate, lost frames, and a picture.
+These are trial, tension, frame rate, lost frames, and a picture.
 """
 
 import contextlib
@@ -24,7 +24,7 @@ class Display:
 
     The line follows the recording; the picture lies beside the campaign.
 
-    Off a terminal only finished trials are told.
+    Off a terminal only finished trials are reported.
     """
 
     def __init__(self, n_trials: int, n_finished: int, fps: float, preview: Path) -> None:

@@ -39,9 +39,7 @@ class VirtualFinger:
     def compute_angle(
         self, trial: int, load_time: NDArray, load_tension: NDArray, time: float
     ) -> NDArray[np.float64]:
-        """Joint angles (joint,) [rad] under this load history.
-
-        At a time of the trial.
+        """Joint angles (joint,) [rad] at a time, under load.
 
         Parameters
         ----------

@@ -26,7 +26,7 @@ class SerialLink:
 
     It closes at the end of its context.
 
-    Lines that cannot be read are skipped until `trust` (a controller that boots says all sorts of
+    Lines that cannot be read are skipped until `trust` (a controller that boots sends all sorts of
     things) and after `distrust`; in between the first one ends the session.
     """
 

@@ -3,7 +3,7 @@ r"""Lines between recorder and controller: text, numbered, checksummed.
 A line is ``BODY*CCCC\n``: BODY is ``NUMBER VERB key=value key=value …`` in printable ASCII, CCCC
 the CRC-16/CCITT-FALSE of BODY (polynomial 0x1021, initial value 0xFFFF) in four hexadecimal
 digits. A request carries a number from 1; its answer carries the same one and the verb ``ok`` or
-``error``. What the controller says unasked (``sample``, ``event``) carries 0. The verbs stand in
+``error``. What the controller sends unasked (``sample``, ``event``) carries 0. The verbs are in
 docs/rig/protocol.md.
 """
 

@@ -3,7 +3,7 @@
 Knots are the one form that is sent and stored.
 
 Knots are (time [s], tension [N]): straight lines between, two knots of one time are a step. A
-profile begins at time 0, from a slack wire, and its last tension holds until the wire is released.
+profile begins at time 0, from a slack wire, and its last tension lasts until the wire is released.
 """
 
 from abc import abstractmethod
@@ -39,7 +39,7 @@ class _Profile(Settings):
 
 
 class Steps(_Profile):
-    """Jumps to each level and holds it.
+    """Jumps to each level and stays there.
 
     >>> time, tension = Steps(name="a", shape="steps", levels_n=[8, 2], hold_s=3).build_knots()
     >>> time, tension

@@ -31,12 +31,12 @@ def record_campaign(
     camera
         A number or path for OpenCV, or ``virtual:PORT`` of a simulator.
     environment
-        Columns of ``trials.csv`` that hold for this session, beside what the controller measures.
+        Columns of ``trials.csv`` that are valid for this session, beside what the controller measures.
 
     Raises
     ------
     Fault
-        The recording ended early; the sentence says why and what is known of the wire. Finished
+        The recording ended early; the sentence states why and what is known of the wire. Finished
         trials are whole, and the same call goes on.
     """
     plan = read_plan(plan_file)

@@ -1,6 +1,6 @@
 """Faults that the simulator rehearses on request.
 
-So nobody meets one first on a real finger.
+Nobody then meets them first on a real finger.
 
 ``rehearse fault=NAME after_ms=N`` lets NAME happen N ms of controller time after the next start; no
 other controller knows this verb. A lasting fault ends with the next ``hello``.
@@ -62,7 +62,7 @@ class Rehearsal:
         return name
 
     def end(self, device: Device) -> None:
-        """End a lasting fault: a new recorder says hello."""
+        """End a lasting fault: a new recorder greets."""
         self.active = None
         device.ignores_limit = False
 

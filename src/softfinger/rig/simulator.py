@@ -1,7 +1,4 @@
-"""A rig without hardware, on a pseudo-terminal.
-
-A motor controller with a finger behind it.
-"""
+"""A simulated rig: controller and finger on a pseudo-terminal."""
 
 import bisect
 import contextlib
@@ -23,7 +20,7 @@ from softfinger.rig.virtual_camera import CAMERA_AHEAD_S, ExposureFeed
 
 _TICK_S = 0.004
 _LONGEST_STEP_S = 0.02  # of the simulator's time
-_MOST_WAITING_BYTES = 1_000_000  # what a host's driver would hold for a slow reader
+_MOST_WAITING_BYTES = 1_000_000  # what a host's driver would keep for a slow reader
 
 
 class Simulator:
@@ -173,7 +170,7 @@ def simulate(settings: DeviceSettings, fps: float, seed: int, transcript: Path |
     seed
         Of the finger's trials and the load cell's noise.
     transcript
-        File that gets every line said or heard, samples left out, with the controller's time.
+        File that gets every line sent or received, samples left out, with the controller's time.
     """
     with (transcript or Path(os.devnull)).open("w", encoding="utf-8") as file:
         simulator = Simulator(settings, fps, seed, file)

@@ -40,7 +40,7 @@ class TrialRecording:
     load_start, load_end
         Times at which the profile started and ended [s].
     stamp
-        (frame,) [s] on the camera's clock, NaN where the frame before stands in for a lost one.
+        (frame,) [s] on the camera's clock, NaN where the frame before replaces a lost one.
     pictures
         One JPEG per frame.
     rate
@@ -72,9 +72,9 @@ class TrialRecording:
 
 @dataclass(frozen=True)
 class Pull:
-    """What came in while the wire was pulled.
+    """Data of one pull of the wire.
 
-    Controller times [s], camera stamps [s].
+    Times are the controller's [s], stamps the camera's [s].
     """
 
     started: float

@@ -58,7 +58,7 @@ class ExposureFeed:
     def list_due_frames(self, now: float) -> range:
         """Frames [number] whose time k / fps has come.
 
-        None while nobody looks.
+        There are none while nobody looks.
         """
         self._accept(now)
         last = math.floor(now * self.fps)
@@ -127,9 +127,9 @@ class VirtualCamera:
         self._render(0, False, np.zeros(3))  # compiles now what must not wait later
 
     def read(self) -> tuple[float, NDArray[np.uint8]]:
-        """Next frame: stamp [s] and picture (row, column).
+        """Wait for the next frame.
 
-        Waits for it.
+        Returns its stamp [s] and picture (row, column).
 
         Raises
         ------

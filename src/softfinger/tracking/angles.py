@@ -11,7 +11,7 @@ from softfinger.tracking.camera import undistort_array
 from softfinger.tracking.flags import JUMP, MISSING, STALE
 
 _MOVING_BASE = 1.5  # scatter of the base's direction, in its frame-to-frame scatter
-# ASSUME: a marker that stands still keeps an error of a tenth of its standard deviation, that of
+# ASSUME: a marker that does not move keeps an error of a tenth of its standard deviation, that of
 # its place between pixels, which no average takes away.
 _STANDING_ERROR = 0.1
 _UNWRAP_WINDOW = 11  # frames
@@ -23,7 +23,7 @@ def compute_joint_angles(markers: xr.Dataset, campaign: Campaign) -> xr.Dataset:
     A link's direction is that of the line :math:`p_k = a + s_k (\cos φ, -\sin φ)` fitted to its
     seen markers with weights 1/sd²; :math:`s_k` are the markers' own distances along the link.
     Then :math:`q_i = ±(φ_i - φ_{i-1})`, + where the finger bends counter-clockwise, with φ_0 the
-    base's. The base stands still, so its direction is averaged over frames, unless it is seen to
+    base's. The base does not move, so its direction is averaged over frames, unless it is seen to
     move. With :math:`v_i` the variances of the directions,
 
     .. math:: C_{ii} = v_i + v_{i-1}, \qquad C_{i,i+1} = -v_i .

@@ -1,7 +1,4 @@
-"""How markers differ from their surroundings.
-
-Polarity, colour, and the best mix of channels.
-"""
+"""Polarity, colour and channel mix of markers."""
 
 from __future__ import annotations
 

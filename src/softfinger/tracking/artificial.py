@@ -17,9 +17,7 @@ def draw_disc(
     blur: float,
     divisions: int = 20,
 ) -> np.ndarray:
-    """Share of each pixel's light from a disc.
-
-    Computed by supersampled coverage.
+    """A disc's share of each pixel's light, by supersampling.
 
     Parameters
     ----------

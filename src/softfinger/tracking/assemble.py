@@ -47,7 +47,7 @@ def assemble_angles(
     -------
     Dataset
         The artifact `angles`; trials in the order of ``trials.csv``. A trial that cannot be used
-        stands in ``set_aside_reason``. The motion of a specimen is an angle there, see
+        is in ``set_aside_reason``. The motion of a specimen is an angle there, see
         :func:`softfinger.tracking.specimen.scale_motion`.
 
     Raises

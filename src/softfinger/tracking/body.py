@@ -28,7 +28,7 @@ class _Search:
     def measure_away(self, marker: int, disc: int) -> float:
         """Distance of a disc from a marker's predicted place.
 
-        In units of the marker's reach.
+        It is in units of the marker's reach.
         """
         return float(_measure_gap(self.discs[disc], self.predicted[marker]) / self.reach[marker])
 

@@ -46,7 +46,7 @@ class Board:
 
 @dataclass(frozen=True)
 class Calibration:
-    """What the pictures say about the camera.
+    """What the pictures show about the camera.
 
     ``matrix (3, 3) [px]`` and ``distortion (5,)`` are OpenCV's; ``rms [px]`` is what the corners
     deviate from the model; ``focal_sd [px]`` the standard deviation of the two focal lengths;
@@ -61,7 +61,7 @@ class Calibration:
     set_aside: Mapping[str, str]
 
     def to_yaml(self) -> str:
-        """The lines that stand under ``camera`` in ``campaign.yaml``."""
+        """The lines for ``camera`` in ``campaign.yaml``."""
         rows = [[round(float(v), 4) for v in row] for row in self.matrix]
         distortion = [round(float(v), 6) for v in self.distortion]
         return f"intrinsics:\n  matrix: {rows}\n  distortion: {distortion}\n"

@@ -7,9 +7,9 @@ The light of a pixel at offset :math:`(x, y)` from the centre of the disc is
 with a level b, a contrast A (negative: dark) and a shade that falls on disc and background alike.
 Here :math:`F` is the response of a straight edge to the optics (Gaussian, standard deviation s)
 and to the square pixel; its variance is :math:`S^2 = s^2 + 1/12` px² whatever the edge's direction
-φ, its fourth cumulant :math:`-(\cos^4 φ + \sin^4 φ)/120`; an Edgeworth series to that order stands
-for it. Where the picture is sharper than half a pixel, every pixel on the rim is divided into
-smaller ones, which brings the series back to where it holds.
+φ, its fourth cumulant :math:`-(\cos^4 φ + \sin^4 φ)/120`; an Edgeworth series to that order
+replaces it. Where the picture is sharper than half a pixel, every pixel on the rim is divided into
+smaller ones, which brings the series back to where it is valid.
 
 The centre is insensitive to every error of shape that is symmetric about it: motion blur during an
 even exposure, a disc seen at a slant.

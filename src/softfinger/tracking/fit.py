@@ -30,7 +30,7 @@ from softfinger.tracking.normal import (
     multiply_rows_array,
 )
 
-#: What a fit tells beside the disc's parameters: variances of the centre for light noise of
+#: What a fit gives beside the disc's parameters: variances of the centre for light noise of
 #: variance 1, that noise's variance, and the mean square residual on the rim over it.
 FIT_QUALITY = ("unit_xx", "unit_yy", "unit_xy", "noise_variance", "misfit")
 UNIT_XX, UNIT_YY, UNIT_XY, NOISE_VARIANCE, MISFIT = range(5)
@@ -160,7 +160,7 @@ def _measure_residuals(
 ) -> bool:
     """Noise off the rim and misfit on it.
 
-    Both after the last step.
+    Both are those after the last step.
 
     The noise on the rim is taken midway between that of the light outside and that inside, so that
     no error of the disc's shape counts as noise. Of the eight parameters half are at home on the

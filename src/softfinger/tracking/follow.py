@@ -22,7 +22,7 @@ _CONTRAST_CHANGE = (0.4, 2.5)  # from one picture to the next
 _RADIUS_CHANGE = (0.6, 1.6)
 _LARGEST_SD = 0.15  # radii: less certain than that, a disc is not seen
 _LARGEST_RESIDUAL = 0.35  # rms on the rim, in contrasts
-_LARGEST_RISE = 1.5  # of the noise variance, where a wider margin holds nothing new
+_LARGEST_RISE = 1.5  # of the noise variance, where a wider margin contains nothing new
 _ROUNDING = 0.5  # of the light, squared: below it a rise means nothing
 
 
@@ -81,7 +81,7 @@ def follow_discs_array(
     predicted : (disc, 2) [px]
         Where to look.
     fitted, quality : (disc, 8), (disc, 5)
-        Rows of wanted discs are overwritten, with NaN where the disc is not seen; the others hold
+        Rows of wanted discs are overwritten, with NaN where the disc is not seen; the others are
         discs that are known to be there.
     """
     rows, side = np.empty((9, LARGEST_WINDOW)), np.empty(LARGEST_WINDOW, np.uint8)

@@ -149,9 +149,9 @@ def _pick_middle(
 
 
 def _fit_line(points: np.ndarray, offsets: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
-    """Rigid row of markers nearest to the points.
+    """Joint, direction and squared error of a rigid row.
 
-    Its joint, direction and squared error.
+    The row of markers is the one nearest to the points.
     """
     mean, mean_offset = points.mean(axis=0), offsets.mean()
     vector = (offsets - mean_offset) @ (points - mean)

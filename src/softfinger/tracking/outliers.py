@@ -72,7 +72,7 @@ def _resolves_finely(change: np.ndarray) -> np.ndarray:
 def find_jumps_array(time: np.ndarray, value: np.ndarray, load_jumps: np.ndarray) -> np.ndarray:
     """Find excursions of a tracker.
 
-    Samples that leave the motion at once, and return at once.
+    They are samples that leave the motion at once, and return at once.
 
     Candidates are runs of at most 15 frames that differ from a running median (over 31, 15 or 7
     distinct frames) by more than eight noise standard deviations and more than the motion makes

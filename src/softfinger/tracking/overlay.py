@@ -12,7 +12,7 @@ from softfinger.faults import Fault
 from softfinger.tracking.flags import JUMP, MISSING, STALE
 from softfinger.tracking.video import read_frames
 
-# Blue, green, red; colours that the colour-blind tell apart.
+# Blue, green, red; colours that the colour-blind distinguish.
 _LINK_COLOURS = ((115, 158, 0), (178, 114, 0), (0, 159, 230), (167, 121, 204), (233, 180, 86))
 _BASE_COLOUR = (150, 150, 150)
 _SUSPECT_COLOUR = (0, 94, 213)

@@ -52,9 +52,9 @@ def refuse_wrong_sign(name: str, trials: Sequence[xr.Dataset]) -> None:
 
 
 def find_sense(trial: xr.Dataset) -> int:
-    """Direction of a trial's motion against its load.
+    """Whether a trial moves with its load (+1).
 
-    +1 with the load, −1 against it, 0 where it moves too little.
+    It is −1 where it moves against it, and 0 where it moves too little.
 
     The sign is that of the causal creep response of the summed joint angles to the load, whatever
     the load's history; see :mod:`softfinger.doubts.response`.

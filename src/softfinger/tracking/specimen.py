@@ -119,7 +119,7 @@ def refuse_relaxation(file_name: str, trial: xr.Dataset) -> None:
 def _take_parts(values: np.ndarray) -> np.ndarray:
     """Medians of the later half's parts.
 
-    As shares of the largest value.
+    They are shares of the largest value.
     """
     parts = [np.median(part) for part in np.array_split(values[values.size // 2 :], PARTS)]
     return np.array(parts) / np.abs(values).max()

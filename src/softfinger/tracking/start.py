@@ -130,7 +130,7 @@ def measure_discs(
     -------
     discs : numpy.ndarray (disc, 8)
         Parameters of :data:`softfinger.tracking.disc.PARAMETERS`, in the mix of channels in which
-        the discs stand out most.
+        the discs are clearest.
     quality : numpy.ndarray (disc, 5)
         As :data:`softfinger.tracking.fit.FIT_QUALITY`.
     """

@@ -2,7 +2,7 @@ r"""What a position's standard deviation really is.
 
 A fit knows how the light's noise moves the centre if that noise is independent from pixel to pixel
 and as strong on the rim as beside it. Coded pictures break both. The distances between markers on
-one rigid link tell how much the centres really scatter, whatever the finger does:
+one rigid link show how much the centres really scatter, whatever the finger does:
 
 .. math:: f^2 = \frac{\langle (D_t - D_{t-1})^2 \rangle}{2 \langle σ_a^2 + σ_b^2 \rangle}
 
@@ -33,7 +33,7 @@ def claim_sd_array(
     ----------
     position : (frame, marker, 2) [px]
     quality : (frame, marker, 5)
-        As told by the fits.
+        As given by the fits.
     stale : (frame,) bool
         Frames that repeat the one before.
     body : Body
@@ -54,7 +54,7 @@ def claim_sd_array(
 def compute_excess_array(quality: np.ndarray) -> np.ndarray:
     """Mean square rim residual over its typical value.
 
-    For each marker and frame (frame, marker).
+    The typical value is that of the same marker (frame, marker).
 
     Parameters
     ----------

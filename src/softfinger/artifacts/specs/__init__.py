@@ -1,4 +1,7 @@
-"""One declared artifact per file; a rule depends only on the ones that it reads or writes."""
+"""One declared artifact per file.
+
+A rule depends only on those that it reads or writes.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,9 @@ from softfinger.artifacts.spec import ArtifactSpec
 
 
 def list_specs() -> list[ArtifactSpec]:
-    """Every declared artifact, by name; for documentation and tests, used by no stage."""
+    """Every declared artifact, by name.
+
+    Documentation and tests use it; no stage does.
+    """
     names = sorted(module.name for module in pkgutil.iter_modules(__path__))
     return [importlib.import_module(f"{__name__}.{name}").SPEC for name in names]

@@ -1,4 +1,4 @@
-"""Relative joint angles, loads and covariates of a whole campaign."""
+"""A campaign's relative joint angles, loads and covariates."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""The paper's assumptions against the full equations of motion, on simulated fingers."""
+"""The paper's assumptions against simulated fingers' full dynamics."""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

@@ -1,4 +1,4 @@
-"""Bands of the joint angle over time, beside the recordings."""
+"""Bands of the joint angle over time, and recordings."""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

@@ -1,4 +1,4 @@
-"""The checks that decide what the report may claim, and what they look at."""
+"""Checks behind the report's claims, and their quantities."""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

@@ -1,4 +1,7 @@
-"""The shape of what no listed effect explains; no quantity where nothing calls for one."""
+"""The shape of what no listed effect explains.
+
+Without such a misfit there is no quantity.
+"""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

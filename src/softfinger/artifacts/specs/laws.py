@@ -1,4 +1,7 @@
-"""The curves of the free laws that a diagnosis found; no law where none is free."""
+"""The curves of a diagnosis's free laws.
+
+Where no law is free there is none.
+"""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

@@ -1,9 +1,9 @@
-"""The paper's two stages: estimates of every trial, and distributions over them."""
+"""The paper's two stages: trial estimates and their distributions."""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 
 _DIMS = ("trial", "joint", "parameter")
-_OWN = "1"  # k_v [N m/rad], c_v and c_p [N m s/rad], q_ini [rad] stand side by side
+_OWN = "1"  # k_v [N m/rad], c_v and c_p [N m s/rad], q_ini [rad] are side by side
 
 SPEC = ArtifactSpec(
     name="least_squares",

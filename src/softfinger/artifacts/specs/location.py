@@ -1,4 +1,7 @@
-"""Where the base model and the repaired model miss: within trials and between them."""
+"""Where base and repaired model miss.
+
+Misfits within trials and between trials are apart.
+"""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

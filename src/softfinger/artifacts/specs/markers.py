@@ -1,4 +1,4 @@
-"""Marker positions in the pictures of a batch of trials."""
+"""Marker positions in a batch of trials' pictures."""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

@@ -1,4 +1,7 @@
-"""What a campaign's protocol could show of each effect, and what the base model swallows of it."""
+"""How visible each effect is in a campaign.
+
+It gives what the protocol could show, and what the base model absorbs.
+"""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

@@ -1,4 +1,4 @@
-"""What the recordings suffer from: which frames count, and how large their noise is."""
+"""Which frames count, and how large their noise is."""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

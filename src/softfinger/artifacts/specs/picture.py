@@ -1,4 +1,4 @@
-"""One frame of the first trial that is used, for people to look at."""
+"""One frame of the first used trial, for people."""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

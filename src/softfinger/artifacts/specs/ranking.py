@@ -1,4 +1,7 @@
-"""How well every effect, in every form that was fitted, explains what the base model misses."""
+"""How well every effect explains the base model's misfit.
+
+Every fitted form of an effect has its own row.
+"""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

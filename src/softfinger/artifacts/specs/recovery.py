@@ -1,4 +1,4 @@
-"""What both ways of fitting do to the known truth of a simulated campaign."""
+"""Both fits against a simulated campaign's known truth."""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

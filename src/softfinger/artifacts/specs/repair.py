@@ -1,4 +1,4 @@
-"""What the repaired model does to the fit: parameters, residuals and predictions, before, after."""
+"""Parameters, residuals and predictions before and after the repair."""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

@@ -1,4 +1,7 @@
-"""Shares of correlated parameters in the spread of the joint angle, and the correlations."""
+"""Shapley effects of correlated parameters, and their correlations.
+
+They are shares in the spread of the joint angle.
+"""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

@@ -1,4 +1,7 @@
-"""Sobol indices of the joint angle over time, and what they mean for design."""
+"""Sobol indices of the joint angle over time.
+
+Their meaning for design is added.
+"""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 
@@ -8,7 +11,7 @@ _DESIGN = ("change", "joint", "running_time", "parameter")
 _SHARE = {"at_least": -1e-9, "at_most": 1.0 + 1e-9}
 
 
-_DIFFERENCE = {**_SHARE, "at_least": -1.0 - 1e-9}  # negative where two parameters say the same
+_DIFFERENCE = {**_SHARE, "at_least": -1.0 - 1e-9}  # negative where two parameters do the same
 
 
 def _index(dims: tuple[str, ...], long_name: str, within: dict[str, float] = _SHARE) -> Variable:

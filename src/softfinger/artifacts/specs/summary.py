@@ -1,4 +1,7 @@
-"""Recordings, population and diagnosis in the numbers that tables and figures show."""
+"""Numbers for tables and figures.
+
+They describe recordings, population and diagnosis.
+"""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

@@ -1,4 +1,4 @@
-"""How well each filmed trial was tracked, marker by marker."""
+"""Tracking quality of each filmed trial's markers."""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

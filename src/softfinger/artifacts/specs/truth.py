@@ -1,4 +1,7 @@
-"""What the virtual rig really did. Read by tests and calibration only."""
+"""What the virtual rig really did.
+
+Only tests and calibration read it.
+"""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

@@ -1,4 +1,7 @@
-"""What several protocols of a rig would show of each effect, before anything is recorded."""
+"""What a rig's protocols would show of each effect.
+
+It is computed before anything is recorded.
+"""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

@@ -1,5 +1,5 @@
-"""Every figure of the report, with its alternative text and its caption.
+"""The report's figures, alternative texts and captions.
 
-A caption says what is seen, which rule and artifact it comes from, how many trials, and which
+A caption states what is seen, which rule and artifact it comes from, how many trials, and which
 interval. A picture whose artifact is missing is None.
 """

@@ -1,4 +1,4 @@
-"""What the paper takes for granted of its finger, checked on simulated ones."""
+"""The paper's assumptions, checked on simulated fingers."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from softfinger.report.material import Material
 
 
 def picture_assumptions(material: Material) -> Picture | None:
-    """Draw the step solution against the full equations of motion."""
+    """Draw the step solution beside the full dynamics."""
     if "assumptions" not in material:
         return None
     found = material.artifacts["assumptions"]

@@ -1,4 +1,4 @@
-"""The figures of the fit: priors, sampler, bands and residuals."""
+"""Figures of priors, sampler, bands and residuals."""
 
 from __future__ import annotations
 
@@ -75,7 +75,10 @@ def name_quantity(quantity: str) -> str:
 
 
 def picture_bands(material: Material, *, early: bool) -> Picture | None:
-    """Recordings against model, over all the time or the first second."""
+    """Draw recordings against the model.
+
+    The time is all of it, or the first second.
+    """
     if "bands" not in material:
         return None
     bands = material.bands

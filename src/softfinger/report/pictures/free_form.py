@@ -1,4 +1,4 @@
-"""The figure of what no listed effect explains, with alternative text and caption."""
+"""The figure of what no listed effect explains."""
 
 from __future__ import annotations
 
@@ -9,7 +9,10 @@ from softfinger.report.pictures.mismatch import say_trials
 
 
 def picture_free_form(material: Material) -> Picture | None:
-    """The shape of what no effect explains, if there is one."""
+    """Draw the shape of what no effect explains.
+
+    None where there is none.
+    """
     if "free_form" not in material or not material.get("free_form")["quantity"].size:
         return None
     free_form = material.get("free_form")

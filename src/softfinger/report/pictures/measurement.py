@@ -1,4 +1,4 @@
-"""The figures of the measurement and of the free laws, with alternative text and caption."""
+"""Figures of the measurement and the free laws."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def picture_measurement(material: Material) -> Picture | None:
 
 
 def picture_laws(material: Material) -> Picture | None:
-    """The free laws of the repaired model, where it has any."""
+    """Draw the repaired model's free laws, if any."""
     if "laws" not in material or not material.get("laws").sizes.get("law", 0):
         return None
     return Picture(

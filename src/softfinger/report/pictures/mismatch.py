@@ -1,4 +1,4 @@
-"""The figures of the diagnosis, with alternative text and caption."""
+"""Figures of the diagnosis."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ def say_trials(material: Material) -> str:
 
 
 def list_models(material: Material) -> list[str]:
-    """List the models to show: the repaired one is the base model where nothing was left out."""
+    """Models to show: base, and repaired if different."""
     repaired = "verdict" not in material or material.artifacts["verdict"]["effects"]
     return ["base", "final"] if repaired else ["base"]
 
 
 def picture_repair(material: Material) -> Picture | None:
-    """The one figure that tells it: recording, both models, what each leaves."""
+    """Draw a recording, both models and their residuals."""
     if "repair" not in material:
         return None
     repair = material.get("repair").sel(model=list_models(material))

@@ -1,4 +1,4 @@
-"""The figures of what was recorded: the finger, its joint model, the recordings, the tracking."""
+"""Figures of finger, joint model, recordings and tracking."""
 
 from __future__ import annotations
 

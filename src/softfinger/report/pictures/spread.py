@@ -1,4 +1,4 @@
-"""The figures of the motion's spread: what causes it, and its densities."""
+"""Figures of the motion's spread and its causes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from softfinger.report.material import Material
 
 
 def count_source(material: Material, name: str) -> str:
-    """Say how many trials stand behind a figure, and what made it."""
+    """Sentence with a figure's number of trials and origin."""
     n = count_things(material.angles["trial"].size, "trial")
     return f"n = {n}. {capital(material.cite(name))}."
 
@@ -49,7 +49,10 @@ def picture_shapley(material: Material) -> Picture | None:
 
 
 def select_sobol(sobol: xr.Dataset) -> xr.Dataset:
-    """Select the indices by the posterior, their quantiles under the names that are drawn."""
+    """Select the posterior's Sobol indices and rename their quantiles.
+
+    The names are those that the figures draw.
+    """
     chosen = sobol.sel(estimate="posterior") if "estimate" in sobol.dims else sobol
     for name in ("first_order", "total"):
         if f"{name}_quantile" in chosen:

@@ -1,1 +1,4 @@
-"""The report's sections, one small module per question; each returns a `Section` of blocks."""
+"""The report's sections, one small module per question.
+
+Each returns a `Section` of blocks.
+"""

@@ -1,4 +1,4 @@
-"""What was recorded, and what of it is not used."""
+"""What was recorded, and what is unused."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ ALWAYS_SHOWN = 12
 
 
 def build_data(material: Material) -> Section:
-    """Build the section on the data: counts, pictures, every trial set aside."""
+    """Section with counts, pictures and unused trials."""
     blocks: list[Block | None] = [
         Paragraph(describe_recordings(material)),
         *describe_loads(material),
@@ -72,7 +72,7 @@ def describe_flags(material: Material) -> str:
 
 
 def describe_span(values: np.ndarray) -> str:
-    """Write the span of values, or the one value that they share.
+    """The span of values, or their one value.
 
     >>> describe_span(np.array([30.0, 30.0])), describe_span(np.array([5.0, 30.0]))
     ('30', '5 to 30')
@@ -82,7 +82,10 @@ def describe_span(values: np.ndarray) -> str:
 
 
 def describe_loads(material: Material) -> list[Block]:
-    """Say what loaded the finger, and warn where nobody wrote it down."""
+    """State what loaded the finger.
+
+    It warns where nobody wrote it down.
+    """
     kinds = {str(kind) for kind in material.angles["load_kind"].values}
     blocks: list[Block] = []
     if "command" in kinds:
@@ -107,7 +110,10 @@ def describe_loads(material: Material) -> list[Block]:
 
 
 def build_tracking_table(material: Material) -> Table | None:
-    """List how well each filmed trial was tracked, by its worst marker."""
+    """Table of each filmed trial's tracking quality.
+
+    The worst marker counts.
+    """
     found = material.find("tracking")
     if found is None:
         return None
@@ -138,7 +144,7 @@ def build_tracking_table(material: Material) -> Table | None:
 
 
 def build_set_aside(material: Material) -> list[Block]:
-    """List every trial that is not used, with its reason."""
+    """Table of unused trials, with reasons."""
     names = material.angles["set_aside_trial"].values
     if not names.size:
         return [Paragraph("No trial was set aside.")]

@@ -1,4 +1,4 @@
-"""What the measurement adds to the motion: every component in numbers, with its figure."""
+"""Each component of the measurement, with its figure."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def build_measured(material: Material) -> Section:
 
 
 def build_findings(found: list[dict]) -> Table:
-    """Tabulate what was found: its size, its evidence, where, and in words."""
+    """Table of findings: size, evidence, place, sentence."""
     rows = []
     for one in found:
         ((key, size),) = one["size"].items()

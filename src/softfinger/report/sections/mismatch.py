@@ -1,4 +1,7 @@
-"""The verdict of the mismatch diagnosis in words, or that it was not run."""
+"""The verdict of the diagnosis in words.
+
+Without one it states that none was run.
+"""
 
 from __future__ import annotations
 
@@ -56,7 +59,7 @@ NOT_RUN = (
 
 
 def build_mismatch(material: Material) -> Section:
-    """Build the section on left-out physics from the verdict, if there is one."""
+    """Section on left-out physics, if there is a verdict."""
     title = "What physics was left out?"
     if "verdict" not in material:
         return Section("mismatch", title, (Paragraph(NOT_RUN, "note"),))
@@ -87,7 +90,10 @@ def state_verdict(verdict: Mapping[str, Any]) -> list[str]:
 
 
 def build_catalogue_table(ranking: xr.Dataset, evidence: xr.Dataset) -> Table:
-    """List every effect that was tried, and those that this campaign cannot show."""
+    """Table of every effect that was tried.
+
+    It marks those that this campaign cannot show.
+    """
     sentences = evidence["sentence"].values.tolist() + evidence["refused_sentence"].values.tolist()
     rows = []
     for name in ranking["effect"].values:
@@ -121,7 +127,7 @@ def spell(effect: object) -> str:
 
 
 def build_repair_tables(repair: xr.Dataset) -> list[Block]:
-    """Tabulate what the omission did to the parameters and to predictions."""
+    """Tables of the omission's effect on parameters, predictions."""
     rows = []
     for joint in repair["joint"].values:
         for parameter in repair["parameter"].values:
@@ -151,7 +157,10 @@ def build_repair_tables(repair: xr.Dataset) -> list[Block]:
 
 
 def build_prediction_tables(repair: xr.Dataset) -> list[Block]:
-    """Tabulate the coverage of left-out trials, and the prediction of left-out load levels."""
+    """Tables of predictions of left-out trials and loads.
+
+    They give the coverage of trials, and the prediction of load levels.
+    """
     rows = []
     for joint in repair["joint"].values:
         shares = repair["coverage"].sel(joint=joint, ci_prob=0.9)
@@ -178,7 +187,7 @@ def build_prediction_tables(repair: xr.Dataset) -> list[Block]:
 
 
 def build_level_table(repair: xr.Dataset) -> Table:
-    """Tabulate how well each load level is predicted from the others."""
+    """Table of each load level's prediction from others."""
     rows = []
     for place, level in enumerate(repair["level"].values):
         for joint in repair["joint"].values:
@@ -203,7 +212,10 @@ def build_level_table(repair: xr.Dataset) -> Table:
 
 
 def build_effect_tables(verdict: Mapping[str, Any], small: str) -> list[Block]:
-    """Tabulate the effects with their parameters, and the fit before and after."""
+    """Tables of the effects' parameters and the fit.
+
+    The fit is given before and after.
+    """
     rows = []
     for effect in verdict["effects"]:
         for name, value in effect["parameters"].items():
@@ -247,7 +259,7 @@ def build_effect_tables(verdict: Mapping[str, Any], small: str) -> list[Block]:
 
 
 def build_form_table(verdict: Mapping[str, Any]) -> list[Block]:
-    """Tabulate how far the textbook forms are from the free laws."""
+    """Table of textbook forms' distances from free laws."""
     rows = tuple(
         (text(spell(effect["id"])), text(spell(form)), number(format_number(nats), nats))
         for effect in verdict["effects"]
@@ -261,7 +273,10 @@ def build_form_table(verdict: Mapping[str, Any]) -> list[Block]:
 
 
 def say_limits(verdict: Mapping[str, Any]) -> list[Block]:
-    """Say what these recordings could not tell, and what to record next."""
+    """State what the recordings could not show.
+
+    What to record next is added.
+    """
     items = [
         f"Cannot be told apart by these recordings: {join_words([spell(n) for n in names])}."
         for names in verdict["equivalent"]
@@ -274,7 +289,7 @@ def say_limits(verdict: Mapping[str, Any]) -> list[Block]:
 
 
 def describe_next(verdict: Mapping[str, Any]) -> list[str]:
-    """Tell what to record next, where the diagnosis proposes something."""
+    """State what to record next, if anything."""
     proposal = verdict.get("next_experiment")
     if not proposal:
         return []
@@ -285,7 +300,10 @@ def describe_next(verdict: Mapping[str, Any]) -> list[str]:
 
 
 def say_power(material: Material, verdict: Mapping[str, Any]) -> str:
-    """Tell how many effects of the catalogue these recordings could have shown."""
+    """State how many effects could have shown here.
+
+    The effects are those of the catalogue.
+    """
     if "ranking" not in material:
         return DECISIONS[verdict["decision"]]
     refused = material.get("ranking")["refused_effect"].values.tolist()
@@ -295,7 +313,7 @@ def say_power(material: Material, verdict: Mapping[str, Any]) -> str:
 
 
 def judge_mismatch(material: Material) -> Tile:
-    """Sum the diagnosis up for the head of the page."""
+    """Summary of the diagnosis for the page's head."""
     question = "Left-out physics"
     if "verdict" not in material:
         return Tile(question, "not diagnosed", None, "The diagnosis was not run.", "mismatch")

@@ -1,4 +1,4 @@
-"""The model in words and symbols, and what its priors say before any data."""
+"""The model in words, symbols and prior expectations."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ from softfinger.report.sections.parameters import list_fitted_effects
 
 
 def build_model_section(material: Material) -> Section:
-    """Build the section on the model: sketches, equations, priors on the angle scale."""
+    """Section with sketches, equations and priors.
+
+    Priors are shown on the angle scale.
+    """
     return Section(
         "model",
         "The model, and what its priors expect",

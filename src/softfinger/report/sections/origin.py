@@ -1,4 +1,4 @@
-"""Where every number comes from, and how to make it again."""
+"""Where every number comes from; how to repeat."""
 
 from __future__ import annotations
 
@@ -31,7 +31,10 @@ def build_origin(material: Material) -> Section:
 
 
 def build_artifact_table(material: Material) -> Table:
-    """Tabulate the provenance of every artifact that the report reads."""
+    """Table of every artifact's provenance.
+
+    The artifacts are those that the report reads.
+    """
     rows = []
     for name, artifact in material.artifacts.items():
         attrs = getattr(artifact, "attrs", {})
@@ -59,7 +62,10 @@ def shorten(sha: str) -> str:
 
 
 def build_config_table(config: Mapping[str, Any]) -> Table:
-    """Tabulate the configuration, folders left out: they belong to a machine, not to a result."""
+    """Table of the configuration, without folders.
+
+    Folders belong to a machine, and not to a result.
+    """
     rows = tuple(
         (text(key), text(value)) for key, value in flatten(config) if key not in {"campaign", "out"}
     )

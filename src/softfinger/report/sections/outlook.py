@@ -24,7 +24,10 @@ PARETO_FAILS = (
 
 
 def build_outlook(material: Material) -> Section:
-    """Build the list of what the conclusion hangs on, each read from this campaign."""
+    """List of what the conclusion depends on.
+
+    Each entry is read from this campaign.
+    """
     items = [
         *list_failed(material),
         *list_data_limits(material),
@@ -54,7 +57,7 @@ def list_failed(material: Material) -> list[str]:
 
 
 def list_data_limits(material: Material) -> list[str]:
-    """List what the amount and kind of data leave open."""
+    """What the amount and kind of data leave open."""
     angles, found = material.angles, material.recordings
     n = angles["trial"].size
     told = "tells nothing of the spread between trials"

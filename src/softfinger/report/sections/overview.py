@@ -1,4 +1,7 @@
-"""The first layer of the report: what the head of a lab reads in two minutes."""
+"""The first layer of the report.
+
+The head of a lab reads it in two minutes.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,7 @@ from softfinger.report.sections.parameters import each_parameter
 
 
 def build_verdict(material: Material) -> Section:
-    """Build the verdict in a sentence, with the figure that shows it."""
+    """The verdict in a sentence, with its figure."""
     more = (("mismatch", "left-out physics"), ("outlook", "what would change the conclusion"))
     doubts = warn(list_doubts(material))
     if "verdict" not in material:
@@ -178,7 +181,10 @@ def describe_misfit(material: Material) -> list[str]:
 
 
 def describe_causes(material: Material) -> list[str]:
-    """Say which parameter causes most of the spread where it is widest."""
+    """State which parameter causes most of the spread.
+
+    The time is that at which the spread is widest.
+    """
     found = material.find("causes")
     if found is None or material.is_alone:
         return []

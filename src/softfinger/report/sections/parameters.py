@@ -1,4 +1,7 @@
-"""The population's parameters, with units, intervals, and what else is known of them."""
+"""The population's parameters.
+
+Units, intervals, and what else is known of them are given.
+"""
 
 from __future__ import annotations
 
@@ -41,7 +44,10 @@ def build_parameters(material: Material) -> Section:
 
 
 def describe_scales(material: Material) -> str:
-    """Say what centre and spread mean, and whether the paper's table can stand beside them."""
+    """State what centre and spread mean.
+
+    Also whether the paper's table can be compared with them.
+    """
     words = (
         "Each parameter varies from trial to trial. Its centre is the median over trials, on its "
         "own scale; its spread is the standard deviation over trials of its natural logarithm (0.2 "
@@ -161,14 +167,14 @@ def show_rival(values: xr.DataArray, name: str) -> Cell:
 
 
 def list_fitted_effects(material: Material) -> list[str]:
-    """List the effects that the fitted model has, in words."""
+    """The fitted model's effects, in words."""
     found = material.find("effects")
     names = [] if found is None else found["effect_parameter"].values.astype(str).tolist()
     return list(dict.fromkeys(name.split(".")[0].replace("_", " ") for name in names))
 
 
 def build_fitted_effects(material: Material) -> Table | None:
-    """Tabulate the parameters of the effects that the fitted model has."""
+    """Table of the fitted effects' parameters."""
     found = material.find("effects")
     if found is None:
         return None

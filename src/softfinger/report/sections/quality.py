@@ -1,4 +1,7 @@
-"""Can the numbers be trusted: computation, calibration, fit to the recordings."""
+"""Whether the numbers can be trusted.
+
+It covers computation, calibration and fit to the recordings.
+"""
 
 from __future__ import annotations
 
@@ -46,7 +49,10 @@ def build_computation(material: Material) -> Section:
 
 
 def build_calibration(material: Material) -> Section:
-    """Build the section on calibration: whether intervals contain what they claim."""
+    """Section on calibration.
+
+    Whether intervals contain the truth as often as they claim.
+    """
     caption = (
         "Coverage is the share of recorded frames inside a band, "
         f"averaged per trial. {capital(material.cite('bands'))}."
@@ -68,7 +74,10 @@ def build_calibration(material: Material) -> Section:
 
 
 def build_coverage_table(material: Material) -> Table | None:
-    """Tabulate coverage per estimate, protocol, window and joint; a single trial has none."""
+    """Table of coverage, none for a single trial.
+
+    Each estimate, protocol, window and joint has a row.
+    """
     if "bands" not in material or material.is_alone:
         return None
     bands = material.bands
@@ -108,7 +117,7 @@ def build_coverage_table(material: Material) -> Table | None:
 
 
 def build_predictive(material: Material) -> Section:
-    """Build the section on fit and bands against the recordings."""
+    """Section on fit and bands against the recordings."""
     caption = (
         "Each against its limit. A failed one means that physics is missing "
         f"from the model, however sound the computation. {capital(material.cite('posterior'))}."
@@ -131,7 +140,7 @@ def build_predictive(material: Material) -> Section:
 
 
 def build_residual_table(material: Material) -> Table | None:
-    """Tabulate the size of the residual beside the noise, per joint."""
+    """Table of residuals beside the noise, per joint."""
     found = material.find("residuals")
     if found is None:
         return None

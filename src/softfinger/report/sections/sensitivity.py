@@ -22,7 +22,7 @@ ALONE = (
 
 
 def build_sensitivity(material: Material) -> Section:
-    """Build the section on the spread of the motion and its causes."""
+    """Section on the motion's spread and its causes."""
     if "sobol" not in material:
         blocks: tuple = (Paragraph("The sensitivity was not computed.", "note"),)
     else:
@@ -41,13 +41,19 @@ def build_sensitivity(material: Material) -> Section:
 
 
 def choose_shown_times(sobol: xr.Dataset) -> list[float]:
-    """Choose the moments to tabulate: early, middle and end, where the artifact has them."""
+    """Moments to tabulate: early, middle and end.
+
+    Only where the artifact has them.
+    """
     end = float(sobol["time"].max())
     return sorted({float(t) for t in (0.1, 1.0, end / 3, end) if t <= end})
 
 
 def build_sobol_table(material: Material) -> Table:
-    """Tabulate first-order indices with their bounds at a few moments."""
+    """Table of first-order indices with bounds.
+
+    A few moments are shown.
+    """
     sobol = material.get("sobol").sel(estimate="posterior")
     rows = []
     for moment in choose_shown_times(sobol):
@@ -79,7 +85,10 @@ def build_sobol_table(material: Material) -> Table:
 
 
 def build_correlations(material: Material) -> list[Block | None]:
-    """Say which parameters go together from trial to trial, and show what that does."""
+    """Show which parameters vary together.
+
+    From trial to trial, and what that does.
+    """
     if "shapley" not in material:
         return []
     shapley = material.get("shapley")
@@ -113,7 +122,10 @@ def build_correlations(material: Material) -> list[Block | None]:
 
 
 def build_design_table(material: Material) -> Table | None:
-    """Tabulate by how much the spread would shrink if one parameter varied half as much."""
+    """Table of the spread's decrease by design.
+
+    In each row the spread of one parameter is halved.
+    """
     sobol = material.get("sobol")
     if "spread_shrinkage" not in sobol:
         return None

@@ -1,4 +1,7 @@
-"""The verdicts at the head of the page, each with what its test could have seen."""
+"""The verdicts at the page's head.
+
+Each states what its test could have seen.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,10 @@ from softfinger.report.sections.mismatch import judge_mismatch
 
 
 def judge_tiles(material: Material) -> tuple[Tile, ...]:
-    """Judge computation, fit and calibration; a single failed check makes a tile red."""
+    """Judge computation, fit and calibration.
+
+    A single failed check makes a tile red.
+    """
     computation = list_checks(material, COMPUTATION)
     only_pareto = {check.name for check in computation if check.failed} == {PARETO}
     bad = "depends on single trials" if only_pareto else "not sound"
@@ -52,7 +58,10 @@ def say_detectable(material: Material) -> str:
 def judge_checks(
     question: str, answers: tuple[str, str], checks: tuple[Check, ...], anchor: str, power: str = ""
 ) -> Tile:
-    """Sum checks up in one tile: what failed, or how many were made and what they would show."""
+    """Summary of checks in one tile.
+
+    It states what failed, or how many were made and what they would show.
+    """
     passed = combine_checks(checks)
     failed = [f"{check.name}: {check.found}" for check in checks if check.failed]
     made = sum(check.passed is not None for check in checks)

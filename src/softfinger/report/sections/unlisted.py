@@ -1,4 +1,7 @@
-"""What no listed effect explains: where it shows, on what it depends, and its shape."""
+"""What no listed effect explains.
+
+It shows place, dependence and shape.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +36,10 @@ ARGUMENTS = {
 
 
 def describe_unlisted(material: Material) -> list[Block]:
-    """Say of an `unlisted` misfit where it shows and on what it depends, and draw its shape."""
+    """Describe an `unlisted` misfit and draw its shape.
+
+    It states where the misfit shows and on what it depends.
+    """
     verdict = material.artifacts["verdict"]
     if verdict["decision"] != "unlisted":
         return []
@@ -50,7 +56,10 @@ def describe_unlisted(material: Material) -> list[Block]:
 
 
 def state_location(location: Mapping[str, Any], found: xr.Dataset) -> str:
-    """State where a misfit shows; `found` has the joints in which it does."""
+    """State where a misfit shows.
+
+    `found` has the joints in which it does.
+    """
     where = name_joints(found["joint"].values[found["shows"].values].tolist())
     if location["level"] == "between_trials":
         return f"It shows between trials{where}, with {name_argument(location['covariate'])}."
@@ -65,7 +74,7 @@ def state_location(location: Mapping[str, Any], found: xr.Dataset) -> str:
 
 
 def state_line(location: xr.Dataset) -> str:
-    """State the spectral line that stands out of what is left."""
+    """State the spectral line among the residuals."""
     joint = int(location["line_joint"])
     where = f"joint {joint}" if joint else "all joints, as the load moves them"
     frequency = format_number(float(location["line_frequency"]))
@@ -73,7 +82,9 @@ def state_line(location: xr.Dataset) -> str:
 
 
 def state_free_form(free_form: xr.Dataset, joints: list[int]) -> str:
-    """State on what the misfit depends, and what the free-form term does for the fit.
+    """State on what the misfit depends.
+
+    It adds what the free-form term does for the fit.
 
     `joints` are those in which its curve clearly differs from zero.
     """
