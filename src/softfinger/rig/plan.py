@@ -121,7 +121,7 @@ def read_plan(path: Path) -> Plan:
     Raises
     ------
     ListedFault
-        The file is missing, no YAML, or requires something that no rig can do; all faults are listed.
+        The file is missing, no YAML, or asks for what no rig can do; all faults are listed.
     """
     try:
         content = read_document(path).content

@@ -31,7 +31,7 @@ def record_campaign(
     camera
         A number or path for OpenCV, or ``virtual:PORT`` of a simulator.
     environment
-        Columns of ``trials.csv`` that are valid for this session, beside what the controller measures.
+        Columns of ``trials.csv`` for this session, beside what the controller measures.
 
     Raises
     ------
