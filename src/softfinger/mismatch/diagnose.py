@@ -10,9 +10,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from softfinger.inference.disturbances import fit_disturbances
 from softfinger.inference.problem import Candidate, Problem, pose_problem
+from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.measure import add_components
 from softfinger.measurement.steady import steady_log
+from softfinger.mechanics.effects.model import Piece
 from softfinger.mechanics.effects.model_file import ModelFile
 from softfinger.mismatch.candidates.columns import ScoreColumns, collect_columns
 from softfinger.mismatch.candidates.rank import Score, list_pieces, rank_pieces
@@ -20,7 +23,12 @@ from softfinger.mismatch.checks.findings import Findings, examine
 from softfinger.mismatch.config import MismatchSettings
 from softfinger.mismatch.experiment.masking import list_invisible, tabulate_masking
 from softfinger.mismatch.search.calibrate import FalseAlarms, calibrate_false_alarms
-from softfinger.mismatch.search.judge import judge_finalists, settle_measurement, weigh_log
+from softfinger.mismatch.search.judge import (
+    find_clock_rate,
+    judge_finalists,
+    settle_measurement,
+    weigh_log,
+)
 from softfinger.mismatch.search.settle import (
     Posterior,
     drop_negligible,
@@ -56,13 +64,31 @@ class Diagnosis(NamedTuple):
 class Survey(NamedTuple):
     """Every effect alone.
 
-    Its columns, what chance gains, what is needed, and the ranking.
+    The catalogue, its columns, what chance gains, what is needed, and the ranking.
     """
 
+    catalogue: tuple[list[Piece], dict[str, str]]
     columns: ScoreColumns
     alarms: FalseAlarms
     needed: float
     ranked: tuple[list[Candidate], list[Score]]
+
+
+class Posed(NamedTuple):
+    """Recordings with the base model fitted to them, and every effect alone.
+
+    `known` has what was found to be wrong with log and clock, and was mended: component → size
+    and evidence [nats].
+    """
+
+    angles: xr.Dataset
+    plain: Problem
+    base: Candidate
+    survey: Survey
+    known: Mapping[str, tuple[float, float]]
+
+
+Pose = Callable[[xr.Dataset, Mapping[str, tuple[float, float]]], Posed]
 
 
 def diagnose(
@@ -92,43 +118,69 @@ def diagnose(
         Whether the file's priors count; they do not where they come from these recordings.
     """
     settings = read_settings(MismatchSettings, config, "mismatch")
-    plain, fit = pose_problem(angles, content, priors=priors)
-    base = Candidate(plain.base, fit, fit.log_evidence)
-    pieces, refused = list_pieces(plain.setting)
-    pieces = [piece for piece in pieces if piece.effect.id not in base.model.ids]
 
     def survey(problem: Problem, base: Candidate) -> Survey:
+        pieces, refused = list_pieces(problem.setting)
+        pieces = [piece for piece in pieces if piece.effect.id not in base.model.ids]
         columns = collect_columns(problem, base, progress(pieces, "trying effects"))
         rng = np.random.default_rng(seed)
         alarms = calibrate_false_alarms(columns, problem, base, rng, settings.bootstrap_replicates)
         needed = alarms.threshold(settings.false_alarm_probability)
-        return Survey(columns, alarms, needed, rank_pieces(problem, base, columns, progress))
+        ranked = rank_pieces(problem, base, columns, progress)
+        return Survey((pieces, refused), columns, alarms, needed, ranked)
 
-    columns, alarms, needed, ranked = survey(plain, base)
-    steady, error = steady_log(angles)
-    known = plain.setting.load_known and error > 0.0
-    nats = weigh_log(plain, base, ranked[0], steady, needed) if known else 0.0
-    if nats > 0.0:  # that the log scatters is seen in the log
-        angles = steady
+    def pose(angles: xr.Dataset, known: Mapping[str, tuple[float, float]]) -> Posed:
         plain, fit = pose_problem(angles, content, priors=priors)
-        found = {"noisy_load": error}, {"noisy_load": nats}
-        plain = replace(plain, noise=add_components(plain.noise, *found))
+        if known:
+            size, nats = ({name: pair[k] for name, pair in known.items()} for k in (0, 1))
+            plain = replace(plain, noise=add_components(plain.noise, size, nats))
         base = Candidate(plain.base, fit, fit.log_evidence)
-        columns, alarms, needed, ranked = survey(plain, base)
-    problem, base = settle_measurement(plain, base, ranked[0], needed)
-    if problem is not plain:
-        columns, alarms, needed, ranked = survey(problem, base)
-    search = search_effects(problem, base, (pieces, refused), columns, needed, progress, ranked)
+        return Posed(angles, plain, base, survey(plain, base), known)
+
+    angles, plain, base, found, _ = mend_clock(mend_log(pose(angles, {}), pose), pose)
+    problem, base = settle_measurement(plain, base, found.ranked[0], found.needed)
+    found = found if problem is plain else survey(problem, base)
+    search = search_effects(
+        problem, base, found.catalogue, found.columns, found.needed, progress, found.ranked
+    )
     if search.best is not search.base:
-        problem, search = judge_finalists(plain, problem, search, angles, needed)
+        problem, search = judge_finalists(plain, problem, search, angles, found.needed)
+    return _close(problem, search, found, angles)
+
+
+def mend_log(posed: Posed, pose: Pose) -> Posed:
+    """Take the load of steady plateaus where it explains the motion better than the log does."""
+    steady, error = steady_log(posed.angles)
+    if error == 0.0 or not posed.plain.setting.load_known:
+        return posed
+    nats = weigh_log(posed.plain, posed.base, posed.survey.ranked[0], steady, posed.survey.needed)
+    # that the log scatters is seen in the log: no further evidence is asked for
+    return pose(steady, {"noisy_load": (error, nats)}) if nats > 0.0 else posed
+
+
+def mend_clock(posed: Posed, pose: Pose) -> Posed:
+    """Set the camera's clock to the rate of the log's, where it plainly runs at another."""
+    plain, base = posed.plain, posed.base
+    if not plain.setting.load_known or "clock_rate" not in fit_disturbances(plain, base)[0]:
+        return posed
+    rate, nats = find_clock_rate(plain, base)
+    if nats < MEASURING.present_nats:
+        return posed
+    set_right = posed.angles.assign(time=posed.angles["time"] * (1.0 + rate))
+    return pose(set_right, {**posed.known, "clock_rate": (abs(rate), nats)})
+
+
+def _close(problem: Problem, search: Search, found: Survey, angles: xr.Dataset) -> Diagnosis:
+    """Examine what the best set of effects leaves, weigh all sets, and conclude."""
+    needed = found.needed
     search = shape_rest(problem, settle_search(search))
     findings = examine(problem, search, angles, needed=needed)
-    found = drop_negligible(search)
-    search = hold_against_shape(problem, found)
-    if search.best is not found.best:
+    kept = drop_negligible(search)
+    search = hold_against_shape(problem, kept)
+    if search.best is not kept.best:
         findings = examine(problem, search, angles, needed=needed)
     posterior = weigh_models(search.base, search.candidates)
-    masking = tabulate_masking(columns, problem, base)
-    hidden = {*refused, *list_invisible(masking, needed)}
+    masking = tabulate_masking(found.columns, problem, search.base)
+    hidden = {*found.catalogue[1], *list_invisible(masking, needed)}
     verdict = conclude(problem, search, posterior, findings, angles, hidden, needed)
-    return Diagnosis(verdict, problem, search, posterior, alarms, masking, findings)
+    return Diagnosis(verdict, problem, search, posterior, found.alarms, masking, findings)

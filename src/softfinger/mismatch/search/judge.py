@@ -13,9 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
+from scipy.optimize import minimize_scalar
 
 from softfinger.inference.budget import BUDGET as INFERENCE
-from softfinger.inference.disturbances import admit_disturbances, fit_disturbances
+from softfinger.inference.disturbances import SIZES, admit_disturbances, fit_disturbances
 from softfinger.inference.problem import Candidate, Problem, predict_frames
 from softfinger.measurement.measure import add_components, measure
 from softfinger.measurement.trials import prepare_trials
@@ -62,6 +63,23 @@ def weigh_log(
         for some in ((base, *leaders), moved)
     ]
     return best[1] - best[0]
+
+
+def find_clock_rate(plain: Problem, base: Candidate) -> tuple[float, float]:
+    """Find by how much the camera's clock runs slow, and what that gains [nats].
+
+    By the evidence of the base model, over the rates that `SIZES` allow.
+    """
+    largest = max(SIZES["clock_rate"])
+
+    def lose(rate: float) -> float:
+        trials = plain.trials._replace(node=plain.trials.node * (1.0 + rate))
+        again = _fit(replace(plain, trials=trials), base, base)
+        return np.inf if again is None else base.log_evidence - again.log_evidence
+
+    bounds = (-largest, largest)
+    found = minimize_scalar(lose, bounds=bounds, method="bounded", options={"xatol": 1e-5})
+    return float(found.x), -float(found.fun)
 
 
 def _discount(candidate: Candidate, base: Candidate, needed: float) -> float:

@@ -12,7 +12,7 @@ from softfinger.inference.simulate import (
 )
 from softfinger.measurement.measure import add_components
 from softfinger.measurement.steady import steady_log
-from softfinger.mismatch.search.judge import weigh_log
+from softfinger.mismatch.search.judge import find_clock_rate, weigh_log
 
 TIME = np.arange(300) / 15
 ROWS = np.arange(21.0)
@@ -65,3 +65,14 @@ def test_more_of_a_component_adds_to_what_is_there():
     found = twice.sel(component="noisy_load")
     assert float(found["component_size"]) == pytest.approx(0.005)
     assert float(found["component_evidence"]) == pytest.approx(15.0)
+
+
+def test_a_clock_that_runs_slow_is_found():
+    angles = record(follows=True)
+    late = angles.assign(time=angles["time"] / 1.002)
+    problem, fit = pose_problem(late)
+    rate, nats = find_clock_rate(problem, Candidate(problem.base, fit, fit.log_evidence))
+    assert rate == pytest.approx(0.002, rel=0.2)
+    assert nats > 20.0
+    problem, fit = pose_problem(angles)
+    assert find_clock_rate(problem, Candidate(problem.base, fit, fit.log_evidence))[1] < 6.0
