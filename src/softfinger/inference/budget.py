@@ -17,27 +17,27 @@ class InferenceBudget:
     angle_error: float = 1e-5
     """[rad] that the forward model may err by. Why: a hundredth of a good camera's noise."""
     longest_step: tuple[float, ...] = (0.7, 0.7, 1.0, 0.5)
-    """Of log k_v, log c_v, log c_p and q_ini in a linearisation. Why: it is straight so far."""
+    """Longest steps of own parameters in a linearisation. Why: it is straight so far."""
     start_spread: tuple[float, ...] = (0.4, 0.6, 0.8, 0.02)
     """Spreads from which a fit starts. Why: twice the typical ones, so that trials are free."""
     rest_share: float = 1e-4
-    """Share of a gain that a fit may still lack at rest. Why: the digits that are asked of it."""
+    """Share of its gain a resting fit may lack. Why: the digits that are asked of it."""
     pace: int = 8
     """Last steps that show how fast a fit gains. Why: one step may be short by chance."""
     least_fraction: float = 0.05
     """Of a step that is taken where changes overshoot. Why: less never arrives."""
     shortenings: int = 6
-    """Halvings of a step that does not gain. Why: what 2 % of it does not gain, none does."""
+    """Halvings of a step that does not gain. Why: if 2 % of it does not gain, none does."""
     returns: int = 2
     """Gauss-Newton steps of η back to the bottom of the valley. Why: they converge in squares."""
     omega_moves: int = 200
-    """Trials up to which Ω adapts when one is left out. Why: with more, it hardly does."""
+    """Trials up to which Ω adapts without one. Why: with more, it hardly does."""
     guess_rates: int = 25
     """Rates that a first guess tries. Why: the fit starts there, no more."""
     guess_trials: int = 15
     """Trials that it looks at. Why: as `guess_rates`."""
     curves: int = 96
-    """Rates whose motions span the table of the step solution. Why: to 1e-10 of the largest."""
+    """Rates that span the step solution's table. Why: to 1e-10 of the largest."""
     table_step: float = 0.02
     """Of the log rate between entries. Why: as `curves`, by cubic interpolation."""
     slowest: float = 0.02
@@ -55,7 +55,7 @@ class InferenceBudget:
     simulated: int = 120_000
     """Trials that are moved to weigh draws. Why: under a minute on one core."""
     measured: int = 20_000
-    """Trials that are moved where weighing all would take longer. Why: an sd to 1 %."""
+    """Trials moved where weighing all would take longer. Why: an sd to 1 %."""
     together: int = 2_000
     """Trials in one call. Why: it bounds the memory."""
     load_rows: int = 64

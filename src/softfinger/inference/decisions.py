@@ -11,7 +11,7 @@ class InferenceDecisions:
     """What is trusted, and what counts as there."""
 
     largest_k: float = 0.7
-    """Pareto k of importance weights beyond which they are not used.
+    """Largest Pareto k of importance weights in use.
 
     Why: Vehtari et al. (2024); their error then falls too slowly.
     Test: `test_correction.py::test_a_hopeless_expansion_is_told`.
@@ -29,25 +29,31 @@ class InferenceDecisions:
     Test: `test_correction.py::test_draws_of_many_trials_are_kept_as_they_are`.
     """
     few_trials: int = 5
-    """Trials below which the report warns that the spread is mostly its prior.
+    """Trials below which the report warns.
+
+    The spread is then mostly its prior.
 
     Why: with as many, the data know a sd to a third.
     Test: `test_inference_decisions.py::test_few_trials_are_warned_of`.
     """
     fallen: float = 0.05
-    """Share of the largest load by which it falls, from which a campaign has reversals.
+    """Fall of the load that makes a reversal.
+
+    As a share of the largest load.
 
     Why: as the change of load in `measurement.decisions`.
     Test: `test_inference_decisions.py::test_a_fall_of_the_load_is_a_reversal_or_a_rest`.
     """
     resting: float = 0.1
-    """Share of the largest load below which a finger rests.
+    """Share of the largest load of a resting finger.
 
     Why: a slack wire still weighs something.
     Test: `test_inference_decisions.py::test_a_fall_of_the_load_is_a_reversal_or_a_rest`.
     """
     pit_shares: tuple[float, ...] = (1 / 300, 1 / 30, 1 / 3, 1.0)
-    """Shares of a trial's duration at which predictions are checked.
+    """Places in a trial where predictions are checked.
+
+    As shares of its duration.
 
     Why: 0.1, 1, 10 and 30 s of the paper's.
     Test: `test_inference_decisions.py::test_predictions_are_checked_early_and_late`.

@@ -34,9 +34,9 @@ class InferencePriors:
     elastic_rad: float = 0.5
     """[rad] that a joint is expected to bend elastically. Why: it is seen, and does not break."""
     flow_rad: float = 0.1
-    """[rad] that it is expected to flow in a recording. Why: a soft polymer's share of that."""
+    """[rad] that it is expected to flow. Why: a soft polymer's share of that."""
     mu_sd: tuple[float, ...] = (1.5, 2.0, 2.0, 0.5)
-    """Sds of the means of log k_v, log c_v, log c_p [1] and q_ini [rad]. Why: factors of 20 to 50.
+    """Sds of the parameters' means, [rad] for q_ini. Why: factors of 20 to 50.
 
     Test: `test_priors.py::test_one_prior_of_the_mean_serves_all`.
     """
@@ -45,7 +45,7 @@ class InferencePriors:
     sigma_log_sd: float = 1.0
     """Sd of the spreads' logarithm. Why: a factor of seven either way."""
     noise_log_sd: float = 0.05
-    """Sd of the log of the noise's scale about its estimate. Why: what REML leaves of it."""
+    """Sd of the log of the noise's scale. Why: what REML leaves of it."""
     spread: tuple[float, ...] = (0.2, 0.3, 0.4, 0.01)
     """Typical spreads in Laplace's approximation, where Ω is inverse-Wishart. Why: conjugate."""
     spread_weight: float = 2.0
@@ -53,9 +53,9 @@ class InferencePriors:
     lkj_shape: float = 2.0
     """Of correlations of parameters over trials. Why: weakly against ±1."""
     load_sizes: tuple[float, ...] = (0.001, 0.002, 0.005, 0.01, 0.02)
-    """Relative sds of a load log's row that are as likely. Why: a good cell up to a bad one."""
+    """Equally likely relative sds of a load log's row. Why: a good cell up to a bad one."""
     load_drift_sizes: tuple[float, ...] = (0.003, 0.01, 0.03)
-    """The same of the drift of its gain at a trial's end. Why: a warming cell, up to a bad one."""
+    """The same of its gain's drift at the end. Why: a warming cell, up to a bad one."""
     jitter_sizes_s: tuple[float, ...] = (0.0005, 0.001, 0.002, 0.004, 0.008)
     """[s] The same of a frame's time. Why: up to a quarter of a frame."""
     offset_sizes_s: tuple[float, ...] = (0.001, 0.003, 0.01, 0.03)
@@ -63,7 +63,7 @@ class InferencePriors:
     rate_sizes: tuple[float, ...] = (1e-4, 3e-4, 1e-3, 3e-3)
     """The same of its rate. Why: a quartz has 1e-4 at worst, a driver's clock 1e-3."""
     drift_sizes: tuple[float, ...] = (0.5, 1.0, 2.0, 4.0)
-    """The same of the drift at a trial's end, over the noise. Why: hardly seen up to plain."""
+    """The same of the picture's drift, over the noise. Why: hardly seen up to plain."""
 
 
 PRIORS = InferencePriors()

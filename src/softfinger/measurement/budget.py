@@ -20,9 +20,9 @@ class MeasurementBudget:
     rounds: int = 10
     """Rounds in which peaks are taken for outliers. Why: a burst of ten frames goes in five."""
     bin_growth: float = 0.12
-    """Width of a bin over the time since the last change of load. Why: creep bends little in it."""
+    """Width of a bin over the time since load change. Why: creep bends little in it."""
     bin_share: float = 1.0 / 80.0
-    """Width of a bin over the length of the trial, at most. Why: as `bin_growth`, late in it."""
+    """Largest width of a bin over the trial's length. Why: as `bin_growth`, late in it."""
     bin_gap: float = 2.5
     """[median intervals] Gap that ends a bin. Why: a lost frame does not, two do."""
     distinct_gaps: int = 6

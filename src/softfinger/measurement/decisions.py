@@ -11,14 +11,16 @@ class MeasurementDecisions:
     """What cleaning and noise are decided by."""
 
     present_nats: float = 6.0
-    """Evidence [nats] from which a component of the noise is there.
+    """Evidence [nats] from which a noise component is present.
 
     Why: odds of 400, as there are a dozen components and none is to be found by chance.
     Test: `test_measure.py::test_clean_recordings_suffer_from_nothing`,
     `test_measure.py::test_noise_of_another_size_in_every_trial`.
     """
     least_share_seen: float = 0.5
-    """Share of a trial's frames in which a joint is seen, from which it is present.
+    """Share of frames that makes a joint present.
+
+    The frames are those of a trial in which the joint is seen.
 
     Why: a joint that is seen less costs the others more frames than it has.
     Test: `test_frames.py::test_a_joint_that_was_hardly_seen_does_not_cost_the_others_their_frames`.
@@ -30,67 +32,83 @@ class MeasurementDecisions:
     Test: `test_frames.py::test_a_trial_of_few_frames_is_not_used`.
     """
     gross_sd: float = 6.0
-    """Noise sds beyond which a value is a slip, and says nothing of the noise's tails.
+    """Noise sds beyond which a value is a slip.
+
+    It then shows nothing of the noise's tails.
 
     Why: a normal value lies so far out once in 500 million.
     Test: `test_measurement_decisions.py::test_a_slip_is_no_tail`.
     """
     usual_loss: float = 1e-3
-    """Share of its frames that a sound recording loses or repeats.
+    """Share of frames a sound recording loses or repeats.
 
     Why: a camera that drops one frame in a thousand is sound.
     Test: `test_measurement_decisions.py::test_few_lost_frames_are_usual`.
     """
     own_rho: float = 9.0
-    """Gain in −2 log L, for each joint, from which joints have an autocorrelation each.
+    """Gain from which joints have an autocorrelation each.
+
+    In −2 log L, for each joint.
 
     Why: three sds of one number.
     Test: `test_noise.py::test_joints_share_one_autocorrelation_unless_it_plainly_differs`.
     """
     good_lost: float = 1e-6
-    """Chance of a good frame to be left out as an outlier.
+    """Chance that a good frame is an outlier.
 
     Why: a campaign of 100 000 frames loses none.
     Test: `test_measure.py::test_gross_errors_are_left_out_and_hardly_anything_else`.
     """
     most_outliers: float = 0.2
-    """Share of a trial's frames beyond which none is an outlier.
+    """Largest share of outliers in a trial.
+
+    Beyond it none is an outlier.
 
     Why: outliers are rare; what is not is motion.
     Test: `test_measurement_decisions.py::test_a_trial_of_many_outliers_keeps_all`.
     """
     least_alike: int = 6
-    """Frames as long after a change of load from which one is judged against them.
+    """Least number of alike frames to judge one.
+
+    They are as long after a change of load.
 
     Why: the median of fewer is one of them.
     Test: `test_measurement_decisions.py::test_where_few_frames_compare_none_is_an_outlier`.
     """
     alike_per_decade: int = 8
-    """Groups of such frames in a decade of the time since the change.
+    """Groups of such frames in a decade of time.
+
+    The time is that since the change.
 
     Why: a misfit decays by a third from one to the next.
     Test: `test_measure.py::test_what_every_trial_does_after_a_change_of_load_is_no_outlier`.
     """
     median_frames: int = 15
-    """Frames of the running median that frames stand out from.
+    """Frames of the running median for outliers.
 
     Why: bursts of up to seven frames are outliers, longer ones are motion.
     Test: `test_measurement_decisions.py::test_a_short_burst_stands_out_and_a_long_one_does_not`.
     """
     unsettled: float = 0.2
-    """Share of the time between two changes of load, from the first on, that is not quiet.
+    """Share of the time after a change that is not quiet.
+
+    The time is that between two changes of load.
 
     Why: by then a quartic follows what moves.
     Test: `test_noise.py::test_before_the_first_load_all_is_quiet`.
     """
     load_change: float = 0.05
-    """Share of the load's range by which a jump or a turn is a change.
+    """Least jump or turn that is a change.
+
+    As a share of the load's range.
 
     Why: a load cell's noise is less, and a step of a protocol is more.
     Test: `test_noise.py::test_a_dense_log_of_a_steady_load_has_one_change`.
     """
     lively: float = 3.0
-    """Times the median variance of the windows, beyond which one is not calm.
+    """Variance beyond which a window is not calm.
+
+    In units of the windows' median.
 
     Why: χ² of 25 frames reaches that once in a million; a slip does.
     Test: `test_noise.py::test_a_window_that_jumps_is_left_out`.
@@ -108,13 +126,15 @@ class MeasurementDecisions:
     Test: `test_noise.py::test_too_short_recordings_give_no_noise`.
     """
     equal_by_chance: float = 1e-3
-    """Chance of equal neighbours by rounding, below which equal ones are held frames.
+    """Chance of equality below which frames are repeated.
+
+    It is that of equal neighbours by rounding.
 
     Why: a coarse reader repeats itself without holding.
     Test: `test_measure.py::test_rounded_angles_err_by_their_rounding`.
     """
     least_values: int = 20
-    """Values from which a step of rounding is sought in them.
+    """Values from which a rounding step is sought.
 
     Why: few random values lie on some grid by chance.
     Test: `test_measurement_decisions.py::test_few_values_show_no_step`.

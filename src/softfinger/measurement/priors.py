@@ -13,13 +13,13 @@ class MeasurementPriors:
     freedoms: tuple[float, ...] = (3.0, 4.0, 6.0, 10.0, 20.0)
     """Degrees of freedom of heavy tails. Why: from hardly a variance to hardly a tail."""
     uneven_sizes: tuple[float, ...] = (0.05, 0.1, 0.2, 0.4, 0.8)
-    """Sds of the log of the noise's sd over trials, or cells. Why: 5 % up to a factor of two."""
+    """Sds of the log noise sd over trials or cells. Why: 5 % up to a factor of two."""
     signal_sizes: tuple[float, ...] = (0.3, 0.6, 1.2, 2.5, 5.0)
     """Growth of the noise at the largest deflection. Why: hardly seen up to five times."""
     window_scatter: tuple[float, ...] = (0.0, 0.05, 0.1, 0.2, 0.4)
     """Sds of a window's log variance beyond chance. Why: light and motion differ a little."""
     declared_sd: float = 0.1
-    """Sd of the log of the noise's sd about what is declared. Why: nobody knows it to 1 %.
+    """Sd of the log noise sd about the declared. Why: nobody knows it to 1 %.
 
     Test: `test_measure.py::test_a_declared_sd_is_expected_and_not_enforced`.
     """

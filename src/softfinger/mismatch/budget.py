@@ -13,16 +13,16 @@ class DiagnosisBudget:
     first_steps: int = 4
     """Linearisations before candidates are compared. Why: by then the order is settled."""
     leading: int = 4
-    """Effects whose best form is fitted however far behind its score. Why: scores are linear.
+    """Effects whose best form is always fitted. Why: scores are linear.
 
     Test: `test_rank.py::test_only_leading_effects_are_fitted_where_none_comes_near_what_is_asked`.
     """
     near_nats: float = 2.0
-    """[nats] within the best gain in which a form is fitted. Why: what a linear score errs by."""
+    """[nats] behind the best gain that is fitted. Why: what a linear score errs by."""
     near_share: float = 0.7
     """The same as a share of the best gain. Why: far from zero a linear score errs by that much."""
     reach_nats: float = 20.0
-    """[nats] within the best fit in which a fit goes on. Why: what `first_steps` may lack."""
+    """[nats] behind the best fit that goes on. Why: what `first_steps` may lack."""
     reach_share: float = 0.5
     """The same as a share of the best gain. Why: as `near_share`, after some steps."""
     hopeless_nats: float = -2.0
@@ -36,11 +36,11 @@ class DiagnosisBudget:
     pairs: int = 4
     """Pairs of effects that are fitted. Why: pairs' scores are of pairs, and in order."""
     leaders: int = 2
-    """Effects that are judged with a measurement of their own before the search."""
+    """Effects judged with their own measurement before the search."""
     finalists: int = 6
     """Sets of effects that are judged so after it. Why: the sixth is out of all competition."""
     rest_nats: float = 0.02
-    """[nats] at which a finalist's fit has come to rest. Why: far below any decision's size."""
+    """[nats] at which a finalist's fit rests. Why: far below any decision's size."""
     shape_steps: int = 25
     """Linearisations of a free-form term. Why: it starts where the model is already fitted."""
     shape_points: int = 41
@@ -58,7 +58,7 @@ class DiagnosisBudget:
     resamples: int = 400
     """Draws of trials behind the bounds of a coverage. Why: 5 % quantiles from twenty each."""
     quantile_points: int = 1000
-    """Points of a normal posterior whose reported function is summed up. Why: 0.1 % each."""
+    """Points of a normal posterior, for reported functions. Why: 0.1 % each."""
     chains: int = 4
     """Chains that sample the repaired model. Why: R-hat needs several."""
     tune: int = 300

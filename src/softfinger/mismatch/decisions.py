@@ -15,36 +15,46 @@ class DiagnosisDecisions:
     """What a diagnosis decides by."""
 
     sure: float = 0.95
-    """Posterior probability from which one set of effects is named; below, sets are ambiguous.
+    """Probability from which a set of effects is named.
+
+    It is the posterior one; below, sets are ambiguous.
 
     Why: the usual level of a claim.
     Test: `test_settle.py::test_strong_evidence_names_one_set_and_close_evidence_does_not`.
     """
     slight: float = 0.02
-    """Share of their gain that likely sets may disagree about; then what they share is named.
+    """Share of gain likely sets may disagree about.
+
+    Then what they share is named.
 
     Why: forms are textbook forms, and err by a few percent; free laws make it smaller.
     Test: `test_settle.py::test_what_close_sets_share_is_settled_where_they_add_hardly_anything`.
     """
     rival_nats: float = 10.0
-    """[nats] behind the best model, within which others compete with it; `rival_share` may be more.
+    """[nats] behind the best model that still compete.
+
+    `rival_share` may be more.
 
     Why: odds of 20 000. Test: `test_decisions.py::test_models_compete_within_nats_or_a_share`.
     """
     rival_share: float = 0.15
-    """The same as a share of the best model's gain.
+    """The same, as a share of the best gain.
 
     Why: no recording has the textbook form, so where the evidence is large any spline gains more.
     Test: `test_stepwise.py::test_a_shape_alone_that_says_clearly_more_takes_the_place_of_effects`.
     """
     form_error: float = 0.005
-    """Share of what effects explain that their textbook forms may leave to a further effect.
+    """Share that textbook forms may leave to others.
+
+    It is of what effects explain, and may go to a further effect.
 
     Why: a curve known to 7 % leaves (7 %)² of χ²; a free law has no such error.
     Test: `test_rank.py::test_a_further_effect_must_bring_more_than_errors_of_textbook_forms`.
     """
     shape_left: float = 0.25
-    """Share of what effects explain that may be left to a shape, a line or slips.
+    """Share that effects may leave.
+
+    It is of what they explain, and may go to a shape, a line or slips.
 
     Why: with more left, they explain less than half of the misfit's size.
     Test: `test_stepwise.py::test_what_effects_may_leave_grows_with_what_they_explain`.
@@ -56,61 +66,75 @@ class DiagnosisDecisions:
     Test: `test_stepwise.py::test_what_effects_may_leave_grows_with_what_they_explain`.
     """
     missing: float = 1e-3
-    """p-value of what lasts within trials below which something is missing.
+    """p-value below which something is missing.
+
+    It is that of what lasts within trials.
 
     Why: one campaign in a thousand.
     Test: `test_settle.py::test_effects_that_leave_much_do_not_explain`.
     """
     tail_share: float = 0.2
-    """Share of the bootstrap's replicates from which the tail of the largest gain is learnt.
+    """Share of replicates from which the tail is learnt.
+
+    The tail is that of the largest gain; the replicates are the bootstrap's.
 
     Why: forty of 199, so that the threshold is known to a sixth; an exponential tail needs a start
     well beyond the median. Test: `test_settle.py::test_threshold_and_p_value_of_chance_agree`.
     """
     joint_sd: float = 3.0
-    """Posterior sds by which a joint's spline is off zero where the joint is listed.
+    """Posterior sds off zero that list a joint.
+
+    It is the joint's spline that is off zero.
 
     Why: 0.3 % by chance at one place.
     Test: `test_decisions.py::test_a_joint_is_listed_where_its_spline_is_clearly_off_zero`.
     """
     slip_nats: float = 5.0
-    """Evidence [nats] from which a trial is listed as one that slips.
+    """Evidence [nats] from which a trial's slip is listed.
 
     Why: odds of 150, in a campaign of 40 trials.
     Test: `test_slips.py::test_a_slip_in_two_trials_is_found_there`.
     """
     false_discoveries: float = 0.05
-    """Rate of false discoveries among the cells in which a misfit is located.
+    """False-discovery rate of a misfit's cells.
 
     Why: the usual one (Benjamini and Hochberg).
     Test: `test_decisions.py::test_a_misfit_is_located_where_false_discoveries_are_few`.
     """
     likely: float = 0.5
-    """Probability from which an effect is stated to be a part of what is unlisted.
+    """Probability that makes an effect part of the unlisted.
 
     Why: more likely than not.
     Test: `test_decisions.py::test_of_what_is_unlisted_likely_parts_are_stated`.
     """
     contradicts: float = 2.0
-    """Ratio of the shown and the declared sd of the noise from which the user is warned.
+    """Ratio of noise sds that warns the user.
+
+    It is the shown sd over the declared one.
 
     Why: compression and lens blur change it less.
     Test: `test_sufferings.py::test_a_declared_sd_that_the_recordings_contradict_is_doubted`.
     """
     other_noise: float = 1.5
-    """Times the campaign's noise, or its inverse, from which a trial's noise is named.
+    """Ratio from which a trial's noise is named.
+
+    It is over the campaign's noise, or its inverse.
 
     Why: it halves or doubles the trial's weight.
     Test: `test_sufferings.py::test_the_trials_that_suffer_are_named`.
     """
     shows: float = 15.0
-    """Expected gain [nats] from which a protocol is said to show an effect.
+    """Expected gain [nats] that shows an effect.
+
+    The gain is that of a protocol.
 
     Why: twice what chance reaches, since the strength is a guess.
     Test: `test_decisions.py::test_no_protocol_is_proposed_that_shows_too_little`.
     """
     strength: float = 2.0
-    """Prior sds of an effect's amplitudes at which tables say whether it could show.
+    """Strength of effects in tables, in prior sds.
+
+    At it, tables state whether an effect could show.
 
     Why: a strong effect that is still plausible; one that is hidden then is not testable.
     Test: `test_masking.py::test_a_law_of_flow_vanishes_under_one_load_and_not_under_several`.
@@ -122,46 +146,52 @@ class DiagnosisDecisions:
     Test: `test_decisions.py::test_an_experiment_is_of_a_dozen_trials`.
     """
     windows_s: tuple[float, ...] = (0.0, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, float("inf"))
-    """Edges [s] after a change of load of the cells in which a misfit is located.
+    """Edges [s] of the cells that locate a misfit.
+
+    They count from a change of load.
 
     Why: half decades, from a frame to a recording.
     Test: `test_decisions.py::test_cells_of_few_numbers_are_not_judged`.
     """
     loading: float = 0.2
-    """Share of the largest load by which it would change in a trial, from which it is moving.
+    """Change in a trial from which the load moves.
+
+    As a share of the largest load.
 
     Why: a hold that drifts less is a hold. Test: `test_decisions.py::test_phases_follow_the_load`.
     """
     at_rest: float = 0.05
-    """Share of the largest load below which the finger is at rest.
+    """Share of the largest load of a resting finger.
 
     Why: a load cell's zero. Test: `test_decisions.py::test_phases_follow_the_load`.
     """
     least_count: int = 8
-    """Whitened residuals in a cell from which it is judged.
+    """Whitened residuals from which a cell is judged.
 
     Why: the mean of fewer is not normal.
     Test: `test_decisions.py::test_cells_of_few_numbers_are_not_judged`.
     """
     least_trials: int = 6
-    """Trials in which a covariate is known, from which what it goes with is tested.
+    """Trials from which a covariate is tested.
+
+    They are those in which it is known.
 
     Why: five ranks reach no p-value below 1 %.
     Test: `test_decisions.py::test_a_covariate_of_few_trials_is_not_tested`.
     """
     least_values: int = 4
-    """Different values of an argument from which a spline in it is tried.
+    """Different arguments from which a spline is tried.
 
     Why: three are a parabola. Test: `test_decisions.py::test_a_spline_needs_values_to_go_through`.
     """
     slip_frames: int = 10
-    """Quiet frames in a trial from which slips are sought in it.
+    """Quiet frames from which a trial's slips are sought.
 
     Why: before and after a step, some must be left.
     Test: `test_decisions.py::test_short_trials_are_not_searched_for_slips_or_waves`.
     """
     wave_frames: int = 24
-    """Used frames in a trial from which a wave is sought in it.
+    """Used frames from which a trial's wave is sought.
 
     Why: its mean and its scale are taken off first.
     Test: `test_decisions.py::test_short_trials_are_not_searched_for_slips_or_waves`.
@@ -172,7 +202,9 @@ class DiagnosisDecisions:
     Why: a slower one is drift. Test: `test_decisions.py::test_a_slow_wave_is_drift`.
     """
     same_level: float = 0.05
-    """Relative difference of two trials' largest loads below which they are of one level.
+    """Relative difference of loads of one level.
+
+    The loads are the largest of two trials.
 
     Why: what a hand-set load varies by.
     Test: `test_decisions.py::test_loads_that_differ_little_are_of_one_level`.

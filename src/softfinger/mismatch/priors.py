@@ -34,9 +34,9 @@ class DiagnosisPriors:
     slip_sizes_rad: tuple[float, ...] = (0.003, 0.01, 0.03)
     """[rad] Sds of a slip that are as likely. Why: a marker's edge up to its width."""
     slip_shares: tuple[float, ...] = (0.02, 0.1, 0.3, 0.6, 0.95)
-    """Shares of the trials that slip that are as likely. Why: one in fifty up to nearly all."""
+    """Equally likely shares of trials that slip. Why: one in fifty up to nearly all."""
     wave_sizes: tuple[float, ...] = (0.1, 0.3, 1.0, 3.0, 10.0, 100.0)
-    """Powers of a wave over the noise's that are as likely. Why: half decades."""
+    """Equally likely powers of a wave over noise's. Why: half decades."""
 
 
 PRIORS = DiagnosisPriors()

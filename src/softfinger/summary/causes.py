@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 CHANCE = 0.1
-"""Share of 90 % intervals that exclude 0 by chance."""
+"""Share of 90 % intervals without 0 by chance."""
 
 
 def find_causes(sobol: xr.Dataset) -> xr.Dataset:

@@ -17,7 +17,7 @@ NO_BANDS = "the bands were not computed"
 NO_SCORES = "no log-likelihood per trial was kept"
 FEW = "needs two trials"
 EARLY = 1.0
-"""End of the early look at the residuals [s]; what inertia or a lag does is over soon."""
+"""End [s] of the early look; inertia acts before."""
 PASSED, FAILED, NOT_MADE = 1, 0, -1
 
 

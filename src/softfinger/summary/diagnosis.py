@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 SEEN = 0.05
-"""p-value below which the misfit is said to show in a joint, or as a spectral line."""
+"""p-value below which a joint or line shows misfit."""
 NEEDED = 0.5
 """Probability from which an effect is drawn as needed."""
 SINCE = np.geomspace(0.05, 100.0, 12)

@@ -87,7 +87,7 @@ JUDGED: dict[str, Callable[[xr.Dataset], xr.Dataset]] = {
     "independence": granted.list_doubtful_pairs,
     "loo_pit": granted.judge_loo_pit,
 }
-"""What only several trials can tell."""
+"""What only several trials can show."""
 
 
 def summarise(

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 UNLIKELY = 0.05
-"""p-value, corrected for the number of looks, below which something is doubted."""
+"""p-value, corrected for looks, below which something is doubted."""
 SENSITIVE = 0.05
 """Power-scaling sensitivity above which ArviZ speaks of it."""
 DISAGREE = "prior and recordings may disagree"

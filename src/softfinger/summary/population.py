@@ -12,7 +12,7 @@ from softfinger.summary.paper import build_paper_table
 POPULATIONS = {"k_v": "log_k_v", "c_v": "log_c_v", "c_p": "log_c_p", "q_ini": "q_ini"}
 STATISTICS = ("mu", "sigma")
 UNSURE = 0.5
-"""Relative sd of a population's spread above which the recordings hardly determine it."""
+"""Relative sd above which a spread is hardly determined."""
 
 
 def stack_population(posterior: xr.Dataset) -> xr.Dataset:

@@ -11,7 +11,7 @@ from softfinger.summary.population import stack_population
 
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 SAME_LOAD = 0.02
-"""Trials whose largest loads differ by no more than this share had the same load."""
+"""Relative difference up to which loads are the same."""
 TIMES = 61
 LARGEST_LOG = 300.0
 """A draw beyond it would leave the floating-point range."""

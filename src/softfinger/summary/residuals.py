@@ -9,11 +9,11 @@ from scipy.signal import find_peaks, periodogram
 
 CHANGES = ("rise", "fall")
 SMALLEST_CHANGE = 0.05
-"""Of the load's range: a smaller jump is not called a change of load."""
+"""Least change of load, over the load's range."""
 RING_PROMINENCE = 0.5
-"""A peak of the spectrum is a ring if at least this share of its height stands out."""
+"""Least prominence of a ring, over its height."""
 RING_CHANCE = 1e-4
-"""... and if trials that share no phase would give it with at most this probability."""
+"""Largest chance of a ring without a shared phase."""
 
 
 def summarise_residuals(
