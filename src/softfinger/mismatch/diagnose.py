@@ -75,7 +75,9 @@ class Survey(NamedTuple):
 
 
 class Posed(NamedTuple):
-    """Recordings with the base model fitted to them, and every effect alone.
+    """Recordings with the base model fitted to them.
+
+    Every effect alone is fitted as well.
 
     `known` has what was found to be wrong with log and clock, and was mended: component → size
     and evidence [nats].
@@ -149,7 +151,10 @@ def diagnose(
 
 
 def mend_log(posed: Posed, pose: Pose) -> Posed:
-    """Take the load of steady plateaus where it explains the motion better than the log does."""
+    """Take steady plateaus where the motion prefers them.
+
+    The load of steady plateaus then explains the motion better than the log does.
+    """
     steady, error = steady_log(posed.angles)
     if error == 0.0 or not posed.plain.setting.load_known:
         return posed
@@ -159,7 +164,10 @@ def mend_log(posed: Posed, pose: Pose) -> Posed:
 
 
 def mend_clock(posed: Posed, pose: Pose) -> Posed:
-    """Set the camera's clock to the rate of the log's, where it plainly runs at another."""
+    """Set the camera's clock to the log's rate.
+
+    It is set where it plainly runs at another.
+    """
     plain, base = posed.plain, posed.base
     if not plain.setting.load_known or "clock_rate" not in fit_disturbances(plain, base)[0]:
         return posed
@@ -171,7 +179,7 @@ def mend_clock(posed: Posed, pose: Pose) -> Posed:
 
 
 def _close(problem: Problem, search: Search, found: Survey, angles: xr.Dataset) -> Diagnosis:
-    """Examine what the best set of effects leaves, weigh all sets, and conclude."""
+    """Examine what is left, weigh all sets, and conclude."""
     needed = found.needed
     search = shape_rest(problem, settle_search(search))
     findings = examine(problem, search, angles, needed=needed)

@@ -66,7 +66,9 @@ def weigh_log(
 
 
 def find_clock_rate(plain: Problem, base: Candidate) -> tuple[float, float]:
-    """Find by how much the camera's clock runs slow, and what that gains [nats].
+    """Find how slow the camera's clock runs.
+
+    Also what that gains [nats].
 
     By the evidence of the base model, over the rates that `SIZES` allow.
     """
