@@ -47,6 +47,12 @@ class DiagnosisBudget:
     """Places at which a spline is tabulated. Why: four to a knot, and both ends."""
     frequencies: int = 900
     """Frequencies at which waves are sought. Why: two a resolution element in a 30 s trial."""
+    hums: int = 9
+    """Hums that are sought, one after the other. Why: three harmonics in each of three joints."""
+    hum_tries: int = 17
+    """Frequencies about the best of a grid. Why: an eighth of a step, for trials of minutes."""
+    ring_frequencies: int = 8
+    """Frequencies at which a load drives oscillators. Why: short-lived ones respond to all."""
     folds: int = 5
     """Parts into which trials are left out. Why: the usual number."""
     draws: int = 99

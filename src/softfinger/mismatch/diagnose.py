@@ -20,11 +20,13 @@ from softfinger.mechanics.effects.model_file import ModelFile
 from softfinger.mismatch.candidates.columns import ScoreColumns, collect_columns
 from softfinger.mismatch.candidates.rank import Score, list_pieces, rank_pieces
 from softfinger.mismatch.checks.findings import Findings, examine
+from softfinger.mismatch.checks.hums import Hum, hear_hums, note_hums
 from softfinger.mismatch.config import MismatchSettings
 from softfinger.mismatch.experiment.masking import list_invisible, tabulate_masking
 from softfinger.mismatch.search.calibrate import FalseAlarms, calibrate_false_alarms
 from softfinger.mismatch.search.judge import (
     find_clock_rate,
+    find_leader,
     judge_finalists,
     settle_measurement,
     weigh_log,
@@ -139,7 +141,8 @@ def diagnose(
         base = Candidate(plain.base, fit, fit.log_evidence)
         return Posed(angles, plain, base, survey(plain, base), known)
 
-    angles, plain, base, found, _ = mend_clock(mend_log(pose(angles, {}), pose), pose)
+    posed, hums = mend_hums(mend_clock(mend_log(pose(angles, {}), pose), pose), pose)
+    angles, plain, base, found, _ = posed
     problem, base = settle_measurement(plain, base, found.ranked[0], found.needed)
     found = found if problem is plain else survey(problem, base)
     search = search_effects(
@@ -147,6 +150,8 @@ def diagnose(
     )
     if search.best is not search.base:
         problem, search = judge_finalists(plain, problem, search, angles, found.needed)
+    more, angles = hear_hums(problem, search.best, angles)
+    problem = replace(problem, noise=note_hums(problem.noise, hums + more))
     return _close(problem, search, found, angles)
 
 
@@ -176,6 +181,13 @@ def mend_clock(posed: Posed, pose: Pose) -> Posed:
         return posed
     set_right = posed.angles.assign(time=posed.angles["time"] * (1.0 + rate))
     return pose(set_right, {**posed.known, "clock_rate": (abs(rate), nats)})
+
+
+def mend_hums(posed: Posed, pose: Pose) -> tuple[Posed, list[Hum]]:
+    """Take off the recordings what they hum: it is neither motion nor noise."""
+    leader = find_leader(posed.base, posed.survey.ranked[0], posed.survey.needed)
+    hums, angles = hear_hums(posed.plain, leader, posed.angles)
+    return (pose(angles, posed.known) if hums else posed), hums
 
 
 def _close(problem: Problem, search: Search, found: Survey, angles: xr.Dataset) -> Diagnosis:

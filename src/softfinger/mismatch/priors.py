@@ -35,6 +35,10 @@ class DiagnosisPriors:
     """[rad] Sds of a slip that are as likely. Why: a marker's edge up to its width."""
     slip_shares: tuple[float, ...] = (0.02, 0.1, 0.3, 0.6, 0.95)
     """Equally likely shares of trials that slip. Why: one in fifty up to nearly all."""
+    hum_sizes: tuple[float, ...] = (0.03, 0.1, 0.3, 1.0, 3.0)
+    """Equally likely sds of a hum over noise's. Why: hardly seen up to plain."""
+    ring_periods: tuple[float, ...] = (1.0, 3.0, 10.0, 30.0)
+    """Equally likely periods a ring decays in. Why: a soft finger up to a bell."""
     wave_sizes: tuple[float, ...] = (0.1, 0.3, 1.0, 3.0, 10.0, 100.0)
     """Equally likely powers of a wave over noise's. Why: half decades."""
 

@@ -149,6 +149,7 @@ def make_measurement(angles, attrs):
             "window_count": ("joint", np.full(joints.size, 12)),
             "component_size": ("component", [0.01]),
             "component_evidence": ("component", [31.0]),
+            "hum_frequency": ("hum", np.zeros(0)),
         },
         {
             "trial": angles["trial"],

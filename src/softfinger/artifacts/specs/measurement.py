@@ -51,5 +51,8 @@ SPEC = ArtifactSpec(
             ("component",), "1", "its size, in the unit of the verdict's finding"
         ),
         "component_evidence": Variable(("component",), "1", "its evidence [nats]"),
+        "hum_frequency": Variable(
+            ("hum",), "Hz", "of what the angles hum, strongest first", at_least=0.0
+        ),
     },
 )

@@ -1,8 +1,6 @@
 """A mount that hums at one frequency.
 
 So the base's direction swings.
-
-No measurement model of the diagnosis has a line in its spectrum.
 """
 
 from __future__ import annotations

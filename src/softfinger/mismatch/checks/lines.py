@@ -35,6 +35,36 @@ class Line(NamedTuple):
     gain: float
 
 
+class WaveSeries(NamedTuple):
+    """What shows a wave in one trial.
+
+    The residual of one joint, or a weighted sum of all.
+
+    Attributes
+    ----------
+    trial, shape
+        Places in the residual and in `list_shapes`.
+    time
+        (n,) [s].
+    gap
+        (n − 1,) between them, in median frame intervals.
+    rho
+        ρ by which a wave is whitened.
+    values
+        (n,) white, of mean 0 and variance 1.
+    per_rad
+        What 1 rad of the shape moves them by, before it is whitened.
+    """
+
+    trial: int
+    shape: int
+    time: NDArray[np.float64]
+    gap: NDArray[np.float64]
+    rho: float
+    values: NDArray[np.float64]
+    per_rad: float
+
+
 def find_line(problem: Problem, residual: NDArray[np.float64], time: NDArray[np.float64]) -> Line:
     """Find the strongest spectral line.
 
@@ -47,27 +77,43 @@ def find_line(problem: Problem, residual: NDArray[np.float64], time: NDArray[np.
     time
         (trial, frame) [s].
     """
-    interval, duration = problem.trials.interval, problem.setting.duration
-    low, high = DECISIONS.wave_periods / duration, 0.45 / interval
-    count = int(min(BUDGET.frequencies, max(2 * (high - low) * duration, 1)))
-    frequency = np.linspace(low, high, count)
-    shapes = list_shapes(problem.setting.stiffness)
-    power = np.zeros((len(shapes), count))
-    gain = np.zeros((len(PRIORS.wave_sizes), *power.shape))
-    series = np.zeros(len(shapes), int)
-    for i in range(len(residual)):
-        for k, here in measure_power(problem, residual[i], time[i], frequency, shapes):
-            power[k] += here
-            for size, gained in zip(PRIORS.wave_sizes, gain, strict=True):
-                gained[k] += 0.5 * here * size / (1.0 + size) - np.log1p(size)
-            series[k] += 1
-    tail = np.array([chi2.sf(p, 2 * max(n, 1)) for p, n in zip(power, series, strict=True)])
+    frequency = list_frequencies(problem)
+    power, gain, count = scan_series(list_series(problem, residual, time), frequency)
+    tail = np.array([chi2.sf(p, 2 * max(n, 1)) for p, n in zip(power, count, strict=True)])
     shape, place = np.unravel_index(np.argmin(tail), tail.shape)
     looks = tail.size
     p_value = -np.expm1(looks * np.log1p(-min(tail[shape, place], 1 - 1e-16)))
     evidence = float(np.logaddexp.reduce(gain, axis=None) - np.log(gain.size))
     joint = int(shape + 1) % (problem.setting.stiffness.size + 1)
     return Line(float(frequency[place]), joint, float(min(1.0, p_value)), evidence)
+
+
+def list_frequencies(problem: Problem) -> NDArray[np.float64]:
+    """List the frequencies [Hz] that are tried."""
+    interval, duration = problem.trials.interval, problem.setting.duration
+    low, high = DECISIONS.wave_periods / duration, 0.45 / interval
+    count = int(min(BUDGET.frequencies, max(2 * (high - low) * duration, 1)))
+    return np.linspace(low, high, count)
+
+
+def scan_series(
+    series: list[list[WaveSeries]], frequency: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
+    """Scan series for waves.
+
+    Power (shape, frequency), evidence (size, shape, frequency), and trials (shape,) behind it.
+    The power is χ²₂ in each trial where there is noise alone.
+    """
+    power = np.zeros((len(series), len(frequency)))
+    gain = np.zeros((len(PRIORS.wave_sizes), *power.shape))
+    for k, trials in enumerate(series):
+        for one in trials:
+            wave = transform_series(one.values, one.time, frequency)
+            here = 2.0 * np.abs(wave) ** 2 / one.values.size
+            power[k] += here
+            for size, gained in zip(PRIORS.wave_sizes, gain, strict=True):
+                gained[k] += 0.5 * here * size / (1.0 + size) - np.log1p(size)
+    return power, gain, np.array([len(trials) for trials in series])
 
 
 def list_shapes(stiffness: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -81,21 +127,34 @@ def list_shapes(stiffness: NDArray[np.float64]) -> NDArray[np.float64]:
            [1. , 0.5]])
     """
     alone = np.eye(stiffness.size)
-    return np.vstack([alone, 1.0 / stiffness]) if stiffness.size > 1 else alone
+    return np.vstack([alone, stiffness.min() / stiffness]) if stiffness.size > 1 else alone
 
 
-def measure_power(
-    problem: Problem,
-    residual: NDArray[np.float64],
-    time: NDArray[np.float64],
-    frequency: NDArray[np.float64],
-    shapes: NDArray[np.float64],
-) -> Iterator[tuple[int, NDArray[np.float64]]]:
-    """Measure the power (frequency,) of waves of each shape in one trial; χ²₂ of noise alone.
+def list_series(
+    problem: Problem, residual: NDArray[np.float64], time: NDArray[np.float64]
+) -> list[list[WaveSeries]]:
+    """List the series of every shape and trial.
+
+    Only those in which enough was seen.
 
     What neighbouring joints have in common, they get from the link between them: a wave in all
     joints stands out from their weighted sum (generalised least squares) and hardly from any one.
     """
+    shapes = list_shapes(problem.setting.stiffness)
+    found: list[list[WaveSeries]] = [[] for _ in shapes]
+    for i in range(len(residual)):
+        for one in _weigh_joints(problem, residual[i], time[i], shapes, i):
+            found[one.shape].append(one)
+    return found
+
+
+def _weigh_joints(
+    problem: Problem,
+    residual: NDArray[np.float64],
+    time: NDArray[np.float64],
+    shapes: NDArray[np.float64],
+    trial: int,
+) -> Iterator[WaveSeries]:
     seen = np.isfinite(residual).sum(axis=1) >= DECISIONS.wave_frames
     used = np.isfinite(residual[seen]).all(axis=0)
     if not seen.any() or used.sum() < DECISIONS.wave_frames:
@@ -110,9 +169,10 @@ def measure_power(
     for k, shape in enumerate(shapes):
         if not shape[~seen].any():
             weight = np.linalg.solve(correlation, shape[seen] / scale) / scale
-            series = weight @ white  # its own variance is the measure: a model's may be wrong
-            wave = transform_series(series, time[used], frequency)
-            yield k, 2.0 * np.abs(wave) ** 2 / (series.size * series.var())
+            values = weight @ white
+            sd = values.std()  # its own variance is the measure: a model's may be wrong
+            kept = float(rho[np.abs(shape[seen]).argmax()])
+            yield WaveSeries(trial, k, time[used], gap, kept, values / sd, float(sd))
 
 
 def transform_series(

@@ -89,6 +89,12 @@ def _discount(candidate: Candidate, base: Candidate, needed: float) -> float:
     return candidate.log_evidence - needed * added
 
 
+def find_leader(base: Candidate, singles: list[Candidate], needed: float) -> Candidate:
+    """Find the best of base model and leading effects."""
+    leaders = base, *_list_leaders(base, singles, needed)
+    return max(leaders, key=lambda c: c.log_evidence)
+
+
 def _list_leaders(base: Candidate, singles: list[Candidate], needed: float) -> list[Candidate]:
     """Best model of each of the leading effects."""
     leaders: dict[frozenset[str], Candidate] = {}

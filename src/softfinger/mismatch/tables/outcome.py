@@ -31,6 +31,7 @@ MEASURED = (
     "window_count",
     "component_size",
     "component_evidence",
+    "hum_frequency",
 )
 """What the artifact `measurement` keeps."""
 

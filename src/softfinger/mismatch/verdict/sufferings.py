@@ -98,6 +98,12 @@ def _say_signal(size: float, measurement: xr.Dataset) -> str:
     )
 
 
+def _say_hum(size: float, measurement: xr.Dataset) -> str:
+    tones = list(dict.fromkeys(f"{f:.3g}" for f in measurement["hum_frequency"].values))
+    listed = " and ".join([", ".join(tones[:-1]), tones[-1]] if len(tones) > 1 else tones)
+    return f"The angles hum at {listed} Hz with {1e3 * size:.2g} mrad, whatever the load does."
+
+
 WORDS = {
     "outliers": _Words(
         "share", lambda s, _: f"{100 * s:.2g} % of the frames are gross errors, and are left out."
@@ -138,4 +144,5 @@ WORDS = {
         "noise_sd",
         lambda s, _: f"The angles drift within a trial by {s:.2g} times the noise.",
     ),
+    "hum": _Words("amplitude_rad", _say_hum, "drift"),
 }

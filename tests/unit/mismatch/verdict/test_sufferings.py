@@ -16,6 +16,7 @@ def build_measurement(found):
             "outlier_distance": (("trial", "frame"), [[0.0, 0.0], [0.0, 0.0], [0.0, 40.0]]),
             "repeated": (("trial", "frame"), [[False, True], [False, False], [False, False]]),
             "noise_sd": ("joint", [0.003, 0.003]),
+            "hum_frequency": ("hum", [7.1, 14.2]),
         },
         {"component": names, "trial": ["a", "b", "c"]},
     )
@@ -27,6 +28,14 @@ def test_every_component_has_a_sentence_and_the_strongest_comes_first():
     assert [one.evidence for one in told] == sorted(range(len(WORDS)), reverse=True)
     assert all(one.statement.endswith(".") for one in told)
     assert {one.id for one in told} == {words.id or name for name, words in WORDS.items()}
+
+
+def test_a_hum_is_told_with_its_frequencies_as_a_drift():
+    told = describe_measurement(build_measurement({"hum": (0.0008, 20.0)}))
+    assert [one.id for one in told] == ["drift"]
+    assert told[0].size == {"amplitude_rad": 0.0008}
+    expected = "The angles hum at 7.1 and 14.2 Hz with 0.8 mrad, whatever the load does."
+    assert told[0].statement == expected
 
 
 def test_the_trials_that_suffer_are_named():
