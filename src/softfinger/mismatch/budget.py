@@ -65,6 +65,11 @@ class DiagnosisBudget:
     """Draws of trials behind the bounds of a coverage. Why: 5 % quantiles from twenty each."""
     quantile_points: int = 1000
     """Points of a normal posterior, for reported functions. Why: 0.1 % each."""
+    explained: int = 5
+    """Sets of effects whose share a verdict lists. Why: further ones are far behind.
+
+    Test: `test_explained.py::test_the_best_set_of_the_search_comes_first`.
+    """
     chains: int = 4
     """Chains that sample the repaired model. Why: R-hat needs several."""
     tune: int = 300

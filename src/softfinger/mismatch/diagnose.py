@@ -201,6 +201,6 @@ def _close(problem: Problem, search: Search, found: Survey, angles: xr.Dataset) 
         findings = examine(problem, search, angles, needed=needed)
     posterior = weigh_models(search.base, search.candidates)
     masking = tabulate_masking(found.columns, problem, search.base)
-    hidden = {*found.catalogue[1], *list_invisible(masking, needed)}
-    verdict = conclude(problem, search, posterior, findings, angles, hidden, needed)
+    hidden, refused = set(list_invisible(masking, needed)), found.catalogue[1]
+    verdict = conclude(problem, search, posterior, findings, angles, hidden, refused, needed)
     return Diagnosis(verdict, problem, search, posterior, found.alarms, masking, findings)

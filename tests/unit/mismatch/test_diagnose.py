@@ -85,6 +85,17 @@ def test_what_an_ambiguous_set_holds_is_not_called_untestable(named, recorded):
         best={first: search.best, second: other},
     )
     hidden = {*first, *second, "gravity"}
-    verdict = conclude(named.problem, search, unsure, named.findings, recorded, hidden, 5.0)
+    verdict = conclude(named.problem, search, unsure, named.findings, recorded, hidden, {}, 5.0)
     assert verdict.decision == "ambiguous"
     assert verdict.not_testable == ["gravity"]
+
+
+def test_a_verdict_tells_what_its_effects_explain_and_what_was_not_tried(named):
+    first = named.verdict.explained[0]
+    assert first.effects == ["second_retardation"]
+    assert first.share > 0.8
+    assert not first.amplitudes_cover_zero
+    reasons = {one.id: one.reason for one in named.verdict.not_tried}
+    assert reasons
+    assert all(reasons.values())
+    assert set(reasons) <= set(named.verdict.not_testable)

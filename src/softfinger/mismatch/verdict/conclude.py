@@ -12,8 +12,9 @@ from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.search.settle import Posterior, join_ids
 from softfinger.mismatch.search.stepwise import Search
 from softfinger.mismatch.verdict.estimates import state_effects
-from softfinger.mismatch.verdict.schema import FreeFormNote as FreeFormNote
+from softfinger.mismatch.verdict.explained import list_explained, list_not_tried
 from softfinger.mismatch.verdict.schema import (
+    FreeFormNote,
     Location,
     Remaining,
     ResidualRms,
@@ -33,11 +34,12 @@ def conclude(
     findings: Findings,
     angles: xr.Dataset,
     hidden: set[str],
+    refused: dict[str, str],
     needed: float,
 ) -> Verdict:
     """Write the verdict.
 
-    `hidden` could not show alone, but may beside what was found.
+    `hidden` could not show alone, but may beside what was found; `refused` was not tried.
     """
     final = search.best
     decision = choose_decision(search, posterior, findings.is_unlisted(needed))
@@ -66,13 +68,19 @@ def conclude(
         explained_spread={}
         if final is search.base
         else explain_spread(problem, search.base, final),
-        not_testable=sorted(hidden - final.model.ids - {effect.id for effect in effects}),
+        not_testable=sorted(
+            {*hidden, *refused} - final.model.ids - {effect.id for effect in effects}
+        ),
         free_form=describe_free_form(findings.free) if decision == "unlisted" else None,
         n_trials=len(problem.trials.name),
         set_aside=list_set_aside(angles, problem.trials.name),
         next_experiment=None,
         measurement=describe_measurement(problem.noise),
+        explained=[]
+        if decision == "adequate"
+        else list_explained(problem, search, posterior, needed),
         remaining=describe_remaining(problem, final, findings),
+        not_tried=list_not_tried(refused),
     )
 
 

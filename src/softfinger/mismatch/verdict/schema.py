@@ -135,6 +135,26 @@ class Remaining(_VerdictPart):
     where: str
 
 
+class Explained(_VerdictPart):
+    """What one set of listed effects explains.
+
+    Its gain over the base model, and the share of that in the evidence that is missing; whether
+    no amplitude of it is clearly off zero.
+    """
+
+    effects: list[str]
+    gain_nats: float
+    share: Probability
+    amplitudes_cover_zero: bool
+
+
+class NotTried(_VerdictPart):
+    """An effect that the campaign cannot show at all, and why."""
+
+    id: str
+    reason: str
+
+
 class Warned(_VerdictPart):
     """What looked wrong in the recordings.
 
@@ -164,7 +184,9 @@ class Verdict(_VerdictPart):
     set_aside: list[SetAside]
     next_experiment: dict[str, Any] | None
     measurement: list[Suffering] = []
+    explained: list[Explained] = []
     remaining: Remaining | None = None
+    not_tried: list[NotTried] = []
     warnings: list[Warned] = []
 
     @model_validator(mode="after")

@@ -1,0 +1,62 @@
+"""What listed effects explain, whatever else may be missing."""
+
+import numpy as np
+
+from softfinger.inference.problem import Candidate, Problem
+from softfinger.mismatch.budget import BUDGET
+from softfinger.mismatch.checks.summary import compute_square_excess
+from softfinger.mismatch.search.settle import Posterior
+from softfinger.mismatch.search.stepwise import Search
+from softfinger.mismatch.verdict.schema import Explained, NotTried
+
+Q95 = 1.64485  # of a standard normal
+
+
+def list_explained(
+    problem: Problem, search: Search, posterior: Posterior, needed: float
+) -> list[Explained]:
+    """List the best sets of effects, most evidence first.
+
+    Of the evidence that is missing under the base model a set explains its gain g over it; what
+    is missing under the set itself is half of χ² beyond what the noise leaves. The best set of the
+    search comes first.
+
+    Parameters
+    ----------
+    needed
+        Gain [nats] that a set must have to be listed.
+    """
+    base, best = search.base, search.best
+    found = {ids: c for ids, c in posterior.best.items() if ids and c.fit is not None}
+    gains = {ids: c.log_evidence - base.log_evidence for ids, c in found.items()}
+    order = sorted(gains, key=lambda ids: (found[ids].model.ids != best.model.ids, -gains[ids]))
+    listed = [ids for ids in order if gains[ids] > needed][: BUDGET.explained]
+    return [
+        Explained(
+            effects=sorted(ids),
+            gain_nats=gains[ids],
+            share=gains[ids] / (gains[ids] + measure_left(problem, found[ids])),
+            amplitudes_cover_zero=covers_zero(found[ids]),
+        )
+        for ids in listed
+    ]
+
+
+def measure_left(problem: Problem, candidate: Candidate) -> float:
+    """Evidence [nats] that is missing under a model, about: half of its excess of χ²."""
+    rows = problem.trials.size[problem.trials.protocol]
+    excess = compute_square_excess(candidate.fit, rows)
+    return 0.5 * max(excess, 0.0) * float(rows.sum())
+
+
+def covers_zero(candidate: Candidate) -> bool:
+    """Whether every amplitude's 90 % interval contains zero."""
+    model, fit = candidate.model, candidate.fit
+    sd = np.sqrt(np.diag(fit.shared_covariance))
+    places = np.asarray(model.amplitudes)
+    return bool((np.abs(fit.shared[places]) <= Q95 * sd[places]).all())
+
+
+def list_not_tried(refused: dict[str, str]) -> list[NotTried]:
+    """List the effects that the campaign cannot show at all, each with its reason."""
+    return [NotTried(id=name, reason=reason) for name, reason in sorted(refused.items())]
