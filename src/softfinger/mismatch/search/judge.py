@@ -213,7 +213,7 @@ def measure_again(problem: Problem, candidate: Candidate, angles: xr.Dataset) ->
     The problem stays as it is where the same ones count.
     """
     chosen = angles.sel(trial=problem.trials.name)
-    noise = measure(chosen, predict_frames(problem, candidate, chosen))
+    noise = _carry_over(measure(chosen, predict_frames(problem, candidate, chosen)), problem.noise)
     known = problem.noise["used"].sel(trial=problem.trials.name).values
     if np.array_equal(noise["used"].values, known):
         return problem
@@ -221,6 +221,16 @@ def measure_again(problem: Problem, candidate: Candidate, angles: xr.Dataset) ->
     if trials.name != problem.trials.name:
         return problem
     return replace(problem, trials=trials, noise=noise)
+
+
+def _carry_over(noise: xr.Dataset, known: xr.Dataset) -> xr.Dataset:
+    """Keep what was mended in log and clock before."""
+    mended = [name for name in known["component"].values.tolist() if name in SIZES]
+    size, nats = (
+        {name: float(known[part].sel(component=name)) for name in mended}
+        for part in ("component_size", "component_evidence")
+    )
+    return add_components(noise, size, nats) if mended else noise
 
 
 def _agree(judged: list[Judged], plain: Problem) -> bool:

@@ -12,7 +12,7 @@ from softfinger.inference.simulate import (
 )
 from softfinger.measurement.measure import add_components
 from softfinger.measurement.steady import steady_log
-from softfinger.mismatch.search.judge import find_clock_rate, weigh_log
+from softfinger.mismatch.search.judge import _carry_over, find_clock_rate, weigh_log
 
 TIME = np.arange(300) / 15
 ROWS = np.arange(21.0)
@@ -76,3 +76,11 @@ def test_a_clock_that_runs_slow_is_found():
     assert nats > 20.0
     problem, fit = pose_problem(angles)
     assert find_clock_rate(problem, Candidate(problem.base, fit, fit.log_evidence))[1] < 6.0
+
+
+def test_what_was_mended_is_kept_where_other_frames_count():
+    problem, _ = pose_problem(record(follows=True))
+    mended = add_components(problem.noise, {"noisy_load": 0.003}, {"noisy_load": 10.0})
+    kept = _carry_over(problem.noise, mended)
+    assert float(kept["component_size"].sel(component="noisy_load")) == pytest.approx(0.003)
+    assert _carry_over(problem.noise, problem.noise) is problem.noise
