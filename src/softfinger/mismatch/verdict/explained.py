@@ -1,6 +1,7 @@
 """What listed effects explain, whatever else may be missing."""
 
 import numpy as np
+from scipy.stats import norm
 
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mismatch.budget import BUDGET
@@ -8,8 +9,6 @@ from softfinger.mismatch.checks.summary import compute_square_excess
 from softfinger.mismatch.search.settle import Posterior
 from softfinger.mismatch.search.stepwise import Search
 from softfinger.mismatch.verdict.schema import Explained, NotTried
-
-Q95 = 1.64485  # of a standard normal
 
 
 def list_explained(
@@ -54,7 +53,7 @@ def covers_zero(candidate: Candidate) -> bool:
     model, fit = candidate.model, candidate.fit
     sd = np.sqrt(np.diag(fit.shared_covariance))
     places = np.asarray(model.amplitudes)
-    return bool((np.abs(fit.shared[places]) <= Q95 * sd[places]).all())
+    return bool((np.abs(fit.shared[places]) <= norm.ppf(0.95) * sd[places]).all())
 
 
 def list_not_tried(refused: dict[str, str]) -> list[NotTried]:
