@@ -22,7 +22,13 @@ SHOWN = 10
 """Long texts that are listed where a limit is missed."""
 AVOIDED = ("stands", "holds", "says", "tells", "hangs on", "in earnest")
 """Literary words; "is", "contains", "states", "shows" and "depends on" are plainer."""
-NO_PROSE = re.compile(r"^```.*?^```|^~~~.*?^~~~|^\$\$.*?^\$\$|^\s*[|#].*?$|<!--.*?-->", re.M | re.S)
+NO_PROSE = re.compile(
+    r"\A---.*?^---"  # front matter
+    r"|^ *```.*?^ *```|^\$\$.*?^\$\$|<!--.*?-->"  # blocks of code, formulas, comments
+    r"|(?<=\n\n)(?: {4}[^\n]*\n)+"  # indented code
+    r"|^\s*[|#].*?$",  # tables, headings
+    re.M | re.S,
+)
 BREAKS = re.compile(r"\n\s*\n|^\s*(?:[-*]|\d+\.)\s", re.M)
 ENDS = re.compile(r"(?<=[.!?])[\"*)_]*\s+(?=[^a-z])")
 ATOMS = re.compile(r"`[^`]*`|\$[^$]*\$")

@@ -47,7 +47,15 @@ def test_longest_text_is_listed_with_its_file(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    "block", [f"```\n{LONG}```\n", f"| {LONG.strip()} |\n", f"# {LONG}", f"$$\n{LONG}$$\n"]
+    "block",
+    [
+        f"```\n{LONG}```\n",
+        f"\n    {LONG}",
+        f"| {LONG.strip()} |\n",
+        f"# {LONG}",
+        f"$$\n{LONG}$$\n",
+        f"<!-- {LONG}-->\n",
+    ],
 )
 def test_code_tables_headings_and_formulas_do_not_count(tmp_path, block):
     assert measure(write_project(tmp_path, PLAIN + block))["words of a sentence, above 30 [%]"] == 0
