@@ -48,8 +48,9 @@ test: setup ## set-up and all the tests but the slow ones
 calibration: setup ## the slow tests: do claimed errors and intervals hold what they say
 	$(BIN)/python -m pytest -m slow
 
-lint: setup ## check style, spelling and the workflow
+lint: setup ## check style, spelling, the workflow, and the length of sentences
 	$(BIN)/ruff check && $(BIN)/ruff format --check && $(BIN)/snakefmt --check Snakefile workflow && $(BIN)/codespell
+	$(BIN)/python -m benchmarks.words
 
 format: setup ## put code and rules into the project's style
 	$(BIN)/ruff check --fix && $(BIN)/ruff format && $(BIN)/snakefmt Snakefile workflow
