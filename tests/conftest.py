@@ -31,7 +31,8 @@ def pytest_xdist_make_scheduler(config, log):
 
 def pytest_collection_modifyitems(items):
     """The longest first, so that no process waits for them in the end."""
-    items.sort(key=lambda item: item.path.parent.name not in ("workflow", "estimation"))
+    first = ("workflow", "concealed", "estimation")
+    items.sort(key=lambda item: item.path.parent.name not in first)
 
 
 @pytest.fixture

@@ -27,6 +27,7 @@ def few(monkeypatch):
     monkeypatch.setitem(limit.CATALOGUES, "first", names)
 
 
+@pytest.mark.slow
 def test_a_short_delay_is_visible_but_a_lag_does_the_same(few):
     truth = _conceal("camera_delay", 0.004)
     weighed = weigh_stand_ins(truth)
@@ -36,6 +37,7 @@ def test_a_short_delay_is_visible_but_a_lag_does_the_same(few):
     assert compute_limit(truth, weighed) < 0.95
 
 
+@pytest.mark.slow
 def test_a_long_delay_has_a_name(few):
     truth = _conceal("camera_delay", 0.1)
     weighed = weigh_stand_ins(truth)
