@@ -52,7 +52,7 @@ def choose_components(
         absent.remove(name)
         known = dict(size)
         size[name] = float(max(sizes[name], key=lambda s: evaluate(known | {name: s})))
-        size = _refine(evaluate, size)
+        size = _refine(evaluate, size, sizes)
     evidence = {}
     for name in size:
         rest = {key: value for key, value in size.items() if key != name}
@@ -71,12 +71,21 @@ def _weigh(
     return float(np.logaddexp.reduce(values) - np.log(len(values)) - evaluate(size))
 
 
-def _refine(evaluate: Callable[[Mapping[str, float]], float], size: Sizes) -> Sizes:
+def _refine(
+    evaluate: Callable[[Mapping[str, float]], float],
+    size: Sizes,
+    sizes: Mapping[str, NDArray[np.float64]],
+) -> Sizes:
+    """Seek the best sizes, none beyond twice what it may be.
+
+    Without that bound a jitter of two frames had taken the place of lag and inertia.
+    """
     names = list(size)
     found = minimize(
         lambda x: -evaluate(dict(zip(names, np.exp(x).tolist(), strict=True))),
         np.log([size[name] for name in names]),
         method="Nelder-Mead",
+        bounds=[tuple(np.log([min(sizes[name]) / 2.0, 2.0 * max(sizes[name])])) for name in names],
         options={"xatol": 0.03, "fatol": 0.03, "maxfev": BUDGET.evaluations},
     )
     return {name: round(float(np.exp(x)), 12) for name, x in zip(names, found.x, strict=True)}

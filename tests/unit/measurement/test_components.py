@@ -1,0 +1,15 @@
+"""Components of a measurement are chosen by evidence, and are never absurd."""
+
+import numpy as np
+
+from softfinger.measurement.components import choose_components
+
+
+def test_a_component_is_at_most_twice_as_large_as_it_may_be():
+    """Evidence that grows without end: what causes it is not this component."""
+
+    def evaluate(size):
+        return 100.0 * np.log(size["timing_jitter"] / 1e-4) if size else 0.0
+
+    size, _ = choose_components(evaluate, {"timing_jitter": np.array([0.001, 0.008])})
+    assert 0.012 < size["timing_jitter"] <= 0.016 * (1 + 1e-9)
