@@ -22,6 +22,7 @@ from softfinger.artifacts.spec import (
     list_unit_faults,
 )
 from softfinger.faults import ArtifactFault, Fault
+from softfinger.processes import is_running
 from softfinger.provenance import Provenance
 
 ENGINE = "h5netcdf"
@@ -52,18 +53,8 @@ def _remove_left_over(path: Path) -> None:
     start, end = f".{path.stem}.", f".partial{path.suffix}"
     for left in path.parent.glob(f"{glob.escape(start)}*{glob.escape(end)}"):
         writer = left.name.removeprefix(start).removesuffix(end)
-        if writer.isdigit() and not _is_running(int(writer)):
+        if writer.isdigit() and not is_running(int(writer)):
             left.unlink(missing_ok=True)
-
-
-def _is_running(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except OSError:  # another's process
-        return True
-    return True
 
 
 def save_artifact(

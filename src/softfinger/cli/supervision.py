@@ -14,6 +14,7 @@ from pathlib import Path
 from types import FrameType
 
 from softfinger.faults import Fault
+from softfinger.processes import is_running
 
 WAIT_S, GRACE_S = 20.0, 10.0
 _held: dict[Path, int] = {}  # folder → file descriptor, for the life of this process
@@ -42,7 +43,7 @@ def hold_folder(folder: Path) -> Path:
     until = time.monotonic() + WAIT_S
     while not _try(descriptor):
         holder = os.pread(descriptor, 20, 0).decode("ascii", "replace").strip()
-        if time.monotonic() > until or (holder.isdigit() and _is_running(int(holder))):
+        if time.monotonic() > until or (holder.isdigit() and is_running(int(holder))):
             os.close(descriptor)
             raise Fault(
                 f"{folder}: process {holder or 'unknown'} works on this folder; wait for its end, "
@@ -109,14 +110,4 @@ def _try(descriptor: int) -> bool:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         return False
-    return True
-
-
-def _is_running(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except OSError:  # another's process
-        return True
     return True

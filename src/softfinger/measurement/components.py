@@ -78,7 +78,7 @@ def _refine(
 ) -> Sizes:
     """Seek the best sizes, none beyond twice what it may be.
 
-    Without that bound a jitter of two frames had taken the place of lag and inertia.
+    What asks for more is not this component.
     """
     names = list(size)
     found = minimize(

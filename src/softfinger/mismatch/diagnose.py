@@ -171,13 +171,14 @@ def mend_log(posed: Posed, pose: Pose) -> Posed:
 def mend_clock(posed: Posed, pose: Pose) -> Posed:
     """Set the camera's clock to the log's rate.
 
-    It is set where it plainly runs at another.
+    It is set where that explains more than any effect alone, less what chance gains.
     """
-    plain, base = posed.plain, posed.base
+    plain, base, found = posed.plain, posed.base, posed.survey
     if not plain.setting.load_known or "clock_rate" not in fit_disturbances(plain, base)[0]:
         return posed
     rate, nats = find_clock_rate(plain, base)
-    if nats < MEASURING.present_nats:
+    rival = find_leader(base, found.ranked[0], found.needed).log_evidence - base.log_evidence
+    if nats < max(MEASURING.present_nats, rival - found.needed):
         return posed
     set_right = posed.angles.assign(time=posed.angles["time"] * (1.0 + rate))
     return pose(set_right, {**posed.known, "clock_rate": (abs(rate), nats)})

@@ -1,5 +1,7 @@
 """Whether the load follows what its log reads on a plateau, or the log errs."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,7 @@ from softfinger.inference.simulate import (
 )
 from softfinger.measurement.measure import add_components
 from softfinger.measurement.steady import steady_log
+from softfinger.mismatch.diagnose import Posed, mend_clock
 from softfinger.mismatch.search.judge import _carry_over, find_clock_rate, weigh_log
 
 TIME = np.arange(300) / 15
@@ -84,3 +87,22 @@ def test_what_was_mended_is_kept_where_other_frames_count():
     kept = _carry_over(problem.noise, mended)
     assert float(kept["component_size"].sel(component="noisy_load")) == pytest.approx(0.003)
     assert _carry_over(problem.noise, problem.noise) is problem.noise
+
+
+def test_a_clock_is_not_set_where_an_effect_explains_more():
+    angles = record(follows=True)
+    late = angles.assign(time=angles["time"] / 1.002)
+    problem, fit = pose_problem(late)
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    effect = SimpleNamespace(
+        model=SimpleNamespace(ids=frozenset({"camera_delay"})),
+        fit=fit,
+        log_evidence=fit.log_evidence + 1e5,
+    )
+
+    def mend(singles):
+        survey = SimpleNamespace(ranked=(singles, []), needed=7.0)
+        return mend_clock(Posed(late, problem, base, survey, {}), lambda angles, known: known)
+
+    assert "clock_rate" in mend([])
+    assert mend([effect]).angles is late
