@@ -4,10 +4,11 @@ A specimen may replace the finger. The folder is read and validated, and every f
 """
 
 from softfinger.campaign.description import Camera, DeclaredFinger, Intrinsics
-from softfinger.campaign.folder import Campaign, Trial, check_campaign, list_tables, read_campaign
+from softfinger.campaign.folder import Campaign, check_campaign, list_tables, read_campaign
 from softfinger.campaign.load_log import read_load
 from softfinger.campaign.recordings import marker_names, read_angle_table, read_marker_table
 from softfinger.campaign.specimen import Specimen
+from softfinger.campaign.trials import Trial
 
 __all__ = [
     "Camera",

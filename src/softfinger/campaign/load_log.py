@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
     import pandas as pd
 
-    from softfinger.campaign.folder import Campaign, Trial
+    from softfinger.campaign.folder import Campaign
+    from softfinger.campaign.trials import Trial
 
 LOAD_COLUMNS = ("tension_n", "torque_nm", "command")
 STEP_WITHIN_FRAME_INTERVALS = 1.5

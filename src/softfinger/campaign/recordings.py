@@ -19,7 +19,8 @@ from softfinger.faults import TrialFault, show
 
 if TYPE_CHECKING:
     from softfinger.campaign.description import Camera
-    from softfinger.campaign.folder import Campaign, Trial
+    from softfinger.campaign.folder import Campaign
+    from softfinger.campaign.trials import Trial
 
 LARGEST_JOINT_ANGLE = 2.0 * np.pi
 LARGEST_MOTION = 1e12  # of a specimen, in its own unit

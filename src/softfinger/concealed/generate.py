@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from softfinger.concealed.effects import CATALOGUES, Dose
 from softfinger.concealed.faults import weigh_faults
+from softfinger.concealed.noise import Noise
 from softfinger.concealed.nuisances import NUISANCES, OF_NOISE
 from softfinger.concealed.oracle import Fit, Recording, fit_model
 from softfinger.concealed.population import PARAMETERS
@@ -122,26 +123,22 @@ def compute_truth(
         for name in names
     }
     elpd = true.solution.contributions - base.solution.contributions
+    told = [
+        _describe(name, doses[name], setting, gains[name])
+        | {"listed": EFFECTS[name].id in CATALOGUES[spec.catalogue]}
+        for name in names
+    ]
     return {
         "version": 1,
         "case": spec.to_json(),
-        "effects": [
-            _describe(name, doses[name], setting, gains[name])
-            | {"listed": EFFECTS[name].id in CATALOGUES[spec.catalogue]}
-            for name in names
-        ],
+        "effects": told,
         "gain_nats": true.log_evidence - base.log_evidence,
         "elpd_difference": float(elpd.sum()) if spec.trials > 1 else None,
         "values": int(sum(recording.angle.size for recording in seen)),
         "misfit": {"base": _misfit(base), "true": _misfit(true)},
         "oracle_settled": all(f.settled for f in fits.values()),
         "window_s": _find_window(setting, clean) if doses else None,
-        "noise": {
-            "kind": setting.noise.kind,
-            "sd_rad": setting.noise.sd,
-            "autocorrelation": setting.noise.autocorrelation,
-            "findings": list(OF_NOISE.get(setting.noise.kind, ())),
-        },
+        "noise": _describe_noise(setting.noise),
         "faults": _describe_faults(setting, weigh_faults(setting, sights, doses, spec.seed)),
         "population": {
             "parameter": list(PARAMETERS),
@@ -149,6 +146,15 @@ def compute_truth(
             "sd": setting.population.sd.tolist(),
         },
         "individuals": setting.individuals.tolist(),
+    }
+
+
+def _describe_noise(noise: Noise) -> dict:
+    return {
+        "kind": noise.kind,
+        "sd_rad": noise.sd,
+        "autocorrelation": noise.autocorrelation,
+        "findings": list(OF_NOISE.get(noise.kind, ())),
     }
 
 

@@ -1,6 +1,6 @@
 """The proof's own integrator, compiled.
 
-Its laws of motion are in `laws`.
+Its equations of motion are in `motion`.
 """
 
 from __future__ import annotations
@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
-from softfinger.concealed.laws import Place, Ramp, bend, change_in_place, find_rest, lay_out
+from softfinger.concealed.laws import Place
 from softfinger.concealed.linear import factor_in_place, solve_in_place
+from softfinger.concealed.motion import Ramp, bend, change_in_place, find_rest, lay_out
 from softfinger.concealed.physics import Physics
 
 Array = NDArray[np.float64]

@@ -191,8 +191,6 @@ def _count_shares(
     listed = [c for c in cases if c.truth not in ("clean", "outside")]
     zero = [c for c, (_, t) in zip(cases, told, strict=True) if -1.0 in t["case"]["quantiles"]]
     pairs, (found, false) = pair_twins(told), check_findings(told)
-    covered = [hit for c in cases for key, hit in c.covered.items() if key in SAME_IN_EVERY_FORM]
-    any_form = [hit for c in cases for hit in c.covered.values()]
     known = [(c, bool(p >= SURE)) for c, p in zip(cases, could, strict=True) if c.visible]
     sure = [pair for pair in known if _counts_as_named(pair[0])]
     outside = [pair for pair in known if pair[0].truth == "outside"]
@@ -218,11 +216,12 @@ def _count_shares(
         "unlisted_recognisable": [c.right for c, recognisable in outside if recognisable],
         "set_contains_truth": [c.contains for c in cases if c.masked],
         "set_contains_truth_visible": [c.contains for c in listed if c.visible],
-        "interval_coverage_90": covered,
-        "interval_coverage_90_any_form": any_form,
+        **_list_estimates(cases),
     }
-    for part in ("joints", "level", "window", "covariate"):
-        hits[f"location_{part}"] = [value for c in cases if (value := getattr(c, part)) is not None]
+    return _tabulate_shares(hits)
+
+
+def _tabulate_shares(hits: dict[str, list[bool]]) -> xr.Dataset:
     rows = np.array([compute_share(sum(v), len(v)) for v in hits.values()])
     return xr.Dataset(
         {
@@ -233,6 +232,17 @@ def _count_shares(
         },
         coords={"statistic": list(hits)},
     )
+
+
+def _list_estimates(cases: list[Judgement]) -> dict[str, list[bool]]:
+    covered = [pair for c in cases for pair in c.covered.items()]
+    hits = {
+        "interval_coverage_90": [hit for key, hit in covered if key in SAME_IN_EVERY_FORM],
+        "interval_coverage_90_any_form": [hit for _, hit in covered],
+    }
+    for part in ("joints", "level", "window", "covariate"):
+        hits[f"location_{part}"] = [value for c in cases if (value := getattr(c, part)) is not None]
+    return hits
 
 
 def _trace_curve(cases: list[Judgement], could: np.ndarray) -> xr.Dataset:

@@ -56,22 +56,7 @@ def draw_setting(spec: CaseSpec) -> Setting:
         duration = spec.duration_s
     sd = TRACKED_SD_RAD if spec.filmed else float(np.exp(rng.uniform(*np.log([0.001, 0.005]))))
     noise = Noise(spec.noise, sd, 1.0 / rig.fps)
-    warmth = 2.0 * np.sin(np.linspace(0.0, rng.uniform(2.0, 6.0), spec.trials) + rng.uniform(0, 6))
-    warmth += rng.normal(0.0, 1.0, spec.trials)
-    rest = rng.uniform(5.0, 60.0, spec.trials)
-    rest[0] = 3600.0
-    trials = [
-        Circumstances(
-            number=k,
-            count=spec.trials,
-            load=loads[k],
-            duration=duration,
-            warmth=round(float(warmth[k]), 2),
-            rest=round(float(rest[k])),
-            luck=tuple(rng.uniform(size=3)),
-        )
-        for k in range(spec.trials)
-    ]
+    trials = _draw_circumstances(loads, duration, rng)
     doses = {}
     none = (0.0,) * len(spec.effects)
     scatters = dict(zip(spec.effects, spec.scatters or none, strict=True))
@@ -95,6 +80,29 @@ def draw_setting(spec: CaseSpec) -> Setting:
         humidity=np.round(45.0 + 5.0 * rng.normal(size=spec.trials), 1),
         faults=faults,
     )
+
+
+def _draw_circumstances(
+    loads: list[Load], duration: float, rng: np.random.Generator
+) -> list[Circumstances]:
+    """Draw each trial's warmth, rest and luck; the warmth drifts."""
+    n = len(loads)
+    warmth = 2.0 * np.sin(np.linspace(0.0, rng.uniform(2.0, 6.0), n) + rng.uniform(0, 6))
+    warmth += rng.normal(0.0, 1.0, n)
+    rest = rng.uniform(5.0, 60.0, n)
+    rest[0] = 3600.0
+    return [
+        Circumstances(
+            number=k,
+            count=n,
+            load=loads[k],
+            duration=duration,
+            warmth=round(float(warmth[k]), 2),
+            rest=round(float(rest[k])),
+            luck=tuple(rng.uniform(size=3)),
+        )
+        for k in range(n)
+    ]
 
 
 def _draw_faults(spec: CaseSpec) -> dict[str, Fault]:

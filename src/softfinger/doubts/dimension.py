@@ -31,25 +31,9 @@ def doubt_dimension(trials: Sequence[TrialFeatures], angles: xr.Dataset) -> Iter
     kind = str(angles["load_kind"].values[0])
     length, mass = (angles[name].to_numpy() for name in ("link_length", "link_mass"))
     arm, joint = float(angles["wire_offset"]), float(angles["joint_length"])
-    largest = float(np.median([trial.largest_load for trial in trials]))
-    if kind == "tension_n":
-        yield from doubt_range(
-            "the wire's largest tension", largest / arm, TENSION_N, "N", "the load logs' unit"
-        )
-    if kind == "torque_nm":
-        yield from doubt_range(
-            "the largest torque", largest, TORQUE_NM, "N m", "the load logs' unit"
-        )
     if kind in ("tension_n", "torque_nm"):
         weight = GRAVITY * float(np.sum(mass * (np.cumsum(length) - 0.5 * length)))
-        stiffness = 1.0 / max(float(np.median([np.abs(t.gain).mean() for t in trials])), 1e-300)
-        yield from doubt_range(
-            "stiffness over the weight's torque per radian",
-            stiffness / weight,
-            STIFFNESS_OVER_WEIGHT,
-            "",
-            "a unit of the load, the angles, the masses or the lengths",
-        )
+        yield from _doubt_load(trials, kind, arm, weight)
     yield from doubt_range(
         "a link's mass over the cube of its length",
         float(np.median(mass / length**3)),
@@ -80,6 +64,25 @@ def doubt_dimension(trials: Sequence[TrialFeatures], angles: xr.Dataset) -> Iter
             "a lost decimal point",
         )
     yield from _doubt_noise(trials, float(angles.attrs["noise_sd_rad"]))
+
+
+def _doubt_load(
+    trials: Sequence[TrialFeatures], kind: str, arm: float, weight: float
+) -> Iterator[Doubt]:
+    largest = float(np.median([trial.largest_load for trial in trials]))
+    unit = "the load logs' unit"
+    if kind == "tension_n":
+        yield from doubt_range("the wire's largest tension", largest / arm, TENSION_N, "N", unit)
+    else:
+        yield from doubt_range("the largest torque", largest, TORQUE_NM, "N m", unit)
+    stiffness = 1.0 / max(float(np.median([np.abs(t.gain).mean() for t in trials])), 1e-300)
+    yield from doubt_range(
+        "stiffness over the weight's torque per radian",
+        stiffness / weight,
+        STIFFNESS_OVER_WEIGHT,
+        "",
+        "a unit of the load, the angles, the masses or the lengths",
+    )
 
 
 def doubt_range(

@@ -30,15 +30,10 @@ from softfinger.inference.correlation import (
     shape_free_partials,
 )
 from softfinger.inference.expansion import Expansion
-from softfinger.inference.operations import (
-    ColourTrials,
-    ExpandedLikelihood,
-    FactorisePartials,
-    Multiply,
-    ShiftPull,
-)
+from softfinger.inference.operations import ExpandedLikelihood, FactorisePartials, Multiply
 from softfinger.inference.priors import PopulationPrior
 from softfinger.inference.whitening import place_mean
+from softfinger.inference.whitening_operations import ColourTrials, ShiftPull
 from softfinger.mechanics import LOG_PARAMETERS
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.inference.budget import BUDGET
-from softfinger.inference.mixed_effects_laplace import solve_linearised
+from softfinger.inference.mixed_effects_linearised import solve_linearised
 from softfinger.inference.priors import PRIORS
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.inference.reduce import reduce_trials, whiten_residual, whiten_slope

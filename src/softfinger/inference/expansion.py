@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
 from softfinger.inference.mixed_effects import Prior, hold_omega
-from softfinger.inference.mixed_effects_laplace import Fit, centre_gram
+from softfinger.inference.mixed_effects_laplace import Fit
+from softfinger.inference.mixed_effects_linearised import centre_gram
 from softfinger.mechanics import OWN
 
 # d(log k_v, log c_v, log c_p, q_ini)/du at the mode

@@ -25,18 +25,13 @@ from softfinger.inference.mixed_effects import (
     hold_omega,
     subtract_omega,
 )
+from softfinger.inference.mixed_effects_linearised import (
+    SharedBounds,
+    centre_gram,
+    hold_bounds,
+    solve_linearised,
+)
 from softfinger.inference.mixed_effects_step import Linearise, Relaxation, take_step
-from softfinger.inference.rectangle import measure_rectangle
-
-PINNED = 1e12  # precision, over the prior's, of a parameter fixed at its bound
-
-
-class SharedBounds(NamedTuple):
-    """Bounds and longest steps of φ (p,)."""
-
-    low: NDArray[np.float64]
-    high: NDArray[np.float64]
-    step: NDArray[np.float64]
 
 
 class Fit(NamedTuple):
@@ -131,7 +126,7 @@ def fit_nonlinear(
         if part < 1.0:
             linear = hold_omega(moved, near, add_omega(omega, part * change))
         omega = linear.omega
-        linear, target = _hold_bounds(moved, near, bounds, linear, centre)
+        linear, target = hold_bounds(moved, near, bounds, linear, centre)
         step = linear.own - own
         moves = step, target - shared
         wanted = _scale(linear, moves)
@@ -199,118 +194,6 @@ def _finish(
         bool(converged),
         float(first),
     )
-
-
-def solve_linearised(
-    gram: NDArray[np.float64],
-    prior: Prior,
-    bounds: SharedBounds,
-    place: tuple[NDArray[np.float64], NDArray[np.float64]],
-    omega: NDArray[np.float64],
-    *,
-    rounds: int = 0,
-) -> tuple[LinearFit, float]:
-    """Solve the model linearised at (η, φ).
-
-    Its log evidence includes the bounds.
-
-    Parameters
-    ----------
-    gram
-        (trial, …) of [∂F/∂η | ∂F/∂φ | residual] at `place`.
-    rounds
-        Of EM for Ω; 0 keeps it.
-    """
-    moved, near, centre = centre_gram(gram, prior, *place)
-    linear = fit_linear(moved, near, omega, rounds=rounds) if rounds else None
-    linear = _restore(linear or hold_omega(moved, near, omega), centre)
-    d = len(omega)
-    found = linear.shared[d:], linear.shared_covariance[d:, d:]
-    priors = prior.mean[d:], prior.precision[d:] ** -0.5
-    return linear, linear.log_evidence + compute_cut_array(*found, *priors, bounds)
-
-
-def compute_cut_array(
-    mean: NDArray[np.float64],
-    covariance: NDArray[np.float64],
-    prior_mean: NDArray[np.float64],
-    prior_sd: NDArray[np.float64],
-    bounds: SharedBounds,
-) -> float:
-    """Compute what bounds add to a log evidence.
-
-    Log posterior mass inside − log prior mass inside.
-
-    >>> far = SharedBounds(np.zeros(1), np.full(1, np.inf), np.ones(1))
-    >>> one = np.ones(1)
-    >>> round(compute_cut_array(9 * one, np.eye(1), 0 * one, one, far), 6)  # half-normal prior
-    0.693147
-    """
-    covariance = np.ascontiguousarray(covariance)  # a part of a larger one, as it comes
-    inside = measure_rectangle(mean, covariance, bounds.low, bounds.high)
-    return inside - measure_rectangle(prior_mean, np.diag(prior_sd**2), bounds.low, bounds.high)
-
-
-def centre_gram(
-    gram: NDArray[np.float64],
-    prior: Prior,
-    own: NDArray[np.float64],
-    shared: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], Prior, NDArray[np.float64]]:
-    """State a linearised model in differences.
-
-    They are from the mean mode and from φ.
-
-    Only differences keep the digits of very precise recordings.
-
-    Parameters
-    ----------
-    gram
-        (trial, …) of [A | B | residual] at η = `own` and φ = `shared`.
-
-    Returns
-    -------
-    moved, prior, centre
-        Gram matrices of [A | B | z] for fits; the prior about the centre; the centre (d + p,), to
-        be added to a fit's μ, φ and η.
-    """
-    middle = own.mean(axis=0)
-    centre = np.concatenate([middle, shared])
-    change = np.tile(np.eye(gram.shape[1]), (len(gram), 1, 1))
-    change[:, : own.shape[1], -1] = own - middle
-    moved = change.transpose(0, 2, 1) @ gram @ change
-    return moved, prior._replace(mean=prior.mean - centre), centre
-
-
-def _restore(linear: LinearFit, centre: NDArray) -> LinearFit:
-    d = len(linear.omega)
-    return linear._replace(shared=linear.shared + centre, own=linear.own + centre[:d])
-
-
-def _hold_bounds(
-    moved: NDArray, prior: Prior, bounds: SharedBounds, linear: LinearFit, centre: NDArray
-) -> tuple[LinearFit, NDArray]:
-    """Keep φ within bounds and steps; η follows φ."""
-    d = len(linear.omega)
-    low = np.maximum(bounds.low - centre[d:], -bounds.step)
-    high = np.minimum(bounds.high - centre[d:], bounds.step)
-    wanted = linear.shared[d:]
-    target = np.clip(wanted, low, high)
-    held = target != wanted
-    for _ in range(len(target)):
-        if not held.any():
-            break
-        mean, precision = prior.mean.copy(), prior.precision.copy()
-        mean[d:][held] = target[held]
-        precision[d:][held] *= PINNED
-        pinned = hold_omega(moved, prior._replace(mean=mean, precision=precision), linear.omega)
-        wanted = np.where(held, target, pinned.shared[d:])
-        target = np.clip(wanted, low, high)
-        linear = pinned._replace(log_evidence=linear.log_evidence)
-        if np.all(target == wanted):
-            break
-        held |= target != wanted
-    return _restore(linear, centre), target + centre[d:]
 
 
 def _scale(linear: LinearFit, moves: tuple[NDArray, NDArray]) -> NDArray:

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from softfinger.compiled import compiled
 from softfinger.inference.budget import BUDGET
 from softfinger.inference.mixed_effects import LOG_TWO_PI, Prior, _solve
-from softfinger.inference.mixed_effects_laplace import Fit, centre_gram
+from softfinger.inference.mixed_effects_laplace import Fit
+from softfinger.inference.mixed_effects_linearised import centre_gram
 
 
 def compute_left_out(

@@ -14,7 +14,8 @@ from softfinger.faults import Fault
 from softfinger.inference.budget import BUDGET
 from softfinger.inference.first_guess import guess_own
 from softfinger.inference.mixed_effects import Prior
-from softfinger.inference.mixed_effects_laplace import Fit, SharedBounds, fit_nonlinear
+from softfinger.inference.mixed_effects_laplace import Fit, fit_nonlinear
+from softfinger.inference.mixed_effects_linearised import SharedBounds
 from softfinger.inference.priors import PRIORS, PopulationPrior, build_prior
 from softfinger.inference.reduce import reduce_trials
 from softfinger.inference.setting import build_setting, read_geometry

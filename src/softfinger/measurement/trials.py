@@ -122,27 +122,37 @@ def prepare_trials(angles: xr.Dataset, measurement: xr.Dataset) -> Trials:
         parts.append((place_nodes_array(moment, cut), mean, present, *kinds[key], scale))
         starts.append(cut)
         used.append(frame)
-    band, first, size = _stack_whitening([kind[1] for kind in kinds.values()])
-    bins = np.array([len(part[1]) for part in parts])
-    node = _pad([part[0] for part in parts], bins.max()).reshape(len(parts), -1)
+    names = [str(angles["trial"].values[i]) for i in keep]
+    kept = (names, interval), (load[0][keep], load[1][keep], changes, starts, used)
+    return _stack_trials(*kept, parts, [whitening for _, whitening in kinds.values()])
+
+
+def _stack_trials(head: tuple, middle: tuple, parts: list[tuple], kinds: list[Whitening]) -> Trials:
+    """Stack nodes, means, present joints, kinds and scales of the bins of every trial.
+
+    `head` and `middle` are the fields before and between those.
+    """
+    nodes, means, present, kind, whitening, scales = zip(*parts, strict=True)
+    bins = np.array([len(mean) for mean in means])
+    node = _pad(list(nodes), bins.max()).reshape(len(parts), -1)
+    band, first, size = _stack_whitening(kinds)
+    volumes = [
+        w.logdet + 2 * np.log(scale[:, there]).sum()
+        for w, scale, there in zip(whitening, scales, present, strict=True)
+    ]
     return Trials(
-        [str(angles["trial"].values[i]) for i in keep],
-        interval,
+        *head,
         np.maximum.accumulate(node, axis=1).reshape(len(parts), -1, 2),
         bins,
-        _pad([part[1] for part in parts], bins.max()),
-        np.stack([part[2] for part in parts]),
-        load[0][keep],
-        load[1][keep],
-        changes,
-        starts,
-        used,
-        _pad([part[5] for part in parts], bins.max()),
-        np.array([part[3] for part in parts]),
+        _pad(list(means), bins.max()),
+        np.stack(present),
+        *middle,
+        _pad(list(scales), bins.max()),
+        np.array(kind),
         band,
         first,
         size,
-        np.array([part[4].logdet + 2 * np.log(part[5][:, part[2]]).sum() for part in parts]),
+        np.array(volumes),
         np.zeros((len(parts), size.max(), 0)),
     )
 

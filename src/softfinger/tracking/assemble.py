@@ -16,8 +16,8 @@ from softfinger.campaign import (
     read_load,
     read_marker_table,
 )
-from softfinger.campaign.folder import Trial
 from softfinger.campaign.load_log import refuse_mixed_loads
+from softfinger.campaign.trials import Trial
 from softfinger.faults import CampaignFault, TrialFault
 from softfinger.tracking.angles import compute_joint_angles
 from softfinger.tracking.dots import measure_motion

@@ -64,7 +64,7 @@ def linearise_window_array(
     int
         Number of pixels; −1 where they are more than `rows` has room for.
     """
-    x, y, contrast, radius, spread = p[X], p[Y], p[CONTRAST], p[RADIUS], p[SPREAD]
+    x, y, radius, spread = p[X], p[Y], p[RADIUS], p[SPREAD]
     width = _compute_rim_width(spread)
     outer, inner = (radius + width) ** 2, max(0.0, radius - width) ** 2
     reach = radius + 2.0 * spread + margin
@@ -96,19 +96,28 @@ def linearise_window_array(
             light = weight[0] * picture[i, j, 0]
             for k in range(1, channels):
                 light += weight[k] * picture[i, j, k]
-            shade = 1.0 + p[SLOPE_X] * dx + p[SLOPE_Y] * dy
-            even = p[LEVEL] + contrast * share
-            rows[X, count] = shade * contrast * by_x
-            rows[Y, count] = shade * contrast * by_y
-            rows[CONTRAST, count] = shade * share
-            rows[RADIUS, count] = shade * contrast * by_radius
-            rows[SPREAD, count] = shade * contrast * by_spread
-            rows[LEVEL, count] = shade
-            rows[SLOPE_X, count] = even * dx
-            rows[SLOPE_Y, count] = even * dy
-            rows[8, count] = light - shade * even
+            response = (share, by_x, by_y, by_radius, by_spread)
+            _write_pixel(rows, count, p, dx, dy, response, light)
             count += 1
     return count
+
+
+@compiled
+def _write_pixel(
+    rows: np.ndarray, at: int, p: np.ndarray, dx: float, dy: float, response: tuple, light: float
+) -> None:
+    share, by_x, by_y, by_radius, by_spread = response
+    contrast, shade = p[CONTRAST], 1.0 + p[SLOPE_X] * dx + p[SLOPE_Y] * dy
+    even = p[LEVEL] + contrast * share
+    rows[X, at] = shade * contrast * by_x
+    rows[Y, at] = shade * contrast * by_y
+    rows[CONTRAST, at] = shade * share
+    rows[RADIUS, at] = shade * contrast * by_radius
+    rows[SPREAD, at] = shade * contrast * by_spread
+    rows[LEVEL, at] = shade
+    rows[SLOPE_X, at] = even * dx
+    rows[SLOPE_Y, at] = even * dy
+    rows[8, at] = light - shade * even
 
 
 @compiled

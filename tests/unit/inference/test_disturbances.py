@@ -11,7 +11,7 @@ from softfinger.inference.disturbances import (
     locate_disturbances,
     soften_gram_array,
 )
-from softfinger.inference.mixed_effects_laplace import solve_linearised
+from softfinger.inference.mixed_effects_linearised import solve_linearised
 from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.inference.reduce import whiten_residual, whiten_slope
 from softfinger.inference.simulate import (

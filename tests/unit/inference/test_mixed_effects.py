@@ -9,7 +9,8 @@ from softfinger.inference.mixed_effects import (
     fit_linear,
     hold_omega,
 )
-from softfinger.inference.mixed_effects_laplace import SharedBounds, fit_nonlinear
+from softfinger.inference.mixed_effects_laplace import fit_nonlinear
+from softfinger.inference.mixed_effects_linearised import SharedBounds
 from softfinger.inference.mixed_effects_step import Taken
 
 TRIALS, OWN, SHARED = 7, 4, 2

@@ -10,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from softfinger.inference.mixed_effects_laplace import Fit, solve_linearised
+from softfinger.inference.mixed_effects_laplace import Fit
+from softfinger.inference.mixed_effects_linearised import solve_linearised
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.effect import Setting

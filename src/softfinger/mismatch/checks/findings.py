@@ -14,7 +14,8 @@ from softfinger.mismatch.checks.lines import Line, find_line
 from softfinger.mismatch.checks.slips import Slips, find_slips
 from softfinger.mismatch.checks.summary import compute_excess, compute_residual
 from softfinger.mismatch.decisions import DECISIONS
-from softfinger.mismatch.search.stepwise import Search, allow_rest
+from softfinger.mismatch.search.shape import allow_rest
+from softfinger.mismatch.search.stepwise import Search
 
 
 class Findings(NamedTuple):

@@ -16,12 +16,8 @@ from numpy.typing import NDArray
 
 from softfinger.inference.budget import BUDGET as INFERENCE
 from softfinger.inference.mixed_effects import Prior, fit_linear
-from softfinger.inference.mixed_effects_laplace import (
-    Fit,
-    SharedBounds,
-    centre_gram,
-    fit_nonlinear,
-)
+from softfinger.inference.mixed_effects_laplace import Fit, fit_nonlinear
+from softfinger.inference.mixed_effects_linearised import SharedBounds, centre_gram
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.checks.free_form_terms import Term, evaluate_basis_array, list_terms

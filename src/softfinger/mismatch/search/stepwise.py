@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from softfinger.inference.mixed_effects_laplace import Fit
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mechanics.effects.model import Piece
 from softfinger.mismatch.budget import BUDGET
@@ -26,24 +25,8 @@ from softfinger.mismatch.candidates.rank import (
     prune,
     rank_pieces,
 )
-from softfinger.mismatch.checks.free_form import FreeForm, fit_free_form
 from softfinger.mismatch.decisions import DECISIONS
-
-
-class Shape(NamedTuple):
-    """Best free-form term on a fit, or None.
-
-    `ahead` is what the fitted model gains by a measurement of its own [nats].
-    """
-
-    fit: Fit
-    free: FreeForm | None
-    ahead: float = 0.0
-
-    @property
-    def gain(self) -> float:
-        """Its gain [nats]."""
-        return 0.0 if self.free is None else max(self.free.gain - self.ahead, 0.0)
+from softfinger.mismatch.search.shape import Shape, allow_rest, excels, measure_shape
 
 
 class Search(NamedTuple):
@@ -107,8 +90,7 @@ def search_effects(
     pieces, refused = catalogue
     singles, scores = ranked
     found, larger, shape, alone = list(singles), [], None, None
-    fitted = [c for c in singles if c.fit is not None]
-    best = max(fitted, key=lambda c: c.log_evidence, default=base)
+    best = _choose_top(singles, base)
     first_gain = best.log_evidence - base.log_evidence
     if first_gain <= needed:
         return Search(base, found, [], base, max(first_gain, 0.0), refused, scores)
@@ -119,22 +101,15 @@ def search_effects(
             # a last effect that gains more than this is too much for two to leave: unlisted
             most = allow_rest(explained, needed)
             shape, alone = measure_shape(problem, best), measure_shape(problem, base)
-            if shape.gain > most or _excels(alone, explained + most):
+            if shape.gain > most or excels(alone, explained + most):
                 break
         more = require_gain(needed, explained, pieces, best)
         asked = best.log_evidence + more
         rivals = _list_rivals(base, found, len(best.model.ids))
-        for rival in rivals:
-            if size == 2 or _can_lead(rival, best, larger):
-                larger += _extend(problem, rival, pieces, progress, max(asked, find_best(larger)))
-        other = find_other_form(found, best)
-        if other is not None and (size == 2 or _can_lead(other, best, larger)):
-            leading = keep_leading(pieces, larger, best)
-            larger += _extend(problem, other, leading, progress, max(asked, find_best(larger)))
+        larger = _enlarge(problem, rivals, best, found, pieces, progress, asked, size)
         if size == 2:
             larger += rank_pairs(problem, base, columns, larger, asked, progress)
-        fitted = [c for c in larger if c.fit is not None]
-        top = max(fitted, key=lambda c: c.log_evidence, default=best)
+        top = _choose_top(larger, best)
         gain = top.log_evidence - best.log_evidence
         if gain <= more:
             break
@@ -148,10 +123,15 @@ def search_effects(
         if size == 2:
             tried = {rival.model.ids for rival in rivals}
             found += _try_partners(problem, top, tried, pieces, progress)
-        top = max((top, *found), key=lambda c: c.log_evidence if c.fit is not None else -np.inf)
-        best = _eliminate(problem, top, more, found)
+        best = _eliminate(problem, _choose_top([top, *found], top), more, found)
     found.sort(key=lambda c: -c.log_evidence)
     return Search(base, found, larger, best, first_gain, refused, scores, shape, alone)
+
+
+def _choose_top(candidates: list[Candidate], other: Candidate) -> Candidate:
+    """The fitted candidate of most evidence, or else the other."""
+    fitted = [c for c in candidates if c.fit is not None]
+    return max(fitted, key=lambda c: c.log_evidence, default=other)
 
 
 def require_gain(needed: float, explained: float, pieces: list[Piece], best: Candidate) -> float:
@@ -166,17 +146,6 @@ def require_gain(needed: float, explained: float, pieces: list[Piece], best: Can
     if best.model.ids <= free:
         return more
     return more + DECISIONS.form_error * max(explained, 0.0)
-
-
-def allow_rest(explained: float, needed: float) -> float:
-    """Evidence [nats] for a rest that effects may leave."""
-    return max(needed, DECISIONS.least_left, DECISIONS.shape_left * explained)
-
-
-def measure_shape(problem: Problem, candidate: Candidate) -> Shape:
-    """Fit the best free-form term over a model."""
-    ahead = candidate.log_evidence - candidate.fit.log_evidence
-    return Shape(candidate.fit, fit_free_form(problem, candidate), ahead)
 
 
 def shape_rest(problem: Problem, search: Search) -> Search:
@@ -196,14 +165,9 @@ def hold_against_shape(problem: Problem, search: Search) -> Search:
     if search.best is search.base:
         return search
     alone = search.alone or measure_shape(problem, search.base)
-    if _excels(alone, search.best.log_evidence - search.base.log_evidence):
+    if excels(alone, search.best.log_evidence - search.base.log_evidence):
         return search._replace(best=search.base, shape=alone, alone=alone)
     return search._replace(alone=alone)
-
-
-def _excels(shape: Shape, explained: float) -> bool:
-    """Whether effects do not compete with a free-form term."""
-    return shape.gain > explained + competing_nats(explained)
 
 
 def _list_rivals(base: Candidate, found: list[Candidate], size: int) -> list[Candidate]:
@@ -222,6 +186,31 @@ def _can_lead(rival: Candidate, best: Candidate, larger: list[Candidate]) -> boo
     """Whether one more effect could let a set lead."""
     behind = best.log_evidence - rival.log_evidence
     return behind <= max(find_best(larger) - best.log_evidence, DECISIONS.rival_nats)
+
+
+def _enlarge(
+    problem: Problem,
+    rivals: list[Candidate],
+    best: Candidate,
+    found: list[Candidate],
+    pieces: list[Piece],
+    progress: Progress,
+    asked: float,
+    size: int,
+) -> list[Candidate]:
+    """Rank one more effect on every set that may lead.
+
+    For `size` 2 that is every set. With the other form of the best, only what leads is tried.
+    """
+    larger: list[Candidate] = []
+    for rival in rivals:
+        if size == 2 or _can_lead(rival, best, larger):
+            larger += _extend(problem, rival, pieces, progress, max(asked, find_best(larger)))
+    other = find_other_form(found, best)
+    if other is not None and (size == 2 or _can_lead(other, best, larger)):
+        leading = keep_leading(pieces, larger, best)
+        larger += _extend(problem, other, leading, progress, max(asked, find_best(larger)))
+    return larger
 
 
 def _extend(

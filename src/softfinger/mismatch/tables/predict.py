@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from softfinger.inference.budget import BUDGET as INFERENCE
 from softfinger.inference.mixed_effects import hold_omega
-from softfinger.inference.mixed_effects_laplace import centre_gram, fit_nonlinear
+from softfinger.inference.mixed_effects_laplace import fit_nonlinear
+from softfinger.inference.mixed_effects_linearised import centre_gram
 from softfinger.inference.problem import Problem
 from softfinger.mechanics import OWN
 from softfinger.mechanics.forward.simulate import simulate_joint_angle_array

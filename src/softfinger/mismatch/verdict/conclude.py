@@ -51,11 +51,6 @@ def conclude(
     location = effects[0].location if effects else None
     if decision == "unlisted":
         location = locate_misfit(problem, search.best, findings)
-    rms = [
-        float(np.sqrt(np.nanmean(compute_residual(problem, c, angles) ** 2)))
-        for c in (search.base, final)
-    ]
-    noise = float(np.sqrt(np.mean(problem.noise["noise_sd"].values ** 2)))
     sets = posterior.equivalent
     return Verdict(
         campaign=str(angles.attrs.get("campaign", "")),
@@ -64,7 +59,7 @@ def conclude(
         equivalent=[[join_ids(ids) for ids in sets]] if decision == "ambiguous" else [],
         location=location,
         elpd=compute_elpd(problem, search.base, final),
-        residual_rms_rad=ResidualRms(baseline=rms[0], final=rms[1], noise=noise),
+        residual_rms_rad=_measure_residuals(problem, search, angles),
         explained_spread={}
         if final is search.base
         else explain_spread(problem, search.base, final),
@@ -82,6 +77,15 @@ def conclude(
         remaining=describe_remaining(problem, final, findings),
         not_tried=list_not_tried(refused),
     )
+
+
+def _measure_residuals(problem: Problem, search: Search, angles: xr.Dataset) -> ResidualRms:
+    baseline, final = (
+        float(np.sqrt(np.nanmean(compute_residual(problem, c, angles) ** 2)))
+        for c in (search.base, search.best)
+    )
+    noise = float(np.sqrt(np.mean(problem.noise["noise_sd"].values ** 2)))
+    return ResidualRms(baseline=baseline, final=final, noise=noise)
 
 
 def keep_likely(effects: list[StatedEffect]) -> list[StatedEffect]:

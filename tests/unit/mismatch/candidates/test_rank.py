@@ -14,7 +14,8 @@ from softfinger.mismatch.candidates.rank import (
     rank_pieces,
     score_pieces,
 )
-from softfinger.mismatch.search.stepwise import measure_shape, require_gain
+from softfinger.mismatch.search.shape import measure_shape
+from softfinger.mismatch.search.stepwise import require_gain
 
 
 @pytest.fixture(scope="module")

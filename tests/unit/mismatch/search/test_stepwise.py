@@ -6,7 +6,8 @@ import pytest
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.model import Piece
 from softfinger.mismatch.search import stepwise as module
-from softfinger.mismatch.search.stepwise import Shape, allow_rest, hold_against_shape
+from softfinger.mismatch.search.shape import Shape, allow_rest
+from softfinger.mismatch.search.stepwise import hold_against_shape
 
 
 def hold(named, gain):
