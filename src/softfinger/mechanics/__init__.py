@@ -1,4 +1,6 @@
-"""The forward model: wires, chain, viscoelastic elements and what may be left out of them.
+"""The forward model of a finger.
+
+It is made of wires, chain, viscoelastic elements and what may be left out of them.
 
 Signs, stated once: joint angles are relative to the link before, counter-clockwise positive as
 seen in the picture; a positive load bends positively. Parameters come in the order of `PARAMETERS`.

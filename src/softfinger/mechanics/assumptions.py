@@ -1,4 +1,6 @@
-"""The paper's two assumptions, checked: inertia does not matter, and the torque is constant.
+"""The paper's two assumptions, checked.
+
+Inertia does not matter, and the torque is constant.
 
 The step solution leaves out the links' mass and the growth of the moment arm as a joint bends. Both
 are in the equations of motion, so three motions of the same fingers tell them apart:
@@ -30,7 +32,9 @@ _ITERATIONS = 40
 def check_assumptions(
     parameters: xr.Dataset, geometry: FingerGeometry, tension: float, frame_rate: float = 30.0
 ) -> xr.Dataset:
-    """Compare the step solution with the full motion over fingers of a population.
+    """Compare the step solution with the full motion.
+
+    It is compared over fingers of a population.
 
     Parameters
     ----------
@@ -72,7 +76,7 @@ def check_assumptions(
 
 
 def describe_assumptions(result: xr.Dataset) -> list[str]:
-    """Say where the assumptions hold and where they do not, with the numbers."""
+    """State where the assumptions apply, with the numbers."""
     inertia, arm = (result.gap_largest.sel(cause=cause) for cause in ("inertia", "moment_arm"))
     fingers, matters = result.sizes["trial"], f"{1e3 * MATTERS_RAD:g} mrad"
     lasts, mild = result.inertia_lasts, np.interp(0.01, result.arm_growth, result.angle)
@@ -115,7 +119,9 @@ def list_values(values: xr.DataArray) -> str:
 
 
 def summarise_gaps(gap: xr.DataArray) -> xr.Dataset:
-    """Summarise gaps (cause, trial, joint, time) [rad] over trials, by time and by window.
+    """Summarise gaps by time and by window.
+
+    Gaps are (cause, trial, joint, time) [rad]; the summary is over trials.
 
     A window's rms counts every decade of its time alike. `inertia_lasts` is NaN where the gap never
     exceeds 1 mrad.
@@ -145,7 +151,9 @@ def summarise_gaps(gap: xr.DataArray) -> xr.Dataset:
 
 
 def measure_arm(geometry: FingerGeometry, angle: xr.DataArray) -> xr.Dataset:
-    """Measure how the moment arm, and with it the torque, grows as a joint bends.
+    """Measure how the moment arm grows with bending.
+
+    The torque grows with it.
 
     Parameters
     ----------
@@ -175,7 +183,9 @@ def measure_arm(geometry: FingerGeometry, angle: xr.DataArray) -> xr.Dataset:
 def fit_step_solution(
     parameters: xr.Dataset, geometry: FingerGeometry, tension: float, frame_rate: float
 ) -> xr.Dataset:
-    """Fit the step solution to the full motion with the paper's own wires.
+    """Fit the step solution to the full motion.
+
+    The wires are the paper's own.
 
     Returns
     -------
@@ -205,7 +215,9 @@ def fit_step_solution(
 def _fit_step_array(
     start: NDArray, angle: NDArray, time: NDArray, load: tuple[list[float], list[float]]
 ) -> tuple[NDArray, NDArray]:
-    """Least squares of every joint at once, by Gauss–Newton with steps of at most 1 in the log.
+    """Least squares of every joint at once.
+
+    It is by Gauss–Newton with steps of at most 1 in the log.
 
     Parameters
     ----------

@@ -1,4 +1,6 @@
-"""The chain of N links in a plane: M(q) q̈ + h(q, q̇), from the Lagrangian, once for any N.
+"""The chain of N links in a plane.
+
+M(q) q̈ + h(q, q̇), from the Lagrangian, once for any N.
 
     L = Σ_i ½ m_i |v_i|² + ½ I_i θ̇_i²,   θ_i = Σ_{j≤i} q_j   (absolute direction of link i)
 
@@ -19,7 +21,9 @@ from softfinger.mechanics.geometry import FingerGeometry
 
 
 def compute_inertia_coefficients(geometry: FingerGeometry) -> NDArray[np.float64]:
-    """Compute the constants a_jk (joint, joint) [kg m²] of the kinetic energy.
+    """Compute the constants of the kinetic energy.
+
+    They are a_jk (joint, joint) [kg m²].
 
     >>> rod = FingerGeometry.uniform([1.0], [3.0], 0.008, 0.005)
     >>> compute_inertia_coefficients(rod)  # m l²/3 about its end
@@ -100,7 +104,10 @@ def _fill_rows(angle: NDArray, velocity: NDArray, coefficients: NDArray) -> tupl
 def fill_inertia_and_nonlinear_term(
     angle: NDArray, velocity: NDArray, coefficients: NDArray, matrix: NDArray, term: NDArray
 ) -> None:
-    """Write M(q) into `matrix` (joint, joint) and h(q, q̇) into `term` (joint,)."""
+    """Write M(q) and h(q, q̇), in place.
+
+    M goes into `matrix` (joint, joint), h into `term` (joint,).
+    """
     n = angle.size
     for j in range(n):
         matrix[j, j] = coefficients[j, j]
@@ -131,7 +138,10 @@ def fill_slopes(
     by_angle: NDArray,
     by_velocity: NDArray,
 ) -> None:
-    """Write ∂(M q̈ + h)/∂q and ∂h/∂q̇ (joint, joint) at fixed acceleration."""
+    """Write the derivatives of M q̈ + h.
+
+    They are ∂(M q̈ + h)/∂q at fixed acceleration and ∂h/∂q̇ (joint, joint).
+    """
     n = angle.size
     by_angle[:] = 0.0
     by_velocity[:] = 0.0
@@ -160,7 +170,10 @@ def fill_slopes(
 
 @compiled
 def sum_to_tip(matrix: NDArray) -> None:
-    """Replace each entry by the sum of those from its row and column on, in place."""
+    """Sum the entries from each on, in place.
+
+    Each becomes the sum of those from its row and column on.
+    """
     n = matrix.shape[0]
     for j in range(n - 2, -1, -1):
         for k in range(n):

@@ -1,4 +1,7 @@
-"""Refuse input that no finger could have, in one sentence with the value and the bound."""
+"""Refuse input that no finger could have.
+
+The fault is one sentence with the value and the bound.
+"""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -7,7 +10,10 @@ from softfinger.faults import Fault
 
 
 def require_positive(name: str, value: ArrayLike, unit: str, *, infinite: bool = False) -> None:
-    """Raise `Fault` unless every value is > 0, and finite unless `infinite` is allowed."""
+    """Raise `Fault` unless every value is > 0.
+
+    Values are also finite, unless `infinite` is allowed.
+    """
     array = np.asarray(value, float)
     bad = ~(array > 0) if infinite else ~((array > 0) & (array < np.inf))
     if bad.any():
@@ -15,7 +21,7 @@ def require_positive(name: str, value: ArrayLike, unit: str, *, infinite: bool =
 
 
 def require_nonnegative(name: str, value: ArrayLike, unit: str) -> None:
-    """Raise `Fault` unless every value is finite and >= 0."""
+    """Raise `Fault` unless values are finite and >= 0."""
     array = np.asarray(value, float)
     bad = ~((array >= 0) & (array < np.inf))
     if bad.any():
@@ -31,7 +37,9 @@ def require_finite(name: str, value: ArrayLike, unit: str) -> None:
 
 
 def require_forward_in_time(name: str, time: ArrayLike, *, padded: bool = False) -> None:
-    """Raise `Fault` unless times [s] never decrease along the last axis.
+    """Raise `Fault` where times [s] decrease.
+
+    They run along the last axis.
 
     With `padded`, rows may end in NaN.
     """

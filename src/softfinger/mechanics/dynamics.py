@@ -1,4 +1,6 @@
-"""The paper's full equations of motion: M(q) q̈ + h(q, q̇) + τ_in = P(q) f, integrated.
+"""The paper's full equations of motion, integrated.
+
+M(q) q̈ + h(q, q̇) + τ_in = P(q) f.
 
 Per joint, with q_v the angle of the Kelvin–Voigt element and q_p = q − q_ini − q_v the creep:
 
@@ -41,7 +43,9 @@ def simulate_full_dynamics(
     load_tension: ArrayLike,
     wire_geometry: WireGeometry = "constant_arm",
 ) -> xr.Dataset:
-    """Compute the motion of the finger under a tension of the flexion wire, inertia included.
+    """Compute the motion of a pulled finger.
+
+    It is under a tension of the flexion wire, inertia included.
 
     Parameters
     ----------
@@ -127,7 +131,9 @@ def simulate_full_dynamics_array(
     load_tension: NDArray,
     tolerance: float,
 ) -> tuple[NDArray, int]:
-    """Integrate every trial; the first trial that could not be, or −1.
+    """Integrate every trial.
+
+    The function returns −1, or the first trial that could not be integrated.
 
     Parameters (trial, joint), loads (trial, knot), times (frame,), `half_length` NaN for a constant
     arm. Returns the states q, q̇, q_v (3, trial, joint, frame).
@@ -164,7 +170,10 @@ def _integrate_trial(
     tolerance: float,
     motion: NDArray,
 ) -> bool:
-    """One trial, from rest: steps that end at the knots, frames by dense output into `motion`."""
+    """Integrate one trial, from rest.
+
+    Steps end at the knots; frames go into `motion` by dense output.
+    """
     n = q_ini.size
     state, after = np.zeros(3 * n), np.zeros(3 * n)
     state[:n] = q_ini
@@ -209,7 +218,10 @@ def _integrate_trial(
 
 @compiled
 def _propose_step(error: float, length: float, step: float, last: bool) -> float:
-    """Propose the step after one of `length`, which the next knot may have cut short of `step`."""
+    """Propose the step after one of `length`.
+
+    The next knot may have cut that one short of `step`.
+    """
     if error > 1.0:
         return length * (max(0.1, 0.9 * error**-0.2) if error < 1e30 else 0.1)
     grown = length * min(8.0, 0.9 * max(error, 1e-10) ** -0.2)
@@ -218,7 +230,10 @@ def _propose_step(error: float, length: float, step: float, last: bool) -> float
 
 @compiled
 def _measure_error(error: NDArray, step: float, tolerance: float) -> float:
-    """The largest error of q and q_v, and of q̇ times the step, over the tolerance."""
+    """The largest error over the tolerance.
+
+    It is of q and q_v, and of q̇ times the step.
+    """
     n, worst = error.size // 3, 0.0
     for k in range(error.size):
         size = abs(error[k]) * (step if n <= k < 2 * n else 1.0)
@@ -230,7 +245,10 @@ def _measure_error(error: NDArray, step: float, tolerance: float) -> float:
 
 @compiled
 def _fill_bends(stages: NDArray, bends: NDArray) -> None:
-    """Write the step's H₁k, H₂k, H₃k into the rows of `bends`."""
+    """Write H₁k, H₂k, H₃k into `bends`.
+
+    The step's three are its rows.
+    """
     for power in range(3):
         for k in range(stages.shape[0]):
             bends[power, k] = 0.0

@@ -1,4 +1,6 @@
-"""One step of Rodas5P through the equations of motion of `dynamics`.
+"""One step of Rodas5P through the motion.
+
+The equations of motion are those of `dynamics`.
 
 A state is (q, q̇, q_v), one after the other; a row of `stages` holds one state's increments at all
 stages. With s = c_p/(c_v + c_p), the rows of `joint` are s k_v [N m/rad], s c_v [N m s/rad], s [1]
@@ -32,7 +34,10 @@ def fill_stages(
     squares: NDArray,
     rows: NDArray,
 ) -> None:
-    """One Rosenbrock step from `state` to `after`, with its stage increments."""
+    """One Rosenbrock step from `state` to `after`.
+
+    It also gives the stage increments.
+    """
     n = state.size // 3
     inertia, by_angle, system, scratch = squares
     rate, right = rows[: 3 * n], rows[3 * n : 6 * n]
@@ -75,7 +80,10 @@ def fill_stages(
 def _combine(
     start: NDArray, weights: NDArray, stage: int, scale: float, stages: NDArray, output: NDArray
 ) -> None:
-    """Write start + scale · Σ over the stages before this one of weight · stage into `output`."""
+    """Write start + scale · Σ weight · stage.
+
+    The sum is over the stages before this one, and goes into `output`.
+    """
     for k in range(start.size):
         total = 0.0
         for i in range(stage):
@@ -95,7 +103,10 @@ def _fill_rate(
     factors: NDArray,
     rate: NDArray,
 ) -> None:
-    """The equations of motion: (q̇, q̈, q̇_v) into `rate`, M(q) into `inertia`."""
+    """The equations of motion.
+
+    (q̇, q̈, q̇_v) goes into `rate`, M(q) into `inertia`.
+    """
     n = state.size // 3
     push = rate[n : 2 * n]
     fill_inertia_and_nonlinear_term(state[:n], state[n : 2 * n], coefficients, inertia, push)

@@ -53,7 +53,9 @@ class FingerGeometry:
     def uniform(
         cls, link_length: ArrayLike, link_mass: ArrayLike, joint_length: float, wire_offset: float
     ) -> Self:
-        """Build a finger of uniform rods: centre at half length, inertia m l²/12 about it.
+        """Build a finger of uniform rods.
+
+        The centre is at half length, the inertia about it is m l²/12.
 
         >>> FingerGeometry.uniform([0.6], [2.0], 0.008, 0.005).link_inertia.round(6)
         array([0.06])

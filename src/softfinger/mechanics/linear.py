@@ -8,7 +8,10 @@ from softfinger.compiled import compiled
 
 @compiled
 def factorise(matrix: NDArray) -> None:
-    """LU without pivoting, in place: M, and M plus a positive damping, need none."""
+    """LU without pivoting, in place.
+
+    M, and M plus a positive damping, need none.
+    """
     n = matrix.shape[0]
     for k in range(n):
         for i in range(k + 1, n):
@@ -32,7 +35,10 @@ def solve_factorised(matrix: NDArray, vector: NDArray) -> None:
 
 @compiled
 def factorise_pivoted(matrix: NDArray, pivot: NDArray) -> bool:
-    """LU with row exchanges, in place; False where the matrix is singular or not finite."""
+    """LU with row exchanges, in place.
+
+    False where the matrix is singular or not finite.
+    """
     n = matrix.shape[0]
     for k in range(n):
         best = k
@@ -63,7 +69,10 @@ def solve_pivoted(matrix: NDArray, pivot: NDArray, vector: NDArray) -> None:
 
 @compiled
 def solve_columns(matrix: NDArray, pivot: NDArray, columns: NDArray) -> None:
-    """Solve in place with the factors of `factorise_pivoted`, all columns (n, column) at once."""
+    """Solve with the factors of `factorise_pivoted`.
+
+    It is in place, all columns (n, column) at once.
+    """
     n, count = columns.shape
     for k in range(n):
         if pivot[k] != k:

@@ -1,4 +1,6 @@
-"""The load history: straight lines between knots, steps where a knot's time is repeated.
+"""The load history: straight lines between knots.
+
+It steps where a knot's time is repeated.
 
 Before the first knot the load is 0 and the finger at rest, so a first knot with load is a step at
 its time; after the last knot the last value holds. Arrays of several trials are padded by repeating
@@ -14,7 +16,9 @@ from softfinger.mechanics.checks import require_finite, require_forward_in_time
 
 
 def check_load(load_time: ArrayLike, load_torque: ArrayLike) -> None:
-    """Raise `Fault` unless the knots (…, knot) are finite, equally many and never run backwards.
+    """Refuse knots that are no load history.
+
+    `Fault` unless they (…, knot) are finite, equally many and never run backwards.
 
     Parameters
     ----------
@@ -38,7 +42,9 @@ def check_load(load_time: ArrayLike, load_torque: ArrayLike) -> None:
 def integrate_load_array(
     time: ArrayLike, load_time: ArrayLike, load_torque: ArrayLike
 ) -> NDArray[np.float64]:
-    """Integrate the load from rest to each time, exact for a piecewise-linear load.
+    """Integrate the load from rest.
+
+    It is up to each time, exact for a piecewise-linear load.
 
     Parameters
     ----------
@@ -70,7 +76,9 @@ def integrate_load_array(
 def evaluate_load_array(
     time: ArrayLike, load_time: ArrayLike, load_torque: ArrayLike
 ) -> NDArray[np.float64]:
-    """Evaluate the load u(t) [N m] at times (n,) [s]; at a step, the value after it.
+    """Evaluate the load u(t) [N m].
+
+    Times are (n,) [s]; at a step it is the value after it.
 
     >>> evaluate_load_array([-1.0, 0.0, 1.0, 9.0], [0.0, 2.0], [1.0, 3.0])
     array([0., 1., 2., 3.])
@@ -102,7 +110,10 @@ def _evaluate(time: NDArray, load_time: NDArray, load_torque: NDArray) -> NDArra
 def fill_load_integral(
     time: NDArray, load_time: NDArray, load_torque: NDArray, integral: NDArray
 ) -> None:
-    """Write ∫ u dt [N m s] at nondecreasing times (n,) into `integral` (n,), without checks."""
+    """Write ∫ u dt [N m s].
+
+    It goes into `integral` (n,) at nondecreasing times (n,), without checks.
+    """
     last = load_time.size - 1
     knot = 0  # the first knot that lies after the present
     total = 0.0  # ∫ u up to knot − 1

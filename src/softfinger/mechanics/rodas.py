@@ -1,4 +1,6 @@
-"""Rodas5P: a stiffly accurate, L-stable Rosenbrock method of order 5 with dense output of order 4.
+"""Rodas5P, a Rosenbrock method of order 5.
+
+It is stiffly accurate and L-stable, with dense output of order 4.
 
 Stage i solves (1/γh − J) k_i = f(t + c_i h, y + Σ_j A_ij k_j) + Σ_j C_ij k_j / h + h D_i ∂f/∂t;
 the step is y + Σ_j A_8j k_j + k_8, its error estimate k_8, and inside it, with s = (t − t₀)/h,

@@ -1,4 +1,6 @@
-"""The paper's joint: a Kelvin–Voigt element (k_v, c_v) in series with a dashpot c_p.
+"""The paper's joint.
+
+It is a Kelvin–Voigt element (k_v, c_v) in series with a dashpot c_p.
 
     q(t) = e(t; k_v/c_v) / k_v + ∫u dt / c_p + q_ini,   e(t; r) = ∫ r exp(−r (t − s)) u(s) ds
 
@@ -22,7 +24,9 @@ from softfinger.mechanics.load import check_load, fill_load_integral
 def compute_elastic_basis_array(
     rate: ArrayLike, time: ArrayLike, load_time: ArrayLike, load_torque: ArrayLike
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Compute the lagged load e(t) = ∫ r exp(−r (t − s)) u(s) ds and its derivative by log r.
+    """Compute the lagged load e(t).
+
+    e(t) = ∫ r exp(−r (t − s)) u(s) ds, and its derivative by log r.
 
     Parameters
     ----------
@@ -67,7 +71,9 @@ def compute_joint_angle_array(
     load_time: ArrayLike,
     load_torque: ArrayLike,
 ) -> NDArray[np.float64]:
-    """Compute the joint angle q(t) of the paper's joint under a piecewise-linear load.
+    """Compute the paper's joint angle q(t).
+
+    The load is piecewise linear.
 
     Leading dimensions of all arguments broadcast against each other.
 
@@ -104,7 +110,9 @@ def compute_joint_angle_gradient_array(
     load_time: ArrayLike,
     load_torque: ArrayLike,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Compute the joint angle and its exact derivatives by (log k_v, log c_v, log c_p, q_ini).
+    """Compute the joint angle and its derivatives.
+
+    They are exact, by (log k_v, log c_v, log c_p, q_ini).
 
     Arguments as for `compute_joint_angle_array`.
 
@@ -167,7 +175,9 @@ def fill_elastic_basis(
     basis: NDArray,
     slope: NDArray,
 ) -> None:
-    """Write e and de/dlog(rate) at nondecreasing times (n,) into `basis` and `slope`, unchecked.
+    """Write e and de/dlog(rate).
+
+    They go into `basis` and `slope` at nondecreasing times (n,), unchecked.
 
     One pass over the merged knots and times, O(n + knot).
     """
@@ -198,7 +208,9 @@ def fill_elastic_basis(
 def advance_lag(
     rate: float, step: float, load: float, climb: float, e: float, de: float
 ) -> tuple[float, float]:
-    """E and de/dlog(rate) after `step` seconds of e' = rate (u − e), u = load + climb · t.
+    """E and its slope after `step` seconds.
+
+    e' = rate (u − e), u = load + climb · t; the slope is de/dlog(rate).
 
     e → e E + u (1 − E) + climb · step · (1 − φ),  E = exp(−z), φ = (1 − E)/z, z = rate · step.
     """
@@ -212,7 +224,10 @@ def advance_lag(
 
 @compiled
 def lag_of_ramp(z: float) -> tuple[float, float]:
-    """1 − φ(z) and its derivative by log z, φ = (1 − exp(−z))/z, to rounding for every z ≥ 0."""
+    """1 − φ(z) and its slope.
+
+    The slope is by log z; φ = (1 − exp(−z))/z. It is exact to rounding for every z ≥ 0.
+    """
     if z > 0.2:
         decay = math.exp(-z)
         phi = (1.0 - decay) / z

@@ -1,4 +1,6 @@
-"""The two wires: how far they move with the joints, and the torque that their tension makes.
+"""The two wires.
+
+How far they move with the joints, and the torque that their tension makes.
 
 Per joint of length l_joint, with the wires at ±d from its middle, r = √((l_joint/2)² + d²) and
 a = arctan(2 d / l_joint):
@@ -21,7 +23,9 @@ WIRES = ("flexion", "extension")
 
 
 def compute_wire_excursion(joint_angle: xr.DataArray, geometry: FingerGeometry) -> xr.DataArray:
-    """Compute how far each wire has moved from the straight finger, Σ over joints of l(q) − l(0).
+    """Compute how far each wire has moved.
+
+    It is from the straight finger, Σ over joints of l(q) − l(0).
 
     Parameters
     ----------
@@ -40,7 +44,9 @@ def compute_wire_excursion(joint_angle: xr.DataArray, geometry: FingerGeometry) 
 
 
 def compute_wire_jacobian(joint_angle: xr.DataArray, geometry: FingerGeometry) -> xr.DataArray:
-    """Compute ∂l/∂q: the moment arm of each wire at each joint; its transpose is the paper's P.
+    """Compute the wires' moment arms ∂l/∂q.
+
+    One for each wire at each joint; the transpose is the paper's P.
 
     Parameters
     ----------
@@ -63,7 +69,9 @@ def compute_wire_jacobian(joint_angle: xr.DataArray, geometry: FingerGeometry) -
 def compute_moment_arm_array(
     joint_angle: ArrayLike, joint_length: float, wire_offset: float
 ) -> NDArray[np.float64]:
-    """Compute the flexion wire's moment arm r sin(q/2 + a) = (l_joint/2) sin(q/2) + d cos(q/2).
+    """Compute the flexion wire's moment arm.
+
+    It is r sin(q/2 + a) = (l_joint/2) sin(q/2) + d cos(q/2).
 
     Parameters
     ----------
@@ -88,7 +96,10 @@ def compute_moment_arm_array(
 
 @compiled
 def moment_arm(angle: NDArray, half_length: float, offset: float) -> NDArray:
-    """(l_joint/2) sin(q/2) + d cos(q/2) [m], of one angle or of an array, without checks."""
+    """The arm (l_joint/2) sin(q/2) + d cos(q/2) [m].
+
+    It is of one angle or of an array, without checks.
+    """
     return half_length * np.sin(angle / 2) + offset * np.cos(angle / 2)
 
 

@@ -1,4 +1,6 @@
-"""The catalogue of left-out physics: one file each, open to effects of others.
+"""The catalogue of left-out physics.
+
+Each effect is one file; effects of others may join.
 
 A package adds its own by an entry point in the group `softfinger.effects` that names an `Effect`.
 """
@@ -63,7 +65,9 @@ MODULES = (
 
 @cache
 def list_effects() -> dict[str, Effect]:
-    """List every known effect by its id, the built-in ones first.
+    """List every known effect by its id.
+
+    The built-in ones come first.
 
     >>> list(list_effects())[:2]
     ['second_retardation', 'fractional_creep']

@@ -1,4 +1,7 @@
-"""The load that acts follows the logged one with a lag: one stage, or two in a row."""
+"""The load acts with a lag.
+
+It follows the logged one through one stage, or two in a row.
+"""
 
 import math
 
@@ -23,7 +26,7 @@ _WHOLE, _FIRST = range(2)  # what acts, and what is behind the first stage of tw
 
 @compiled
 def follow_log(model: Model, load: Load, nodes: Nodes, i: int, since: float, end: bool) -> None:
-    """The load behind a lag of one stage or two.
+    """The load behind one stage or two.
 
     One stage of lag l makes v + s (t − l) + (u₀ − v + l s) e^{−t/l} of a log v + s t. One of no lag
     is the log itself, which moves with a lag as −s.
@@ -53,7 +56,7 @@ def follow_log(model: Model, load: Load, nodes: Nodes, i: int, since: float, end
 
 @compiled
 def _follow_two_stages(model: Model, load: Load, nodes: Nodes, i: int, since: float) -> None:
-    """The load behind two lags l₁ > l₂ in a row.
+    """The load behind two lags, l₁ > l₂.
 
     v + s (t − l₁ − l₂) + A exp(−t/l₁) + B exp(−t/l₂), where A is what the first stage lacks at the
     start times l₁/(l₁ − l₂), and B what then remains to the load that acts.
@@ -86,7 +89,10 @@ def _follow_two_stages(model: Model, load: Load, nodes: Nodes, i: int, since: fl
 
 @compiled
 def _advance_first_stage(model: Model, load: Load, since: float) -> None:
-    """Take what the first stage passes to a segment's end."""
+    """Take what the first stage passes on.
+
+    That is at a segment's end.
+    """
     slope, lag, share = load.log[_SLOPE], model.chain[_LAG], model.chain[_SECOND]
     first = lag * (1.0 - share)
     decay = math.exp(-since / first)
@@ -110,7 +116,10 @@ def set_pace(model: Model, work: Work, j: int) -> None:
 
 @compiled
 def smooth_jump(model: Model, work: Work, jump: float) -> None:
-    """A lag of nothing delays a jump by d(lag): a kick."""
+    """Kick the tangents where the load jumps.
+
+    A lag of nothing delays a jump by d(lag).
+    """
     delay_jump(work, jump, model.d_chain[:, _LAG])
 
 

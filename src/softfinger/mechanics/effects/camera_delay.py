@@ -1,4 +1,4 @@
-"""The recording is shifted in time against the load log."""
+"""The recording comes later than the load log."""
 
 from numpy.typing import NDArray
 

@@ -1,4 +1,7 @@
-"""A joint that meets a stop: a spring that acts beyond an angle, hard, soft or hardening."""
+"""A joint that meets a stop.
+
+The stop is a spring that acts beyond an angle: hard, soft or hardening.
+"""
 
 import numpy as np
 
@@ -27,7 +30,9 @@ _ANGLE, _STIFFNESS, _WIDTH, _LAW, _REACH = declare(
 
 @compiled
 def add_stop(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
-    """The stop's torque: −K depth (1 + law of the depth).
+    """The stop's torque.
+
+    It is −K depth (1 + law of the depth).
 
     The depth is the angle beyond the stop, softly rectified.
     """

@@ -1,4 +1,7 @@
-"""What an effect looks like: a finger with it and without, by the forward model itself."""
+"""What an effect looks like.
+
+A finger moves with it and without, by the forward model itself.
+"""
 
 import numpy as np
 import xarray as xr
@@ -25,7 +28,9 @@ SEEN = 0.1  # of the largest angle: a change that a small picture shows
 
 
 def demonstrate_effect(effect: Effect) -> xr.Dataset:
-    """Move a finger without an effect and with its first form.
+    """Move a finger with an effect and without.
+
+    The effect has its first form.
 
     Its amplitudes are one sd of their priors, or as many of `STRENGTHS` as it takes to be seen; all
     else is at its prior mean.

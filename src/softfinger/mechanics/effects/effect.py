@@ -1,4 +1,6 @@
-"""What an effect is: an id, a sentence, and a family of forms that fill slots of the forward model.
+"""What an effect is.
+
+It is an id, a sentence, and a family of forms that fill slots of the forward model.
 
 A form turns a few parameters into values of slots; with its amplitudes at zero it is the base
 model. Priors are normal on the internal scale (the logarithm, for a parameter marked log), cut at
@@ -70,17 +72,26 @@ class Parameter:
 
 
 def positive(name: str, sd: float, **more: object) -> Parameter:
-    """Build an amplitude that cannot be negative: half-normal prior of scale `sd`."""
+    """Build an amplitude that cannot be negative.
+
+    Its prior is half-normal of scale `sd`.
+    """
     return Parameter(name, 0.0, sd, low=0.0, amplitude=True, starts=(SMALL * sd,), **more)
 
 
 def signed(name: str, sd: float, **more: object) -> Parameter:
-    """Build an amplitude of either sign: normal prior of scale `sd` about 0."""
+    """Build an amplitude of either sign.
+
+    Its prior is normal of scale `sd` about 0.
+    """
     return Parameter(name, 0.0, sd, amplitude=True, starts=(SMALL * sd,), **more)
 
 
 def time_constant(name: str, shortest: float, longest: float, starts: int = 3) -> Parameter:
-    """Build a time between two others: ± 2 sd of a log-normal prior."""
+    """Build a time between two others.
+
+    They are at ± 2 sd of a log-normal prior.
+    """
     low, high = np.log(shortest), np.log(longest)
     middle, sd = (low + high) / 2, (high - low) / 4
     places = tuple(np.linspace(low, high, starts + 2)[1:-1])
@@ -89,7 +100,7 @@ def time_constant(name: str, shortest: float, longest: float, starts: int = 3) -
 
 @dataclass(frozen=True)
 class Setting:
-    """What is known of a campaign before an effect is fitted.
+    """What is known before an effect is fitted.
 
     Attributes
     ----------
@@ -159,13 +170,16 @@ class Setting:
 
     @property
     def time_floor(self) -> float:
-        """The shortest lag or delay worth a name [s]: 1/200 to 1/50 frame, as the log leaves it."""
+        """The shortest lag worth a name [s].
+
+        It is 1/200 to 1/50 frame, as the log leaves it; the same for a delay.
+        """
         return self.interval * min(0.02, max(0.005, self.step_gap / self.interval))
 
 
 @dataclass(frozen=True)
 class Form:
-    """One form of an effect: a textbook one, or the free one.
+    """One form of an effect: textbook or free.
 
     Attributes
     ----------
@@ -194,13 +208,13 @@ class Form:
 
     @property
     def is_free(self) -> bool:
-        """Whether it is the effect's free law, and not a textbook's."""
+        """Whether it is the free law, no textbook's."""
         return self.name.split("_")[0] == FREE
 
 
 @dataclass(frozen=True)
 class Effect:
-    """One piece of physics that may have been left out.
+    """A piece of physics that may be missing.
 
     Attributes
     ----------
@@ -227,7 +241,10 @@ class Effect:
     hooks: tuple[Hook, ...] = ()
 
     def list_forms(self, setting: Setting) -> list[Form] | str:
-        """Forms that a campaign allows, or why it cannot show the effect."""
+        """Forms that a campaign allows.
+
+        Or else why it cannot show the effect.
+        """
         if setting.specimen and self.part:
             return f"the campaign is of a specimen, which has no {self.part}"
         return self.build_forms(setting)

@@ -1,4 +1,7 @@
-"""Parameters that drift with the number of trials done: linear, logarithmic, exponential, free."""
+"""Parameters that drift with the trials done.
+
+The drift is linear, logarithmic, exponential or free.
+"""
 
 import numpy as np
 

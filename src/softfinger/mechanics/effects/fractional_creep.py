@@ -1,4 +1,6 @@
-"""Power-law creep: a springpot, creep ∝ t^a / Γ(1 + a), beside or instead of the dashpot c_p.
+"""Power-law creep: a springpot.
+
+Creep ∝ t^a / Γ(1 + a), beside or instead of the dashpot c_p.
 
 Bagley, Torvik (1983), J. Rheol. 27, 201.
 """
@@ -66,7 +68,7 @@ def add_springpot(model: Model, linear: Linear, j: int) -> None:
 
 @compiled
 def springpot_weight(step: int, exponent: float) -> tuple[float, float]:
-    """Gain of a step of the ladder, and its slope.
+    """Gain of a ladder's step, and its slope.
 
     For a springpot of unit compliance; the slope by its exponent.
     """
@@ -87,7 +89,9 @@ def springpot_weight(step: int, exponent: float) -> tuple[float, float]:
 
 @compiled
 def _sum_tail(x: float) -> tuple[float, float]:
-    """Σ_{n ≥ 1} (sin πx/π) Δ e^{−n x Δ}, and d log/dx.
+    """A geometric sum, and its slope.
+
+    Σ_{n ≥ 1} (sin πx/π) Δ e^{−n x Δ}, and d log/dx.
 
     It is (sin πx/πx) xΔ/(e^{xΔ} − 1), and 1 at x = 0.
     """

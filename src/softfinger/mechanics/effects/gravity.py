@@ -1,4 +1,6 @@
-"""A plane that is not horizontal: torque that depends on the configuration.
+"""A plane that is not horizontal.
+
+Its torque depends on the configuration.
 
 Free: what the links weigh beyond each joint is not what their masses say, as with a payload.
 """
@@ -71,7 +73,10 @@ def _build_forms(setting: Setting) -> list[Form] | str:
         return {name.removesuffix("_rad"): value for name, value in values.items()}
 
     def alone(tilt: Parameter) -> tuple[Parameter]:
-        """Give the angle between plane and horizon, and beside it the way it tilts."""
+        """Give the angle between plane and horizon.
+
+        The way it tilts comes beside it.
+        """
         return (replace(tilt, report={"tilt_rad": lambda x, _: abs(x), tilt.name: lambda x, _: x}),)
 
     ratio = Parameter("moment_ratio", 0.0, 0.7, per="joint", log=True, low=-2.0, high=2.5)

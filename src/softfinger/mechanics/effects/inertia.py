@@ -1,4 +1,6 @@
-"""Mass that the step solution ignores: of the declared links, or of even links of unknown mass.
+"""Mass that the step solution ignores.
+
+It is of the declared links, or of even links of unknown mass.
 
 Where nothing is declared the unit of inertia is that with which a joint of usual stiffness would
 swing once in ten frames.
@@ -22,7 +24,10 @@ from softfinger.mechanics.forward.work import Balance, Model, Nodes
 
 @compiled
 def add_inertia(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
-    """What the links' acceleration takes: −scale (M(q) q̈ + h(q, q̇))."""
+    """What the links' acceleration takes.
+
+    −scale (M(q) q̈ + h(q, q̇)).
+    """
     joints = model.joint.shape[0]
     scale = model.chain[_SCALE]
     matrix, term = np.empty((joints, joints)), np.empty(joints)

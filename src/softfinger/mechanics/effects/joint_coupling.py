@@ -1,4 +1,7 @@
-"""One joint's deflection that feeds its neighbour's: by torque, a membrane or kinematics."""
+"""A joint's deflection that feeds its neighbour's.
+
+It does so by torque, a membrane or kinematics.
+"""
 
 import math
 
@@ -28,7 +31,9 @@ _STIFFNESS, _SHARE, _SATURATION, _MEMBRANE, _MEMBRANE_SHARE, _KINEMATIC = declar
 
 @compiled
 def add_coupling(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
-    """The torque from the other joints' motion x = q − q_ini.
+    """The torque from the other joints' motion.
+
+    Motion is x = q − q_ini.
 
     Σ (K + c k_v) x / (1 + b |x|); a membrane adds Σ (M + m √(k_v k_v,k)) (x_k − x).
     """
@@ -60,7 +65,10 @@ def add_coupling(model: Model, nodes: Nodes, balance: Balance, i: int, tangents:
 def _add_membrane(
     model: Model, nodes: Nodes, balance: Balance, i: int, j: int, k: int, tangents: bool
 ) -> None:
-    """What joint k's motion, less its own, adds to the torque of joint j."""
+    """What joint k adds to joint j's torque.
+
+    It does so by its motion, less that of joint j.
+    """
     mean = math.exp(0.5 * (model.joint[j, LOG_K_V] + model.joint[k, LOG_K_V]))
     share = model.coupling[_MEMBRANE_SHARE, j, k]
     stiffness = model.coupling[_MEMBRANE, j, k] + share * mean
@@ -82,7 +90,10 @@ def _add_membrane(
 def turn_neighbours(
     model: Model, angle: NDArray, by: NDArray, seen: NDArray, gradient: NDArray
 ) -> None:
-    """The angle that a joint shows besides its own: Σ_k K_jk (q_k − q_ini,k)."""
+    """The angle a joint shows besides its own.
+
+    Σ_k K_jk (q_k − q_ini,k).
+    """
     joints, frames, columns = gradient.shape
     for j in range(joints):
         for k in range(joints):

@@ -1,4 +1,7 @@
-"""Play: a joint whose spring asks for no torque within a gap about its rest."""
+"""Play: a gap without torque about rest.
+
+Within it, the joint's spring asks for none.
+"""
 
 import math
 

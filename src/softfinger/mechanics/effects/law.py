@@ -1,4 +1,6 @@
-"""A free law: a smooth curve in an effect's own place.
+"""A free law in an effect's own place.
+
+It is a smooth curve.
 
 A textbook form is one curve that nature may have. A free law is any smooth curve of the same
 argument: Chebyshev terms that vanish at x = 0, higher ones shrunk more by their prior,
@@ -28,7 +30,9 @@ _PLACES = np.linspace(0.0, 1.0, KNOTS)  # of the reach: values there determine a
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """What a free law depends on, how far it goes, and how large it may be.
+    """What a free law depends on.
+
+    Also how far it goes, and how large it may be.
 
     Attributes
     ----------
@@ -58,7 +62,7 @@ class Law:
     kind: Literal["factor", "exponential", "sum"] = "factor"
 
     def __post_init__(self) -> None:
-        """Refuse a law that would not be a finite, smooth curve."""
+        """Refuse a law without a smooth, finite curve."""
         reach = np.asarray(self.reach, float)
         faults = {
             f"reach is {self.reach}; expected positive numbers": not np.all(
@@ -91,7 +95,10 @@ class Law:
         return shown - 1.0 if self.kind == "factor" else shown
 
     def get_reach(self, place: tuple[int, ...]) -> float:
-        """Where the law ends at one place: a joint, or () for all."""
+        """Where the law ends at one place.
+
+        The place is a joint, or () for all.
+        """
         reach = np.asarray(self.reach, float)
         return float(reach[place[0]] if place and reach.ndim else reach)
 
@@ -106,12 +113,17 @@ class Law:
 
 
 def build_curves(terms: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Build the matrix (n, term) from the terms of a law to its values at x (n,) of the reach."""
+    """Build the matrix from terms to values.
+
+    It is (n, term), for values at x (n,) of the reach.
+    """
     return build_weights(x) @ build_terms(terms).T
 
 
 def build_terms(terms: int) -> NDArray[np.float64]:
-    """Build the coefficients (term, knot) of the curves of all terms.
+    """Build the coefficients of all terms' curves.
+
+    They are (term, knot).
 
     Examples
     --------
@@ -126,7 +138,9 @@ def build_terms(terms: int) -> NDArray[np.float64]:
 def free_form(
     law: Law, constants: Mapping[str, ArrayLike], form: Form | None = None, *, local: bool = False
 ) -> Form:
-    """Build the free form of an effect whose law has a slot.
+    """Build the free form of an effect.
+
+    Its law has a slot.
 
     Parameters
     ----------

@@ -1,4 +1,7 @@
-"""The curves of the free laws of a fitted model, with their bands."""
+"""Curves of a fitted model's free laws.
+
+They have bands.
+"""
 
 from typing import NamedTuple
 
@@ -16,7 +19,10 @@ TEXTS = ("effect", "argument_name", "kind")
 
 
 class LawPlace(NamedTuple):
-    """One law of a model: its effect, the joint or () for all, and where its terms are in φ."""
+    """One law of a model.
+
+    It names its effect, the joint or () for all, and where its terms are in φ.
+    """
 
     effect: str
     law: Law
@@ -25,7 +31,10 @@ class LawPlace(NamedTuple):
 
 
 def list_laws(model: EffectModel) -> list[LawPlace]:
-    """List the free laws of a model, one for each joint where they differ."""
+    """List the free laws of a model.
+
+    There is one for each joint where they differ.
+    """
     found = []
     for number, piece in enumerate(model.pieces):
         law = piece.form.law
@@ -48,7 +57,9 @@ def compute_law_curves(
     covariance: NDArray[np.float64],
     places: int = PLACES,
 ) -> xr.Dataset:
-    """Compute the curves of a model's free laws over the recorded range.
+    """Compute the curves of free laws.
+
+    They are over the recorded range.
 
     Parameters
     ----------

@@ -1,4 +1,7 @@
-"""The `law` of a model file: a learned curve as values at places of its argument."""
+"""The `law` of a model file.
+
+It is a learned curve as values at places of its argument.
+"""
 
 from typing import Annotated
 
@@ -16,7 +19,10 @@ _INSIDE = np.linspace(0.0, 1.0, PLACES)
 
 
 class LawEntry(BaseModel):
-    """Values of a law at places of its argument, smooth between; `sd` of each where it is known."""
+    """Values of a law at places.
+
+    The places are of its argument; it is smooth between. `sd` is of each value, where known.
+    """
 
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True)
     argument: str
@@ -38,7 +44,10 @@ class LawEntry(BaseModel):
 def describe_laws(
     model: EffectModel, number: int, mean: NDArray[np.float64], covariance: NDArray[np.float64]
 ) -> LawEntry | list[LawEntry] | None:
-    """Describe the laws of one piece of a fitted model, given mean and covariance of φ."""
+    """Describe the laws of one fitted piece.
+
+    Mean and covariance of φ are given.
+    """
     piece = model.pieces[number]
     laws = [one for one in list_laws(model) if one.effect == piece.effect.id]
     entries = [_describe(one, mean, covariance) for one in laws]
@@ -63,7 +72,10 @@ def _describe(one: LawPlace, mean: NDArray, covariance: NDArray) -> LawEntry:
 def read_laws(
     given: LawEntry | list[LawEntry] | None, model: EffectModel, place: str, faults: list[str]
 ) -> Known:
-    """Read the terms of the laws of a model of one effect, by least squares; adds to `faults`."""
+    """Read the terms of one effect's laws.
+
+    They are found by least squares. What is wrong is added to `faults`.
+    """
     if given is None:
         return {}
     entries = given if isinstance(given, list) else [given]
@@ -102,7 +114,9 @@ def _read(
 
 
 def _continue(at: NDArray, law: NDArray, error: NDArray) -> tuple[NDArray, NDArray]:
-    """Values and errors of a law inside the reach: smooth between its places, straight outside.
+    """Values and errors of a law.
+
+    Inside the reach it is smooth between its places, outside it is straight.
 
     Outside, the error grows by as much as the law does.
     """

@@ -1,4 +1,7 @@
-"""Angles bent by the optics: radial distortion of the picture, or an odd cubic in the angle."""
+"""Angles bent by the optics.
+
+It is a radial distortion of the picture, or an odd cubic in the angle.
+"""
 
 import math
 

@@ -1,4 +1,7 @@
-"""The gain of the load cell drifts over the trials: all compliances scale together."""
+"""The load cell's gain drifts over the trials.
+
+All compliances scale together.
+"""
 
 import numpy as np
 

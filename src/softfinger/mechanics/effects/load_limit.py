@@ -1,4 +1,6 @@
-"""The load that is logged is not reached: it saturates, or rises no faster than at some rate.
+"""The load that is logged is not reached.
+
+It saturates, or rises no faster than at some rate.
 
 Limit and rate are shares of the largest load. Free: what acts is any smooth function of the load.
 """
@@ -36,7 +38,10 @@ _SATURATION, _LAW, _REFERENCE, _SLOWNESS = declare(
 
 @compiled
 def saturate(model: Model, load: NDArray, row: NDArray) -> None:
-    """What acts: u (1 + b (|u|/r)^8)^{−1/8} (1 + law of |u|)."""
+    """What acts of the load.
+
+    u (1 + b (|u|/r)^8)^{−1/8} (1 + law of |u|).
+    """
     x, law = abs(load[0]) / model.chain[_REFERENCE], model.law[0, _LAW]
     steep, weights = x**POWER, weigh_value(x)
     bent = 1.0 + model.chain[_SATURATION] * steep

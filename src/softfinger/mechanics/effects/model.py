@@ -1,4 +1,7 @@
-"""A set of effects as one vector φ: names, priors, bounds, and the slots that it fills."""
+"""A set of effects as one vector φ.
+
+It has names, priors, bounds, and the slots that it fills.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -18,7 +21,10 @@ LONGEST_STEP = 1.0  # of a parameter's prior sd, in one linearisation
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """One effect in one form, at some places: joints (j,) or pairs (j, k), 0-based."""
+    """One effect in one form, at some places.
+
+    Places are joints (j,) or pairs (j, k), 0-based.
+    """
 
     effect: Effect
     form: Form
@@ -32,13 +38,16 @@ class Piece:
 
     @property
     def joints(self) -> list[int]:
-        """The joints that it is tied to, counted from 1."""
+        """Its joints, counted from 1."""
         return sorted({joint + 1 for place in self.places for joint in place})
 
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """One number of φ: a parameter of a piece, of one joint, one pair, or the chain."""
+    """One number of φ.
+
+    It is a parameter of a piece, of one joint, one pair, or the chain.
+    """
 
     piece: int
     parameter: Parameter
@@ -46,7 +55,10 @@ class Entry:
 
     @property
     def suffix(self) -> str:
-        """Joint or pair, counted from 1; empty for the chain."""
+        """Joint or pair, counted from 1.
+
+        It is empty for the chain.
+        """
         return "_" + "".join(str(j + 1) for j in self.place) if self.place else ""
 
     @property
@@ -55,7 +67,9 @@ class Entry:
         return self.parameter.name + self.suffix
 
     def report(self, values: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
-        """Convert internal values (n,) into what a verdict gives, by the names it gives them.
+        """Convert internal values to a verdict's.
+
+        Values (n,) come back by the names that the verdict gives them.
 
         A term of a free law is given by its curve alone.
         """
@@ -102,7 +116,10 @@ class EffectModel:
         return " + ".join(piece.label for piece in self.pieces) or "base"
 
     def without(self, entry: Entry) -> "EffectModel":
-        """Build the model in which an amplitude and what belongs to its place are absent."""
+        """Build the model without an amplitude.
+
+        What belongs to its place goes with it.
+        """
         piece = self.pieces[entry.piece]
         places = tuple(place for place in piece.places if place != entry.place)
         pieces = list(self.pieces)
@@ -113,7 +130,10 @@ class EffectModel:
         return replace(self, pieces=tuple(pieces))
 
     def match(self, other: "EffectModel") -> NDArray[np.int64]:
-        """Where the entries of another model, which has no more than this one, stand in φ."""
+        """Where another model's entries are in φ.
+
+        That model has no more than this one.
+        """
         mine = [(self.pieces[e.piece].effect.id, e.name) for e in self.entries]
         return np.array(
             [mine.index((other.pieces[e.piece].effect.id, e.name)) for e in other.entries], int
@@ -135,7 +155,7 @@ class EffectModel:
 
     @property
     def shared_prior(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Prior mean and sd of φ, on the internal scale."""
+        """Prior mean and sd of φ, internal."""
         usual = np.stack([self._gather("mean"), self._gather("sd")])
         for k, entry in enumerate(self.entries):
             key = self.pieces[entry.piece].effect.id, entry.name
@@ -161,7 +181,10 @@ class EffectModel:
         return np.array([getattr(e.parameter, attribute) for e in self.entries], float)
 
     def list_negligible(self, shared: NDArray[np.float64]) -> frozenset[str]:
-        """Effects whose amplitudes in φ (p,) all lie below their floors."""
+        """Effects with amplitudes all below their floors.
+
+        The amplitudes are in φ (p,).
+        """
         mine = [e for e in self.entries if e.parameter.amplitude]
         claimed = {
             e.piece
@@ -172,19 +195,25 @@ class EffectModel:
         return frozenset(piece.effect.id for k, piece in pieces if k not in claimed)
 
     def list_starts(self, piece: int) -> list[dict[str, float]]:
-        """Every combination of starts of one piece's parameters, internal scale."""
+        """Every combination of a piece's starts.
+
+        They are on the internal scale.
+        """
         parameters = self.pieces[piece].form.parameters
         choices = [p.starts or (p.mean,) for p in parameters]
         names = [p.name for p in parameters]
         return [dict(zip(names, values, strict=True)) for values in product(*choices)]
 
     def place_start(self, piece: int, start: Mapping[str, float]) -> NDArray[np.float64]:
-        """Values of the entries of one piece at one of its starts."""
+        """Values of a piece's entries at a start."""
         mine = [entry for entry in self.entries if entry.piece == piece]
         return np.array([start[entry.parameter.name] for entry in mine])
 
     def fill_slots(self, shared: NDArray[np.float64]) -> SlotArrays:
-        """Fill the slots of the forward model for all trials from φ (p,)."""
+        """Fill the forward model's slots from φ.
+
+        φ is (p,); all trials are filled.
+        """
         values: dict[str, NDArray] = {}
         for number, piece in enumerate(self.pieces):
             filled = piece.form.slots(self._physical(number, shared))
@@ -199,7 +228,10 @@ class EffectModel:
     def fill_tangents(
         self, shared: NDArray[np.float64], only: NDArray[np.int64] | None = None
     ) -> list[SlotArrays]:
-        """Differentiate the slots by numbers of φ, all or `only` these: central differences."""
+        """Differentiate the slots by numbers of φ.
+
+        By all or `only` these, with central differences.
+        """
         tangents = []
         for k in range(len(shared)) if only is None else only:
             step = DIFFERENCE * self.entries[k].parameter.sd
@@ -210,7 +242,10 @@ class EffectModel:
         return tangents
 
     def _confine(self, piece: Piece, filled: Mapping[str, NDArray]) -> dict[str, NDArray]:
-        """Slots of a local form, at their null values in joints on which it does not act."""
+        """Slots of a local form.
+
+        They have their null values in joints on which it does not act.
+        """
         if not (piece.form.local and piece.places):
             return dict(filled)
         here = np.isin(np.arange(self.setting.joints), [place[0] for place in piece.places])

@@ -1,4 +1,6 @@
-"""The model file `model.yaml`: which physics a stage uses, in place of the base model.
+"""The model file `model.yaml`.
+
+It states which physics a stage uses, in place of the base model.
 
 `priors` says what is known of an effect's parameters: `{median, log_sd}` of one that is positive
 and spans decades, `{mean, sd}` of any other; those that are absent have the catalogue's priors.
@@ -47,7 +49,9 @@ class LogNormalPrior(_Part):
 
 
 class EffectEntry(_Part):
-    """One effect in one form; a form of pairs of joints names them as [[2, 1]]: 2 moved by 1.
+    """One effect in one form.
+
+    A form of pairs of joints names them as [[2, 1]]: 2 moved by 1.
 
     A free form has its `law`: one curve, or one for each of its joints.
     """
@@ -76,7 +80,10 @@ class ModelFile(_Part):
     fitted_to: FittedTo | None = None
 
     def was_fitted_to(self, sha256: str) -> bool:
-        """Say whether its priors come from the recordings whose `angles` have this hash."""
+        """Whether its priors come from these recordings.
+
+        Their `angles` have this hash.
+        """
         return self.fitted_to is not None and self.fitted_to.sha256 == sha256
 
 
@@ -103,7 +110,10 @@ def read_model_file(path: Path | str) -> ModelFile:
 
 
 def write_model_file(content: ModelFile, path: Path | str) -> None:
-    """Write a model file; one that is read and written again keeps its bytes."""
+    """Write a model file.
+
+    One that is read and written again keeps its bytes.
+    """
     yaml = YAML()
     yaml.width = 200
     effects = [
@@ -146,7 +156,9 @@ def build_model(content: ModelFile, setting: Setting, *, priors: bool = True) ->
 
 
 def read_strength(model: EffectModel) -> NDArray[np.float64]:
-    """Middle of φ's priors (p,), on the internal scale: the strength that a simulation has.
+    """Middle of φ's priors (p,), internal.
+
+    It is the strength that a simulation has.
 
     Raises
     ------
@@ -172,7 +184,10 @@ def describe_model(
     covariance: NDArray[np.float64],
     fitted_to: FittedTo | None,
 ) -> ModelFile:
-    """Describe a fitted model, given mean and covariance of φ on the internal scale."""
+    """Describe a fitted model.
+
+    Mean and covariance of φ are on the internal scale.
+    """
     sd, effects = np.sqrt(np.diag(covariance)), []
     for number, piece in enumerate(model.pieces):
         priors = {
@@ -230,7 +245,10 @@ Places = list[tuple[int, ...]]
 
 
 def _describe_places(kinds: set[str], *, single: bool) -> tuple[str, Callable[[Places], bool]]:
-    """Which joints a form is for: in words, and as a test."""
+    """Which joints a form is for.
+
+    In words, and as a test.
+    """
 
     def is_joints(places: Places) -> bool:
         return len(places) > 0 and all(len(place) == 1 for place in places)

@@ -1,4 +1,7 @@
-"""The wire's geometry: a moment arm that grows with the angle, as r sin(q/2 + a) or otherwise."""
+"""The wire's geometry.
+
+The moment arm grows with the angle, as r sin(q/2 + a) or otherwise.
+"""
 
 import math
 

@@ -1,4 +1,6 @@
-"""A joint not yet at rest when the trial starts: an elastic angle that is still relaxing.
+"""A joint not yet at rest.
+
+When the trial starts, an elastic angle is still relaxing.
 
 Constant (a share of the elastic angle of a usual load), or what the trial before has left after the
 rest between them: of a usual elastic angle, of that trial's, or of what the trial's own load gives

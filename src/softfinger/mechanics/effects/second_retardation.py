@@ -1,4 +1,7 @@
-"""More Voigt elements in series: a second time scale, or a free spectrum of retardation times."""
+"""More Voigt elements in series.
+
+They are a second time scale, or a free spectrum of retardation times.
+"""
 
 import math
 
@@ -34,7 +37,10 @@ _COMPLIANCE, _SHARE, _TIME, _SPECTRUM, _SHORTEST, _LONGEST = declare(
 
 @compiled
 def add_element(model: Model, linear: Linear, j: int) -> None:
-    """One more Voigt element: λ = 1/T, g = J/T."""
+    """One more Voigt element.
+
+    λ = 1/T, g = J/T.
+    """
     value, soft = model.joint[j], math.exp(-model.joint[j, LOG_K_V])
     rate = 1.0 / value[_TIME]
     gain = (value[_COMPLIANCE] + value[_SHARE] * soft) * rate
@@ -49,7 +55,10 @@ def add_element(model: Model, linear: Linear, j: int) -> None:
 
 @compiled
 def add_spectrum(model: Model, linear: Linear, j: int) -> None:
-    """Elements at the ladder's rates, of the spectrum's compliance there."""
+    """Elements at the ladder's rates.
+
+    Each has the spectrum's compliance there.
+    """
     soft = math.exp(-model.joint[j, LOG_K_V])
     shortest, longest = model.joint[j, _SHORTEST], model.joint[j, _LONGEST]
     for step in range(RATES.size):

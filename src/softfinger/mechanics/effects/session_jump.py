@@ -1,4 +1,7 @@
-"""Parameters that jump at one trial: the finger was mounted anew, or has a new wire."""
+"""Parameters that jump at one trial.
+
+The finger was mounted anew, or has a new wire.
+"""
 
 import numpy as np
 
@@ -47,7 +50,10 @@ def _build_form(name: str, setting: Setting) -> Form:
 
 
 def find_jumps(setting: Setting) -> tuple[float, ...]:
-    """Find where the base model's parameters jump most: the first trials after (STARTS,)."""
+    """Find where the base model's parameters jump most.
+
+    The function returns the first trials after (STARTS,).
+    """
     count = setting.trials
     if setting.drift is None:
         return tuple(np.round(np.linspace(2, count, STARTS + 2)[1:-1]).astype(float))

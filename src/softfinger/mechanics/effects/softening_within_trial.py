@@ -1,4 +1,7 @@
-"""Stiffness or viscosity that falls while the trial runs, as heat or water comes in."""
+"""Stiffness or viscosity falls within a trial.
+
+Heat or water comes in.
+"""
 
 import math
 

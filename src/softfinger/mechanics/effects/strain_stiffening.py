@@ -1,4 +1,7 @@
-"""Stiffness that changes with deflection: k_v (1 + b y²), k_v (1 + b |y|), k_v exp(b |y|), free."""
+"""Stiffness that changes with deflection.
+
+k_v (1 + b y²), k_v (1 + b |y|), k_v exp(b |y|), free.
+"""
 
 import math
 
@@ -34,7 +37,10 @@ def stiffen(
     model: Model, j: int, time: float, elastic: float, angle: float, spring: NDArray,
     d_spring: NDArray, tangents: bool,
 ) -> None:  # fmt: skip
-    """The stiffness times b y² + b |y| + e^{b|y|} + law of |y|."""
+    """The stiffness times its change with deflection.
+
+    The change is b y² + b |y| + e^{b|y|} + law of |y|.
+    """
     value, law = model.joint[j], model.law[j, _LAW]
     measure = value[_MEASURE]
     strain = (1.0 - measure) * elastic + measure * angle

@@ -1,4 +1,6 @@
-"""Creep rate more than proportional to torque: Eyring's sinh, a power or a free law.
+"""Creep that outgrows its torque.
+
+Its rate is Eyring's sinh, a power or a free law.
 
 The sinh is fitted by the square of 1/scale torque, in which a small one is linear. Under one
 constant load alone any law of flow vanishes in c_p, yet not beside a torque that changes.

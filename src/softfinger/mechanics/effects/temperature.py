@@ -1,4 +1,7 @@
-"""Viscosities or stiffness that follow a logged covariate: log c = log c₀ − s (x − x̄), or free."""
+"""Viscosities or stiffness that follow a covariate.
+
+It is logged: log c = log c₀ − s (x − x̄), or free.
+"""
 
 import numpy as np
 

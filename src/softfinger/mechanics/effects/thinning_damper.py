@@ -1,4 +1,6 @@
-"""A damper that thins: the torque of the Voigt damper rises less than its rate.
+"""A damper that thins.
+
+The torque of the Voigt damper rises less than its rate.
 
 Torque ∝ rate^n where the torque is large, and in proportion where it is small (Ellis); free: the
 rate is any smooth function of the damper's torque.

@@ -1,4 +1,6 @@
-"""Friction along the wire: distal joints get less, and loading differs from unloading.
+"""Friction along the wire.
+
+Distal joints get less, and loading differs from unloading.
 
 Capstan over the bend (tension · exp(−μ · bend)) up to the middle of the joint that is pulled, or
 over all that the wire wraps, whole bends and guides; a constant loss for each joint passed, a
@@ -52,7 +54,9 @@ _AMPLITUDES = ("friction_bend", "friction_constant", "friction_force", "friction
 
 @compiled
 def lose_pull(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
-    """The pull that is left: u e^{−s B} less the Coulomb loss.
+    """The pull that is left.
+
+    u e^{−s B} less the Coulomb loss.
 
     B depends on the bends that the wire has passed; s is the direction of its motion (1 = pulled).
     """
@@ -101,7 +105,10 @@ def turn_direction(way: float, motion: float, width: float) -> tuple[float, floa
 
 @compiled
 def turn_at_nodes(model: Model, nodes: Nodes) -> None:
-    """The direction at the nodes, each from the one before."""
+    """The direction at the nodes.
+
+    Each depends on the one before.
+    """
     width, by_wire = model.chain[_WIDTH], model.chain[_DRIVER] > 0.5
     nodes.by_motion[:] = 0.0
     for i in range(3):
@@ -126,7 +133,10 @@ def turn_at_nodes(model: Model, nodes: Nodes) -> None:
 
 @compiled
 def turn_in_jump(model: Model, work: Work, jump: float) -> None:
-    """The direction after a jump of the load, where it turns with that."""
+    """The direction after a jump of the load.
+
+    It turns only where the load turns it, not the motion.
+    """
     if not model.chain[_DRIVER] > 0.5:
         state = work.state
         state.direction[0], by_way, _, by_width = turn_direction(

@@ -1,4 +1,6 @@
-"""A dashpot that flows only above a torque: by the excess (Bingham) or by the whole torque.
+"""A dashpot that flows above a torque.
+
+It flows by the excess (Bingham) or by the whole torque.
 
 Under one constant load alone a threshold vanishes in c_p. It is tried all the same: beside a wire
 whose moment arm changes, say, the joint's torque does not stay what it is.
@@ -50,7 +52,10 @@ def hold_below(
 def _pass_threshold(
     torque: float, limit: float, width: float, jump: float
 ) -> tuple[float, float, float, float]:
-    """What passes, its slope, and its derivatives by the threshold and its width."""
+    """What passes, and its derivatives.
+
+    They are the slope, and those by the threshold and its width.
+    """
     if limit == 0.0:
         return torque, 1.0, -math.tanh(torque / (2.0 * width)) * (1.0 - jump), 0.0
     above, rise = softplus(torque - limit, width)

@@ -1,4 +1,7 @@
-"""What a solved step yields: frames inside it, its end, its error."""
+"""What a solved step yields.
+
+Frames inside it, its end, its error.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +25,10 @@ _BEND = 0.1  # how far the worst quadratic inside a step moves a mode, of a cons
 
 @compiled
 def set_straight_drives(work: Work, load: float, rise: float) -> None:
-    """Let every drive be the load itself: a straight line over the step."""
+    """Let every drive be the load itself.
+
+    The load is a straight line over the step.
+    """
     work.linear.drive[:, :, 0] = load
     work.linear.drive[:, :, 1] = rise
     work.linear.drive[:, :, 2] = 0.0
@@ -39,7 +45,9 @@ def emit_frame(
     angle: NDArray,
     gradient: NDArray,
 ) -> None:
-    """Write the joint angles and their tangents `span` seconds into the step.
+    """Write the joint angles and their tangents.
+
+    They are `span` seconds into the step.
 
     `late` (column,) is how the frame's moment changes; empty where it does not.
     """
@@ -116,7 +124,9 @@ def commit_step(model: Model, work: Work, step: float) -> None:
 
 @compiled
 def measure_error(model: Model, work: Work, step: float, tolerance: float) -> float:
-    """The error inside the step over the tolerance, of angles and of their tangents.
+    """The error inside the step over the tolerance.
+
+    It is of angles and of their tangents.
 
     The quadratics leave the drives by what they miss at the start of the step, times a cubic that
     vanishes at the nodes.
@@ -153,7 +163,7 @@ def measure_error(model: Model, work: Work, step: float, tolerance: float) -> fl
 
 @compiled
 def delay_jump(work: Work, jump: float, late: NDArray) -> None:
-    """Kick the tangents as a jump does that comes late.
+    """Kick the tangents as a late jump does.
 
     By nothing, but for the change `late` (column,) [s].
     """

@@ -1,4 +1,6 @@
-"""The torque that statics asks of each joint: the wire's pull, what it loses, and what adds to it.
+"""The torque that statics asks of a joint.
+
+It is the wire's pull, less what that loses, and what adds to it.
 
 Each hook changes the value in `Balance`, its derivatives by joint angle, velocity, acceleration,
 wire direction and load, and, where tangents are wanted, its change along each column at fixed
@@ -12,7 +14,10 @@ from softfinger.mechanics.forward.work import Balance, Model, Nodes
 
 @compiled
 def fill_balance(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
-    """Write row i of the balance from row i of the nodes."""
+    """Write row i of the balance.
+
+    It comes from row i of the nodes.
+    """
     balance.torque[i] = nodes.load[i]
     balance.by_load[i] = 1.0
     balance.by_angle[i] = 0.0

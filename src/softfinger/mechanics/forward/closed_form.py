@@ -1,4 +1,6 @@
-"""The step solution for many trials: what the general kernel gives without any effect, quicker.
+"""The step solution for many trials.
+
+It gives what the general kernel gives without any effect, quicker.
 
 An accelerator of `simulate`: it applies where effects have moved nothing but the joints' own
 parameters. A test compares it with the general kernel.
@@ -23,7 +25,9 @@ def run_closed_form(
     load_torque: NDArray,
     by_own: bool,
 ) -> tuple[NDArray, NDArray]:
-    """Compute angles (trial, joint, n) [rad] and gradients (trial, joint, n, column).
+    """Compute angles and gradients in closed form.
+
+    Angles are (trial, joint, n) [rad], gradients (trial, joint, n, column).
 
     Parameters
     ----------

@@ -1,4 +1,6 @@
-"""A law of one argument: a smooth curve by a cubic B-spline, with its slope.
+"""A law of one argument, as a spline.
+
+It is a smooth curve by a cubic B-spline, with its slope.
 
 The knots are even over x = argument / reach from 0 to 1; outside, the curve goes on straight. Value
 and slope are linear in the coefficients, so the derivative by a coefficient is a weight.
@@ -18,7 +20,10 @@ Weights = tuple[int, float, float, float, float]
 
 @compiled
 def weigh_value(x: float) -> Weights:
-    """The first of the four coefficients on which the value depends, and their weights."""
+    """The coefficients on which the value depends.
+
+    The first of the four, and their weights.
+    """
     inside = min(max(x, 0.0), 1.0)
     first, s0, s1, s2, s3 = weigh_slope(inside)
     s = inside * _INTERVALS - first
@@ -49,7 +54,9 @@ def combine(law: NDArray, weights: Weights) -> float:
 
 
 def draw_curve(law: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Values (…, n) of laws (…, knot) at x (n,) of the reach.
+    """Values of laws at places.
+
+    Values (…, n) of laws (…, knot), at x (n,) of the reach.
 
     Examples
     --------
@@ -60,7 +67,10 @@ def draw_curve(law: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.f
 
 
 def build_weights(x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Build the matrix (n, knot) that takes a law's coefficients to its values at x (n,)."""
+    """Build the matrix from coefficients to values.
+
+    It is (n, knot), for values at x (n,) of the reach.
+    """
     weights = np.zeros((len(x), KNOTS))
     for row, place in zip(weights, x, strict=True):
         first, *four = weigh_value(float(place))

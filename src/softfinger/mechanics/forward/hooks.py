@@ -1,4 +1,6 @@
-"""The hooks of the kernel: where an effect adds its physics, and what is called there.
+"""The hooks of the kernel.
+
+They are where an effect adds its physics, and what is called there.
 
 Hooks of one kind are called in the order of the catalogue. Each changes what is there and, where it
 has columns, how that moves along them: the changes of the slots are `model.d_joint[c]` and so on,
@@ -92,7 +94,9 @@ _CURVED = _FEEDBACK | {"log", "follow", "limit", "spring", "damper", "flow"}
 
 @dataclass(frozen=True)
 class Hook:
-    """A compiled function, where the kernel calls it, and when.
+    """A compiled function that the kernel calls.
+
+    It states where, and when.
 
     Attributes
     ----------
@@ -128,7 +132,7 @@ class Hook:
 
 
 class Hooks(NamedTuple):
-    """The hooks of a run, as the kernel takes them."""
+    """Hooks of a run, for the kernel."""
 
     address: NDArray[np.int64]
     """(kind, …), 0 beyond the last"""
@@ -146,7 +150,7 @@ def find_hooks(hooks: Iterable[Hook], moved: set[str]) -> tuple[Hook, ...]:
 
 @cache
 def compile_hooks(on: tuple[Hook, ...]) -> Hooks:
-    """Compile the hooks of a run and gather them by kind."""
+    """Compile the hooks of a run, by kind."""
     kinds = {hook.kind for hook in on}
     rows: list[list[int]] = [[] for _ in KINDS]
     for hook in on:

@@ -1,4 +1,6 @@
-"""The linear modes of a joint: rates λ and gains g of x' = −λ x + g D, and their tangents.
+"""The linear modes of a joint.
+
+Rates λ and gains g of x' = −λ x + g D, and their tangents.
 
 mode 0   Voigt element          λ = k_v/c_v      g = 1/c_v          drive: torque − nonlinear part
 mode 1   dashpot                λ = 0            g = 1/c_p          drive: flow of the torque
@@ -29,7 +31,10 @@ WITH_OWN, WITH_LADDER = LADDER, LADDER + RATES.size + 2
 
 @compiled
 def fill_modes(model: Model, linear: Linear, j: int) -> None:
-    """Write λ and g of joint j's modes, and their tangents."""
+    """Write λ and g of joint j's modes.
+
+    Their tangents are written too.
+    """
     value = model.joint[j]
     rate, gain, d_rate, d_gain = linear.rate[j], linear.gain[j], linear.d_rate[j], linear.d_gain[j]
     rate[:], gain[:], d_rate[:], d_gain[:] = 0.0, 0.0, 0.0, 0.0

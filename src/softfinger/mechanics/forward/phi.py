@@ -1,4 +1,6 @@
-"""Exact responses of a linear mode to a drive that is a quadratic in time.
+"""Exact responses of a linear mode.
+
+The drive is a quadratic in time.
 
 A mode is x' = −λ x + g D(t). With D(s) = d₀ + d₁ s + d₂ s² over a step of length h (s = t/h) and
 z = λ h s,
@@ -29,7 +31,10 @@ DIFFERENTIATE = np.linalg.inv(_INTEGRAL)
 
 @compiled
 def phi_functions(z: float) -> tuple[float, float, float, float, float]:
-    """e^{−z} and φ₁ … φ₄ at z ≥ 0, to rounding."""
+    """e^{−z} and φ₁ … φ₄, to rounding.
+
+    z ≥ 0.
+    """
     if z == 0.0:
         return 1.0, 1.0, 0.5, 1.0 / 6.0, 1.0 / 24.0
     if z > 1.0:
@@ -54,7 +59,9 @@ def mode_response(
     rate: float, span: float, share: float, start: float, gain: float,
     d0: float, d1: float, d2: float,
 ) -> tuple[float, float, float, float, float, float, float]:  # fmt: skip
-    """A mode `span` seconds into a step, at the share s of it.
+    """A mode inside a step.
+
+    It is `span` seconds into a step, at the share s of it.
 
     Returns x, its derivatives by x(0), λ and g, and the integrals that d₀, d₁, d₂ weigh (times g:
     the derivatives by them).

@@ -7,7 +7,10 @@ from softfinger.compiled import compiled
 
 @compiled
 def softplus(x: float, width: float) -> tuple[float, float]:
-    """A ramp max(x, 0) that sets in over `width`, and its slope."""
+    """A ramp max(x, 0), and its slope.
+
+    It sets in over `width`.
+    """
     ratio = x / width
     if ratio > 0.0:
         tail = math.exp(-ratio)

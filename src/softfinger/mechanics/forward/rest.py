@@ -1,4 +1,7 @@
-"""The finger before the load comes: at rest, in balance with its own weight."""
+"""The finger before the load comes.
+
+It is at rest, in balance with its own weight.
+"""
 
 import numpy as np
 
@@ -13,7 +16,9 @@ from softfinger.mechanics.forward.work import START, YES, Model, Work
 
 @compiled
 def fill_rest(model: Model, work: Work, now: float) -> None:
-    """Write the modes and their state at the start of a trial.
+    """Write the modes and their first state.
+
+    It is that of the start of a trial.
 
     q = q_ini there. The elastic elements balance what acts without load (weight, stop); the dashpot
     has not flowed. Hooks change what else there was.

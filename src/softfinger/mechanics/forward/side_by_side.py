@@ -1,4 +1,7 @@
-"""Trials cut into parts that threads take in turn: the kernel lets go of the interpreter."""
+"""Trials cut into parts, for threads.
+
+Threads take them in turn, for the kernel lets go of the interpreter.
+"""
 
 import os
 from collections.abc import Callable
@@ -16,7 +19,9 @@ Arrays = tuple[NDArray[np.float64], ...]
 
 
 def run_side_by_side(run: Callable[[slice], Arrays], trials: int) -> Arrays:
-    """Run parts of the trials in as many threads as numba uses, and join what they return.
+    """Run parts of the trials in threads.
+
+    There are as many as numba uses; what they return is joined.
 
     Parameters
     ----------
@@ -36,5 +41,8 @@ def run_side_by_side(run: Callable[[slice], Arrays], trials: int) -> Arrays:
 
 @cache
 def _open_pool(_process: int) -> ThreadPoolExecutor:
-    """Threads that wait for work; a fork gets its own."""
+    """Threads that wait for work.
+
+    A fork gets its own.
+    """
     return ThreadPoolExecutor(config.NUMBA_NUM_THREADS)

@@ -1,4 +1,6 @@
-"""The face of the forward model: joint angles of many trials, with exact tangents.
+"""The face of the forward model.
+
+It gives joint angles of many trials, with exact tangents.
 
 One compiled kernel serves simulation and inference, whatever physics its slots switch on.
 """
@@ -38,7 +40,10 @@ Route = Literal["quickest", "general", "closed_form"]
 
 
 class Finger(NamedTuple):
-    """What the forward model needs to know of a finger, as plain arrays."""
+    """A finger as the forward model knows it.
+
+    It is made of plain arrays.
+    """
 
     arm_ratio: float
     """l_joint / (2 d)"""
@@ -59,7 +64,7 @@ def describe_finger(
     marker_middle: ArrayLike | None = None,
     optical_centre: ArrayLike = (0.0, 0.0),
 ) -> Finger:
-    """Gather what the forward model needs to know of a finger.
+    """Gather what is needed of a finger.
 
     Parameters
     ----------
@@ -84,7 +89,9 @@ def describe_finger(
 
 
 def describe_unknown_finger(joints: int) -> Finger:
-    """Stand in for a finger of which only the number of joints was declared.
+    """Build a finger of declared joints alone.
+
+    It takes the place of one of which no more is known.
 
     Slots that need more (moment arm, gravity, inertia, radial lens) are refused.
     """
@@ -102,7 +109,9 @@ def simulate_joint_angle(
     slots: Mapping[str, ArrayLike] | None = None,
     directions: Sequence[Mapping[str, ArrayLike]] | None = None,
 ) -> xr.Dataset:
-    """Compute the joint angles of trials under their loads, and how they move with what.
+    """Compute the joint angles of trials.
+
+    They are under the trials' loads; the function also computes how they move with what.
 
     Parameters
     ----------
@@ -181,7 +190,9 @@ def simulate_joint_angle_array(
     longest_step: float = np.inf,
     route: Route = "quickest",
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Compute joint angles and tangents of trials: `simulate_joint_angle` on plain arrays.
+    """Compute joint angles and tangents of trials.
+
+    `simulate_joint_angle` on plain arrays.
 
     Parameters
     ----------
@@ -242,7 +253,10 @@ def simulate_joint_angle_array(
 
 
 def _choose_closed_form(route: Route, moved: set[str]) -> bool:
-    """Whether the closed form is to be taken; a `Fault` where it is asked for and cannot be."""
+    """Whether the closed form is to be taken.
+
+    A `Fault` where it is asked for and cannot be.
+    """
     on = sorted(moved - {*LOG_PARAMETERS})
     if route == "closed_form" and on:
         raise Fault(

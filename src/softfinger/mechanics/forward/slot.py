@@ -1,4 +1,6 @@
-"""What a slot is: one number of the forward model that an effect declares, or the base joint.
+"""What a slot is.
+
+It is one number of the forward model that an effect declares, or the base joint.
 
 With every slot at its null the model is the paper's joint under a constant moment arm. Slots are
 plain data: any two, or all, combine without compiling anything anew.
@@ -53,7 +55,9 @@ SLOTS: dict[str, Slot] = {}
 
 
 def declare(**slots: Slot) -> tuple[int, ...]:
-    """Add slots to the forward model; their places, each among its kind.
+    """Add slots to the forward model.
+
+    The function returns their places, each among its kind.
 
     Raises
     ------

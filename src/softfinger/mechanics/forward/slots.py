@@ -1,4 +1,6 @@
-"""The slots of the forward model, gathered as arrays: physics that may be left out, as numbers.
+"""The slots of the forward model, as arrays.
+
+They are physics that may be left out, as numbers.
 
 An effect declares its slots in its own file (`slot.declare`); those of the base joint come first.
 """
@@ -17,7 +19,10 @@ from softfinger.mechanics.forward.slot import SLOTS, Slot, list_slots
 
 
 class SlotArrays(NamedTuple):
-    """Values (or tangents) of all slots: the kernel's plain data."""
+    """Values (or tangents) of all slots.
+
+    They are the kernel's plain data.
+    """
 
     joint: NDArray[np.float64]
     """(…, trial, joint, joint slot)"""
@@ -38,7 +43,9 @@ class SlotArrays(NamedTuple):
 
 
 def build_slots(trials: int, joints: int, values: Mapping[str, ArrayLike]) -> SlotArrays:
-    """Fill the slots: the given values, the null value elsewhere.
+    """Fill the slots from the given values.
+
+    The others have their null value.
 
     Parameters
     ----------
@@ -61,7 +68,9 @@ def build_slots(trials: int, joints: int, values: Mapping[str, ArrayLike]) -> Sl
 
 
 def build_tangent(trials: int, joints: int, values: Mapping[str, ArrayLike]) -> SlotArrays:
-    """Fill a direction of differentiation: d(slot)/d(parameter) where given, 0 elsewhere.
+    """Fill a direction of differentiation.
+
+    d(slot)/d(parameter) where given, 0 elsewhere.
 
     Raises
     ------
@@ -109,7 +118,10 @@ def _fill(
 
 
 def find_moved_slots(slots: SlotArrays, tangents: Sequence[SlotArrays]) -> set[str]:
-    """Names of the slots that are not null, or that a direction moves."""
+    """Names of the slots in use.
+
+    They are not null, or a direction moves them.
+    """
     nulls = _gather_nulls()
     on = _find_moved(slots, nulls)
     for tangent in tangents:
@@ -119,7 +131,10 @@ def find_moved_slots(slots: SlotArrays, tangents: Sequence[SlotArrays]) -> set[s
 
 
 def _find_moved(slots: SlotArrays, nulls: Sequence[NDArray[np.float64]]) -> NDArray[np.bool_]:
-    """Which slots, kind after kind, differ from their nulls in any trial."""
+    """Which slots differ from their nulls.
+
+    They are in order of their kinds; any trial counts.
+    """
     moved = (
         slots.joint != nulls[0],
         slots.chain != nulls[1],
@@ -130,7 +145,10 @@ def _find_moved(slots: SlotArrays, nulls: Sequence[NDArray[np.float64]]) -> NDAr
 
 
 def check_slots(slots: SlotArrays) -> None:
-    """Raise `Fault` where a slot has a value that no finger has."""
+    """Refuse a slot that no finger has.
+
+    Its value raises `Fault`.
+    """
     for name, slot in SLOTS.items():
         value = slots.pick(slot)
         if slot.sign == "positive":

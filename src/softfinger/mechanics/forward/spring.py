@@ -1,4 +1,6 @@
-"""The Voigt element and the dashpot of a joint, as hooks bend them, with all derivatives.
+"""Voigt element and dashpot of a joint.
+
+Hooks bend them; all derivatives are given.
 
 The spring's torque is k_v · free · factor: `free` begins as the elastic angle q_v, `factor` as 1,
 and hooks change them. The scratch `spring` holds (free, its slope by q_v, factor, its slopes by q_v
@@ -53,7 +55,10 @@ def flow_drive(
 def spring_torque(
     model: Model, work: Work, j: int, time: float, elastic: float, angle: float, tangents: bool
 ) -> tuple[float, float, float]:
-    """The spring's torque, and its derivatives by q_v and q."""
+    """The spring's torque, and its derivatives.
+
+    They are by q_v and q.
+    """
     spring = work.spring
     spring[FREE], spring[STEEP], spring[FACTOR] = elastic, 1.0, 1.0
     spring[BY_ELASTIC], spring[BY_ANGLE], spring[LEAD] = 0.0, 0.0, 0.0
@@ -88,7 +93,9 @@ def spring_tangent(model: Model, work: Work, j: int, c: int) -> float:
 def voigt_torque(
     model: Model, work: Work, j: int, time: float, torque: float, elastic: float, angle: float
 ) -> tuple[float, float, float, float]:
-    """What the Voigt element takes from a linear one's drive.
+    """What the Voigt element takes of its drive.
+
+    The drive is a linear one's.
 
     τ − k_v q_v − F φ(F), where F = τ − spring torque is the damper's torque and φ its factor; the
     rate is F φ(F)/c_v. Returns it and its derivatives by torque, q_v and q.
@@ -121,7 +128,10 @@ def fill_voigt_tangents(
 def _damper_factor(
     model: Model, work: Work, j: int, damper: float, row: NDArray
 ) -> tuple[float, float]:
-    """What the damper's torque is multiplied by, and its slope."""
+    """The factor on the damper's torque.
+
+    Its slope is given too.
+    """
     thin = work.pair
     thin[VALUE], thin[SLOPE] = 1.0, 0.0
     for k in range(model.count[DAMPER]):
@@ -133,7 +143,7 @@ def _damper_factor(
 def solve_rest(
     model: Model, work: Work, j: int, time: float, torque: float, angle: float
 ) -> tuple[float, float, float]:
-    """The elastic angle at which the spring balances a torque.
+    """The elastic angle that balances a torque.
 
     Returns it, and its derivatives by the torque and by the joint angle.
     """

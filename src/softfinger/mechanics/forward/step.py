@@ -1,4 +1,6 @@
-"""One step: exponential collocation at the Radau IIA nodes, by Newton, with exact tangents.
+"""One step of the kernel.
+
+It is exponential collocation at the Radau IIA nodes, by Newton, with exact tangents.
 
 The modes of the joints are advanced exactly for drives that are quadratics over the step, so the
 only unknowns are the joints' torques at three nodes, which must be those that statics asks for at
@@ -36,7 +38,10 @@ _ITERATIONS = 12
 
 @compiled
 def open_step(model: Model, work: Work, tangents: bool) -> None:
-    """Write everything at the start of a step; `nodes.load[START]` is given."""
+    """Write everything at the step's start.
+
+    `nodes.load[START]` is given.
+    """
     nodes, balance, state = work.nodes, work.balance, work.state
     fill_start(model, work, tangents)
     nodes.direction[START] = state.direction[0]
@@ -91,7 +96,10 @@ def _open_tangents(model: Model, work: Work) -> None:
 
 @compiled
 def solve_step(model: Model, work: Work, step: float, tangents: bool) -> bool:
-    """Find the torques at the nodes of a step; False where Newton does not converge."""
+    """Find the torques at the nodes.
+
+    False where Newton does not converge.
+    """
     nodes, balance, newton = work.nodes, work.balance, work.newton
     joints = work.state.offset.size
     fill_weights(model, work, step)
@@ -131,7 +139,10 @@ def solve_step(model: Model, work: Work, step: float, tangents: bool) -> bool:
 
 @compiled
 def _fill_residual(model: Model, work: Work, step: float) -> float:
-    """Write what is missing from the torques; the size of the torques."""
+    """Write what is missing from the torques.
+
+    The function returns the size of the torques.
+    """
     nodes, balance, newton = work.nodes, work.balance, work.newton
     joints = work.state.offset.size
     for k in range(model.count[TURN]):
@@ -155,7 +166,10 @@ def _fill_residual(model: Model, work: Work, step: float) -> float:
 
 @compiled
 def _fill_matrix(model: Model, work: Work, step: float) -> None:
-    """Write the derivative of torque − balance by the torques at the nodes."""
+    """Write the derivative of torque − balance.
+
+    It is by the torques at the nodes.
+    """
     balance, newton, nodes = work.balance, work.newton, work.nodes
     joints = work.state.offset.size
     matrix, by_angle = newton.matrix, newton.angle_by_torque
@@ -181,7 +195,10 @@ def _fill_matrix(model: Model, work: Work, step: float) -> None:
 
 @compiled
 def _fill_tangents(model: Model, work: Work, step: float) -> None:
-    """Write how everything at the nodes moves along each column."""
+    """Write how the nodes move.
+
+    Everything at them moves along each column.
+    """
     nodes, newton = work.nodes, work.newton
     joints = work.state.offset.size
     for j in range(joints):
@@ -209,7 +226,10 @@ def _fill_tangents(model: Model, work: Work, step: float) -> None:
 
 @compiled
 def _fill_right_sides(model: Model, work: Work, step: float) -> None:
-    """Write the change of the balance along every column at fixed torques."""
+    """Write how the balance changes.
+
+    It is along every column, at fixed torques.
+    """
     nodes, balance, newton, state = work.nodes, work.balance, work.newton, work.state
     joints = state.offset.size
     for i in range(3):

@@ -1,4 +1,6 @@
-"""Tangents of all modes of a joint along all columns at once.
+"""Tangents of all modes of a joint.
+
+They are along all columns at once.
 
 Plain arrays, rows of columns last: only so does the compiler take several columns in one
 instruction. Columns that cannot move a joint hold zeros.
@@ -13,7 +15,10 @@ from softfinger.compiled import compiled
 def add_responses(
     response: NDArray, d_mode: NDArray, d_rate: NDArray, d_gain: NDArray, row: NDArray
 ) -> None:
-    """Add to a row (column,) how the modes move, their drives held: response (mode, 3) of each."""
+    """Add how the modes move, drives fixed.
+
+    They add to a row (column,): response (mode, 3) of each.
+    """
     for mode in range(response.shape[0]):
         decay, slower, unit = response[mode, 0], response[mode, 1], response[mode, 2]
         for c in range(row.size):
@@ -29,7 +34,10 @@ def add_rates(
     d_gain: NDArray,
     row: NDArray,
 ) -> None:
-    """Add how the modes' speeds move: motion (mode, 3) of rate, drive and place of each."""
+    """Add how the modes' speeds move.
+
+    motion (mode, 3) of rate, drive and place of each.
+    """
     for mode in range(response.shape[0]):
         rate, push, x = motion[mode, 0], motion[mode, 1], motion[mode, 2]
         decay, slower = rate * response[mode, 0], x + rate * response[mode, 1]
@@ -40,7 +48,10 @@ def add_rates(
 
 @compiled
 def add_drives(weight: NDArray, d_drive: NDArray, row: NDArray) -> None:
-    """Add what the drives' changes (drive, power, column) bring: weight (drive, power)."""
+    """Add what the drives' changes bring.
+
+    Changes (drive, power, column) have a weight (drive, power).
+    """
     for drive in range(weight.shape[0]):
         w0, w1, w2 = weight[drive, 0], weight[drive, 1], weight[drive, 2]
         for c in range(row.size):
@@ -51,7 +62,10 @@ def add_drives(weight: NDArray, d_drive: NDArray, row: NDArray) -> None:
 
 @compiled
 def move_modes(response: NDArray, d_mode: NDArray, d_rate: NDArray, d_gain: NDArray) -> None:
-    """Move the modes' tangents to the end of a step, their drives held."""
+    """Move the tangents to a step's end.
+
+    They are the modes'; their drives are fixed.
+    """
     for mode in range(response.shape[0]):
         decay, slower, unit = response[mode, 0], response[mode, 1], response[mode, 2]
         for c in range(d_mode.shape[1]):
@@ -62,7 +76,7 @@ def move_modes(response: NDArray, d_mode: NDArray, d_rate: NDArray, d_gain: NDAr
 
 @compiled
 def drive_modes(response: NDArray, drive: NDArray, d_drive: NDArray, d_mode: NDArray) -> None:
-    """Add to the modes' tangents what their drives' changes bring.
+    """Add the drives' changes to the tangents.
 
     response (mode, 6): from its fourth column on, how much each power of a drive counts; drive
     (mode,): which one a mode follows.
@@ -86,7 +100,10 @@ def sum_modes(d_mode: NDArray, row: NDArray) -> None:
 
 @compiled
 def combine_nodes(weight: NDArray, rows: NDArray, changed: NDArray, j: int) -> None:
-    """Add weight (node, node) · rows (node, joint, column) of joint j to `changed`."""
+    """Add weighted rows of joint j.
+
+    weight (node, node) · rows (node, joint, column) are added to `changed`.
+    """
     for i in range(weight.shape[0]):
         for m in range(weight.shape[1]):
             for c in range(rows.shape[2]):
@@ -95,7 +112,10 @@ def combine_nodes(weight: NDArray, rows: NDArray, changed: NDArray, j: int) -> N
 
 @compiled
 def follow_torque(by_torque: NDArray, d_torque: NDArray, changed: NDArray, j: int) -> None:
-    """Add how joint j's nodes (node, joint, column) follow torques (node · joint, column)."""
+    """Add how joint j follows the torques.
+
+    Its nodes (node, joint, column) follow torques (node · joint, column).
+    """
     joints = changed.shape[1]
     for i in range(by_torque.shape[0]):
         for m in range(by_torque.shape[1]):

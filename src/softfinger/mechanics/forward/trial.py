@@ -1,4 +1,7 @@
-"""One trial: rest, then segment after segment of the load, with the frames on the way."""
+"""One trial of the kernel.
+
+Rest, then segment after segment of the load, with the frames on the way.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +49,9 @@ def run_trial(
     angle: NDArray,
     gradient: NDArray,
 ) -> bool:
-    """Write the joint angles (joint, n) and their tangents (joint, n, column) of one trial.
+    """Write one trial's angles and tangents.
+
+    Joint angles (joint, n), tangents (joint, n, column).
 
     False where the model could not be integrated.
     """
@@ -95,7 +100,10 @@ def _shift_frames(model: Model, work: Work, time: NDArray) -> tuple[NDArray, NDA
 
 @compiled
 def _read_log(model: Model, time: NDArray, load: NDArray) -> tuple[NDArray, NDArray, NDArray]:
-    """The load log as hooks leave it: knots (knot,) and changes (knot, column)."""
+    """The load log as hooks leave it.
+
+    It has knots (knot,) and changes (knot, column).
+    """
     if model.count[LOG] > 0:
         return call_log(model.hook[LOG, 0], model, time, load)
     return time, load, np.zeros((time.size, model.d_chain.shape[0]))
@@ -105,7 +113,10 @@ def _read_log(model: Model, time: NDArray, load: NDArray) -> tuple[NDArray, NDAr
 def _set_segment(
     work: Work, time: NDArray, load: NDArray, d_load: NDArray, knot: int, span: float
 ) -> None:
-    """Write the log's straight line from a knot on, constant after the last."""
+    """Write the log's straight line.
+
+    It begins at a knot and is constant after the last.
+    """
     log, d_log = work.load.log, work.load.d_log
     log[VALUE], log[SLOPE] = load[knot], 0.0
     d_log[VALUE], d_log[SLOPE] = d_load[knot], 0.0
@@ -126,7 +137,10 @@ def _limit(model: Model, work: Work, load: float) -> float:
 
 @compiled
 def _fill_load(model: Model, work: Work, i: int, since: float) -> None:
-    """Write the load that acts at row i, and its changes."""
+    """Write the load at row i.
+
+    Its changes are written too.
+    """
     nodes, load = work.nodes, work.load
     nodes.load[i] = load.log[VALUE] + load.log[SLOPE] * since
     nodes.d_load[i] = load.d_log[VALUE]
@@ -160,7 +174,10 @@ def _run_segment(
     angle: NDArray,
     gradient: NDArray,
 ) -> int:
-    """Go from one knot to the next; the next frame, or −1 where that failed."""
+    """Go from one knot to the next.
+
+    The function returns the next frame, or −1 where that failed.
+    """
     tangents, log = model.d_chain.shape[0] > 0, work.load.log
     straight, start, steps, opened = not model.curved, now, 0, False
     step = end - now if straight else min(longest, _first_step(model, work, tolerance))
@@ -203,7 +220,10 @@ def _run_segment(
 
 @compiled
 def _first_step(model: Model, work: Work, tolerance: float) -> float:
-    """A step to begin a segment with: short beside what is fastest."""
+    """A step to begin a segment with.
+
+    It is short beside what is fastest.
+    """
     if tolerance == np.inf:
         return np.inf
     if model.inertial and work.balance.by_acceleration[START].any():

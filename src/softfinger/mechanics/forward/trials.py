@@ -1,4 +1,7 @@
-"""All trials of a run, one after the other, and what the camera makes of them."""
+"""All trials of a run, in turn.
+
+What the camera makes of them is here too.
+"""
 
 import numpy as np
 from numpy.typing import NDArray

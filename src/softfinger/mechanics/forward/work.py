@@ -1,4 +1,6 @@
-"""The arrays that the kernel works in: allocated once, filled anew for each trial and step.
+"""The arrays that the kernel works in.
+
+They are allocated once, and filled anew for each trial and step.
 
 They are numba's `structref`s, passed by reference: as tuples of arrays they took three times as
 long to compile. Their types are written out, so that a hook can be compiled before the kernel.
@@ -21,7 +23,10 @@ NO, YES = np.bool_(False), np.bool_(True)
 
 
 class Model(structref.StructRefProxy):
-    """One trial's slots and their tangents (column first), and what is fixed for the finger."""
+    """One trial's slots and their tangents.
+
+    The column is first; with what is fixed for the finger.
+    """
 
     joint: Table  # (joint, slot)
     chain: Row  # (slot,)
@@ -46,7 +51,10 @@ class Model(structref.StructRefProxy):
 
 
 class State(structref.StructRefProxy):
-    """What the start of a step remembers, and its tangents (column last)."""
+    """What a step's start remembers.
+
+    Its tangents have the column last.
+    """
 
     mode: Table  # (joint, mode) [rad]
     d_mode: Block
@@ -61,7 +69,10 @@ class State(structref.StructRefProxy):
 
 
 class Load(structref.StructRefProxy):
-    """The log on the present segment, a straight line, and what acts."""
+    """The log on the present segment.
+
+    It is a straight line; what acts is here too.
+    """
 
     log: Row  # (2,) its value at the start and its slope
     d_log: Table  # (2, column)
@@ -71,7 +82,10 @@ class Load(structref.StructRefProxy):
 
 
 class Linear(structref.StructRefProxy):
-    """The modes, and what they make of drives during the present step."""
+    """The modes during the present step.
+
+    Also what they make of drives.
+    """
 
     rate: Table  # (joint, mode) [1/s]
     gain: Table
@@ -85,7 +99,10 @@ class Linear(structref.StructRefProxy):
 
 
 class Nodes(structref.StructRefProxy):
-    """Everything at the three nodes of a step, and at its start."""
+    """Everything at a step's nodes and start.
+
+    There are three nodes.
+    """
 
     time: Row  # (4,) [s]
     load: Row  # [N m]
@@ -111,7 +128,10 @@ class Nodes(structref.StructRefProxy):
 
 
 class Balance(structref.StructRefProxy):
-    """The torque that the finger's statics ask of each joint, and its derivatives."""
+    """The torque that statics asks of joints.
+
+    Its derivatives are here too.
+    """
 
     torque: Table  # (4, joint)
     by_angle: Block  # (4, joint, other)
@@ -189,7 +209,9 @@ def allocate_model(
     mixed: bool,
     rest: tuple,
 ) -> Model:
-    """Make room for a trial's slots, of the shapes of all trials'.
+    """Make room for a trial's slots.
+
+    They have the shapes of all trials' slots.
 
     Parameters
     ----------
@@ -228,7 +250,10 @@ def allocate_model(
 
 @compiled
 def allocate_work(n: int, modes: int, columns: int) -> Work:
-    """Make room for `n` joints of `modes` modes, with `columns` tangents."""
+    """Make room for joints and tangents.
+
+    `n` joints of `modes` modes, with `columns` tangents.
+    """
     state = State(
         np.zeros((n, modes)), np.zeros((n, modes, columns)), np.zeros(n), np.zeros((n, columns)),
         np.zeros(1), np.zeros((1, columns)), np.zeros(n), np.zeros((n, columns)),

@@ -1,4 +1,6 @@
-"""Elements and networks: a tree, read as stiffness or compliance at any Laplace variable s.
+"""Elements and networks: a tree.
+
+It is read as stiffness or compliance at any Laplace variable s.
 
     spring     τ = k q          S(s) = k
     dashpot    τ = c q̇          S(s) = c s
@@ -43,13 +45,19 @@ class Dashpot:
 
 @dataclass(frozen=True)
 class Springpot:
-    """τ = coefficient · d^exponent q/dt^exponent, coefficient [N m s^exponent/rad]."""
+    """A springpot, between spring and dashpot.
+
+    τ = coefficient · d^exponent q/dt^exponent, coefficient [N m s^exponent/rad].
+    """
 
     coefficient: float
     exponent: float
 
     def __post_init__(self) -> None:
-        """Refuse a coefficient that is not positive, and exponents of springs and dashpots."""
+        """Refuse a coefficient that is not positive.
+
+        Exponents of springs and dashpots are refused too.
+        """
         require_positive("coefficient", self.coefficient, "N m s^a/rad")
         if not 0.0 < self.exponent < 1.0:
             raise Fault(f"exponent = {self.exponent:g}: it must lie between 0 and 1, both excluded")
@@ -57,7 +65,10 @@ class Springpot:
 
 @dataclass(frozen=True)
 class Network:
-    """Parts in series (angles add) or in parallel (torques add)."""
+    """Parts in series or in parallel.
+
+    In series angles add, in parallel torques.
+    """
 
     kind: Literal["series", "parallel"]
     parts: tuple["Element", ...]
@@ -92,19 +103,28 @@ def kelvin_voigt(stiffness: float, damping: float) -> Network:
 
 
 def zener(stiffness: float, voigt_stiffness: float, voigt_damping: float) -> Network:
-    """Build the standard linear solid: a spring in series with a Kelvin–Voigt element."""
+    """Build the standard linear solid.
+
+    It is a spring in series with a Kelvin–Voigt element.
+    """
     return series(Spring(stiffness), kelvin_voigt(voigt_stiffness, voigt_damping))
 
 
 def three_element(k_v: float, c_v: float, c_p: float) -> Network:
-    """Build the paper's joint: a Kelvin–Voigt element in series with a dashpot."""
+    """Build the paper's joint.
+
+    It is a Kelvin–Voigt element in series with a dashpot.
+    """
     return series(kelvin_voigt(k_v, c_v), Dashpot(c_p))
 
 
 def burgers(
     stiffness: float, voigt_stiffness: float, voigt_damping: float, damping: float
 ) -> Network:
-    """Build a Maxwell pair in series with a Kelvin–Voigt element."""
+    """Build a Burgers element.
+
+    It is a Maxwell pair in series with a Kelvin–Voigt element.
+    """
     voigt = kelvin_voigt(voigt_stiffness, voigt_damping)
     return series(Spring(stiffness), voigt, Dashpot(damping))
 
@@ -136,7 +156,9 @@ NAMED = {
 
 
 def build_network(description: str | Mapping, values: Sequence[float]) -> Element:
-    """Build a network from a model file's `joint` and the values of its elements.
+    """Build a network from a model file's `joint`.
+
+    The values of its elements are given.
 
     Parameters
     ----------
@@ -187,7 +209,10 @@ def is_fractional(element: Element) -> bool:
 
 
 def compute_impulse(element: Element) -> float:
-    """Compute the weight of the impulse in the relaxation modulus, lim S(s)/s [N m s/rad]."""
+    """Compute the impulse's weight [N m s/rad].
+
+    It is that of the relaxation modulus, lim S(s)/s.
+    """
     if isinstance(element, Network):
         impulses = np.array([compute_impulse(part) for part in element.parts])
         if element.kind == "parallel":
@@ -197,7 +222,10 @@ def compute_impulse(element: Element) -> float:
 
 
 def compute_instant_compliance(element: Element) -> float:
-    """Compute J(0), the angle with which a unit step of torque is met at once [rad/(N m)]."""
+    """Compute J(0) [rad/(N m)].
+
+    It is the angle with which a unit step of torque is met at once.
+    """
     if isinstance(element, Network):
         instant = np.array([compute_instant_compliance(part) for part in element.parts])
         if element.kind == "series":
@@ -207,7 +235,10 @@ def compute_instant_compliance(element: Element) -> float:
 
 
 def compute_regular_stiffness(element: Element, s: np.ndarray) -> np.ndarray:
-    """Compute S(s) less the impulse's part, without cancellation [N m/rad]."""
+    """Compute S(s) less the impulse's part.
+
+    It is without cancellation [N m/rad].
+    """
     if isinstance(element, Spring):
         return np.full_like(s, element.stiffness)
     if isinstance(element, Dashpot):
@@ -226,7 +257,9 @@ def compute_regular_stiffness(element: Element, s: np.ndarray) -> np.ndarray:
 
 
 def compute_transfer_function(element: Element, s: np.ndarray) -> np.ndarray:
-    """Compute the compliance C(s) = q/τ at complex s [1/s], off the negative real axis [rad/(N m)].
+    """Compute the compliance C(s) = q/τ.
+
+    s [1/s] is complex, off the negative real axis; C [rad/(N m)].
 
     >>> compute_transfer_function(kelvin_voigt(2.0, 1.0), np.array([3.0 + 0j]))
     array([0.2+0.j])

@@ -1,4 +1,6 @@
-"""Inverse Laplace transforms of functions that are singular on the negative real axis only.
+"""Inverse Laplace transforms.
+
+The functions are singular on the negative real axis only.
 
 f(t) = 1/(2πi) ∫ e^{st} F(s) ds on the modified Talbot contour
 
@@ -36,7 +38,9 @@ _WEIGHT = 2.0 / (1j * _COUNT) * np.exp(_CONTOUR) * _SLOPE
 def invert_laplace_array(
     transform: Callable[[NDArray[np.complex128]], NDArray[np.complex128]], time: ArrayLike
 ) -> NDArray[np.float64]:
-    """Compute f(t) from its transform F(s), real on the positive axis, at times t > 0.
+    """Compute f(t) from its transform F(s).
+
+    F is real on the positive axis; times t > 0.
 
     >>> invert_laplace_array(lambda s: 1 / (s + 1), [np.log(2.0)]).round(12)
     array([0.5])
@@ -49,7 +53,9 @@ def invert_laplace_array(
 def compute_mittag_leffler_array(
     first: float, second: float, argument: ArrayLike
 ) -> NDArray[np.float64]:
-    """Compute E_{a,b}(x) = Σ x^n / Γ(a n + b) for x ≤ 0, 0 < a ≤ 1, b > 0.
+    """Compute the Mittag-Leffler function E_{a,b}(x).
+
+    Σ x^n / Γ(a n + b) for x ≤ 0, 0 < a ≤ 1, b > 0.
 
     t^{b−1} E_{a,b}(−λ t^a) has the transform s^{a−b}/(s^a + λ), inverted at t = 1. Its error stays
     below 1e-11, for a ≤ 0.9 and b ≤ 1 + a also relatively, for −x up to 1e6.

@@ -1,4 +1,6 @@
-"""Networks of springs and dashpots, exactly: C(s) = a + Σ b_i/(s + r_i) with all b_i > 0, r_i ≥ 0.
+"""Networks of springs and dashpots, exactly.
+
+C(s) = a + Σ b_i/(s + r_i) with all b_i > 0, r_i ≥ 0.
 
 Such sums add; and if C is one then so is S/s = 1/(s C), whose poles lie one in each gap between
 those of C, where a monotone function changes sign. So a network is reduced by additions and by
@@ -15,7 +17,10 @@ from softfinger.mechanics.viscoelastic.elements import Dashpot, Element, Network
 
 
 class Prony(NamedTuple):
-    """F(s) = constant + Σ weight/(s + rate), rates ascending and different."""
+    """F(s) = constant + Σ weight/(s + rate).
+
+    Rates are ascending and different.
+    """
 
     constant: float
     weight: NDArray[np.float64]
@@ -23,7 +28,9 @@ class Prony(NamedTuple):
 
 
 def expand_compliance(element: Element) -> Prony:
-    """Expand the compliance: J(t) = constant + Σ weight (1 − e^{−rate t})/rate.
+    """Expand the compliance.
+
+    J(t) = constant + Σ weight (1 − e^{−rate t})/rate.
 
     Without springpots. A rate of 0 is flow, with weight 1/damping.
     """
@@ -37,7 +44,9 @@ def expand_compliance(element: Element) -> Prony:
 
 
 def expand_stiffness(element: Element) -> Prony:
-    """Expand the stiffness over s: G(t) = constant · impulse + Σ weight e^{−rate t}.
+    """Expand the stiffness over s.
+
+    G(t) = constant · impulse + Σ weight e^{−rate t}.
 
     Without springpots. A rate of 0 is the stiffness that remains for ever.
     """
@@ -70,7 +79,9 @@ def _invert(term: Prony) -> Prony:
 
 
 def _find_zero(term: Prony, gap: int) -> float:
-    """Find x in the gap after a pole with a + Σ b/(r − x) = 0, measured from the nearer end.
+    """Find a root after a pole.
+
+    x in the gap solves a + Σ b/(r − x) = 0; it is measured from the nearer end.
 
     Between the poles the function rises from −∞ to +∞, after the last one to a > 0; times the
     distances to the poles at the ends of the gap it is finite.

@@ -1,4 +1,6 @@
-"""What a viscoelastic network does: creep compliance, relaxation modulus, response to a load.
+"""What a viscoelastic network does.
+
+Creep compliance, relaxation modulus, response to a load.
 
 Springs and dashpots alone are exact in O(n) (`prony`); a network with a springpot goes through the
 inverse Laplace transform (`laplace`), to 1e-10 relatively, in O(n × knots).
@@ -29,7 +31,9 @@ from softfinger.mechanics.viscoelastic.prony import expand_compliance, expand_st
 
 
 def compute_creep_compliance(element: Element, time: xr.DataArray) -> xr.DataArray:
-    """Compute the creep compliance J(t): the angle under a unit step of torque.
+    """Compute the creep compliance J(t).
+
+    It is the angle under a unit step of torque.
 
     Parameters
     ----------
@@ -45,7 +49,9 @@ def compute_creep_compliance(element: Element, time: xr.DataArray) -> xr.DataArr
 
 
 def compute_relaxation_modulus(element: Element, time: xr.DataArray) -> tuple[float, xr.DataArray]:
-    """Compute the relaxation modulus G(t): the torque under a unit step of angle.
+    """Compute the relaxation modulus G(t).
+
+    It is the torque under a unit step of angle.
 
     Parameters
     ----------
@@ -62,7 +68,9 @@ def compute_relaxation_modulus(element: Element, time: xr.DataArray) -> tuple[fl
 
 
 def compute_creep_compliance_array(element: Element, time: ArrayLike) -> NDArray[np.float64]:
-    """Compute J(t) (…) [rad/(N m)] at times (…) [s], ≥ 0.
+    """Compute J(t) [rad/(N m)].
+
+    At times (…) [s], ≥ 0, of the same shape.
 
     Examples
     --------
@@ -86,7 +94,9 @@ def compute_creep_compliance_array(element: Element, time: ArrayLike) -> NDArray
 def compute_relaxation_modulus_array(
     element: Element, time: ArrayLike
 ) -> tuple[float, NDArray[np.float64]]:
-    """Compute the impulse's weight [N m s/rad] and the regular part (…) [N m/rad] of G(t), t > 0.
+    """Compute the parts of G(t).
+
+    The impulse's weight [N m s/rad], and the regular part (…) [N m/rad] for t > 0.
 
     Examples
     --------
@@ -105,7 +115,9 @@ def compute_relaxation_modulus_array(
 def compute_network_response_array(
     element: Element, time: ArrayLike, load_time: ArrayLike, load_torque: ArrayLike
 ) -> NDArray[np.float64]:
-    """Compute the angle under a piecewise-linear torque, without any stepping.
+    """Compute the angle under a piecewise-linear torque.
+
+    There is no stepping.
 
     Parameters
     ----------
@@ -137,7 +149,10 @@ def compute_network_response_array(
 def _superpose(
     element: Element, time: NDArray, load_time: NDArray, load_torque: NDArray
 ) -> NDArray[np.float64]:
-    """Sum the responses to the steps (J) and to the bends (∫J dt) of the load."""
+    """Sum the responses to a load's changes.
+
+    They are to its steps (J) and to its bends (∫J dt).
+    """
     length, rise = np.diff(load_time), np.diff(load_torque)
     slope = np.divide(rise, length, out=np.zeros_like(rise), where=length > 0.0)
     jumps = np.append(load_torque[0], np.where(length > 0.0, 0.0, rise))
