@@ -85,7 +85,7 @@ def draw_setting(spec: CaseSpec) -> Setting:
 def _draw_circumstances(
     loads: list[Load], duration: float, rng: np.random.Generator
 ) -> list[Circumstances]:
-    """Draw each trial's warmth, rest and luck; the warmth drifts."""
+    """Draw each trial's warmth, which drifts, rest and luck."""
     n = len(loads)
     warmth = 2.0 * np.sin(np.linspace(0.0, rng.uniform(2.0, 6.0), n) + rng.uniform(0, 6))
     warmth += rng.normal(0.0, 1.0, n)

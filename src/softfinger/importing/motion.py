@@ -1,4 +1,4 @@
-"""The motion of a run: columns, or points of a picture."""
+"""A run's motion: columns, or points of pictures."""
 
 from __future__ import annotations
 

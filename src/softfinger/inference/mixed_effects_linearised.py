@@ -1,4 +1,7 @@
-"""The mixed-effects model linearised at a place: centred, bounded, solved."""
+"""The mixed-effects model linearised at a place.
+
+It is centred there, solved, and its shared parameters are bounded.
+"""
 
 from typing import NamedTuple
 

@@ -88,7 +88,7 @@ class ColourTrials(CompiledOperation):
     run = staticmethod(_run_colours)
 
     def type_outputs(self, *inputs: Variable) -> list[Variable]:
-        """Parameters as z, a number for each trial, its factor."""
+        """As z; a number for each trial; its factor."""
         kind = inputs[0].type
         volume = pt.TensorType("float64", kind.shape[1:])()
         return [kind(), volume, pt.TensorType("float64", (kind.shape[0], *kind.shape))()]

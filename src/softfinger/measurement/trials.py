@@ -128,7 +128,9 @@ def prepare_trials(angles: xr.Dataset, measurement: xr.Dataset) -> Trials:
 
 
 def _stack_trials(head: tuple, middle: tuple, parts: list[tuple], kinds: list[Whitening]) -> Trials:
-    """Stack nodes, means, present joints, kinds and scales of the bins of every trial.
+    """Stack what `parts` has of every trial.
+
+    That is nodes, means, present joints, kind, whitening and scales of its bins.
 
     `head` and `middle` are the fields before and between those.
     """

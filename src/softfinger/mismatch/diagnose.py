@@ -185,7 +185,10 @@ def mend_clock(posed: Posed, pose: Pose) -> Posed:
 
 
 def mend_hums(posed: Posed, pose: Pose) -> tuple[Posed, list[Hum]]:
-    """Take off the recordings what they hum: it is neither motion nor noise."""
+    """Take their hums off the recordings.
+
+    They are neither motion nor noise.
+    """
     leader = find_leader(posed.base, posed.survey.ranked[0], posed.survey.needed)
     hums, angles = hear_hums(posed.plain, leader, posed.angles)
     return (pose(angles, posed.known) if hums else posed), hums

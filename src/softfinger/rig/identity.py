@@ -1,4 +1,4 @@
-"""What a controller reports of itself, and whether it suffices."""
+"""What a controller reports, and whether it suffices."""
 
 import time
 from dataclasses import dataclass
@@ -77,7 +77,7 @@ def identify_controller(link: SerialLink, timeout: float) -> Identity:
 
 
 def check_abilities(identity: Identity, plan: Plan) -> None:
-    """Refuse a plan that asks more than a controller can do."""
+    """Refuse a plan beyond what a controller can do."""
     if plan.safety.tension_limit_n > identity.limit_n:
         raise Fault(
             f"safety.tension_limit_n is {plan.safety.tension_limit_n:g} N, but the controller "

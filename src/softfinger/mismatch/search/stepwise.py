@@ -129,7 +129,7 @@ def search_effects(
 
 
 def _choose_top(candidates: list[Candidate], other: Candidate) -> Candidate:
-    """The fitted candidate of most evidence, or else the other."""
+    """The fit of most evidence, or else the other."""
     fitted = [c for c in candidates if c.fit is not None]
     return max(fitted, key=lambda c: c.log_evidence, default=other)
 
@@ -198,7 +198,7 @@ def _enlarge(
     asked: float,
     size: int,
 ) -> list[Candidate]:
-    """Rank one more effect on every set that may lead.
+    """Rank one more effect on sets that may lead.
 
     For `size` 2 that is every set. With the other form of the best, only what leads is tried.
     """

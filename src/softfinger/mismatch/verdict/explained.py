@@ -42,7 +42,10 @@ def list_explained(
 
 
 def measure_left(problem: Problem, candidate: Candidate) -> float:
-    """Evidence [nats] that is missing under a model, about: half of its excess of χ²."""
+    """Evidence [nats] that is missing under a model.
+
+    It is about half of its excess of χ².
+    """
     rows = problem.trials.size[problem.trials.protocol]
     excess = compute_square_excess(candidate.fit, rows)
     return 0.5 * max(excess, 0.0) * float(rows.sum())
@@ -57,5 +60,8 @@ def covers_zero(candidate: Candidate) -> bool:
 
 
 def list_not_tried(refused: dict[str, str]) -> list[NotTried]:
-    """List the effects that the campaign cannot show at all, each with its reason."""
+    """List the effects that the campaign cannot show.
+
+    Each has its reason.
+    """
     return [NotTried(id=name, reason=reason) for name, reason in sorted(refused.items())]

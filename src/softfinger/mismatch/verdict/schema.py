@@ -149,7 +149,7 @@ class Explained(_VerdictPart):
 
 
 class NotTried(_VerdictPart):
-    """An effect that the campaign cannot show at all, and why."""
+    """An effect that the campaign cannot show."""
 
     id: str
     reason: str
