@@ -1,7 +1,4 @@
-"""The configuration: defaults and the user's file.
-
-One schema checks both together.
-"""
+"""Defaults and the user's file, by one schema."""
 
 from __future__ import annotations
 

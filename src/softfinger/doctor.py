@@ -19,10 +19,7 @@ _PIN = re.compile(r"^([A-Za-z0-9_.-]+)==([^ ;\\]+)( ;[^\\]*)?", re.MULTILINE)
 
 
 class Finding(NamedTuple):
-    """Result of one check.
-
-    `advice` names what to do where it is not well.
-    """
+    """Result of one check, and advice if bad."""
 
     what: str
     well: bool

@@ -1,7 +1,4 @@
-"""The sentence that a failing program ends with.
-
-An unexpected error goes into a file that the user can send.
-"""
+"""The sentence that a failing program ends with."""
 
 from __future__ import annotations
 
@@ -60,10 +57,7 @@ def describe_failure(error: Exception) -> str:
 
 
 def write_failure_report(error: Exception) -> Path | None:
-    """Write a report of an unexpected error.
-
-    Returns None where no folder can be written.
-    """
+    """Write an unexpected error's report; None without folder."""
     text = "\n".join(
         [
             "softfinger ended with an unexpected error. Please send this file to its developers,",

@@ -1,7 +1,4 @@
-"""Errors that a user can cause and mend.
-
-The message of each is a sentence with what to do.
-"""
+"""Errors that a user can cause and mend."""
 
 from __future__ import annotations
 
@@ -23,10 +20,7 @@ class Fault(Exception):
 
 
 class TrialFault(Fault):
-    """A recording that cannot be used.
-
-    Its trial is set aside with this reason.
-    """
+    """Why a recording's trial is set aside."""
 
 
 class Interruption(Fault):
@@ -56,10 +50,7 @@ class ListedFault(Fault):
 
 
 class CampaignFault(ListedFault):
-    """A campaign folder that cannot be used at all.
-
-    Nothing is started.
-    """
+    """A campaign folder that cannot be used."""
 
 
 class ArtifactFault(ListedFault):

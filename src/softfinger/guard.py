@@ -22,10 +22,7 @@ GRACE_S = 2.0  # for a job to remove what it has half written
 
 
 def main(arguments: list[str]) -> int:
-    """Run a command to its end; its exit status.
-
-    The status is 1 where a signal ended the command.
-    """
+    """Run a command; its exit status."""
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, _ignore)  # a handler, for the command must not inherit an ignored one
     running = subprocess.Popen(arguments[1:])

@@ -25,10 +25,7 @@ def append_checksum(path: Path) -> None:
 
 
 def is_whole(path: Path) -> bool:
-    """Whether a file ends in its correct checksum.
-
-    The checksum is of all that precedes it.
-    """
+    """Whether a file ends in its own checksum."""
     start = path.stat().st_size - LENGTH
     if start < 0:
         return False

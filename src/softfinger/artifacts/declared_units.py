@@ -73,10 +73,7 @@ def _state(dataset: xr.Dataset, size: float, stamp: Mapping[str, str]) -> xr.Dat
 
 
 def _state_parameter(name: str, array: xr.DataArray, size: float) -> xr.DataArray:
-    """Parameters in the unit of motion.
-
-    Stiffness and viscosity are per unit of it, q_ini in it.
-    """
+    """Parameters in the declared unit of motion."""
     parameter = array["parameter"].astype(str)
     initial = (parameter == "q_ini") | (parameter == "log_q_ini")
     if name in OWN_SCALE:

@@ -101,10 +101,7 @@ def list_tree_faults(spec: ArtifactSpec, tree: xr.DataTree) -> list[str]:
 
 
 def list_unit_faults(declared: Mapping[str, Variable], dataset: xr.Dataset) -> list[str]:
-    """Faults of the units that a file states.
-
-    Arrays in memory need not state any.
-    """
+    """Faults of the units that a file states."""
     stated = {name: dataset[name].attrs.get("units") for name in declared if name in dataset}
     return [
         f"variable '{name}' is in {unit}; expected {declared[name].units}"

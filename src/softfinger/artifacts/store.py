@@ -1,7 +1,4 @@
-"""Save and open artifacts.
-
-No other code reads or writes NetCDF.
-"""
+"""Save and open artifacts: the only NetCDF code."""
 
 from __future__ import annotations
 

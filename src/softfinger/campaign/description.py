@@ -26,10 +26,7 @@ Place = Annotated[float, Field(gt=-2.0, lt=2.0)]
 
 
 class DeclaredFinger(DeclaredSection):
-    """The finger: joints and geometry.
-
-    Dynamics and tracking need the geometry.
-    """
+    """The finger: joints and, for dynamics, geometry."""
 
     joints: int = Field(ge=1, le=32)
     link_length_m: tuple[Length, ...] | None = None
@@ -87,10 +84,7 @@ HexColour = Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
 
 
 class Dot(DeclaredSection):
-    """A dot that no rigid link binds.
-
-    It is found by its place in the first picture, or by its own colour.
-    """
+    """A dot, found by place or own colour."""
 
     diameter_px: float = Field(gt=1.0, lt=1e4)
     at_px: tuple[float, float] | None = None

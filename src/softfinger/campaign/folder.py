@@ -126,10 +126,7 @@ def check_campaign(folder: Path | str) -> dict[str, str]:
 
 
 def list_tables(campaign: Campaign) -> list[Path]:
-    """A campaign's description, table, recordings and logs.
-
-    These are all text files that it is read from.
-    """
+    """All text files that a campaign consists of."""
     recordings = [trial.recording for trial in campaign.trials if trial.level != "video"]
     logs = sorted({trial.load for trial in campaign.trials if trial.load is not None})
     return [campaign.folder / FILE_NAME, campaign.folder / TABLE_NAME, *recordings, *logs]
@@ -149,10 +146,7 @@ def _check_trial(campaign: Campaign, trial: Trial) -> str:
 def _refuse_markers(
     trials: list[Trial], set_aside: dict[str, str]
 ) -> tuple[list[Trial], dict[str, str]]:
-    """Set aside marker tables of a specimen.
-
-    It has no use for them.
-    """
+    """Set aside marker tables of a specimen."""
     reasons = {
         trial.name: f"{TABLE_NAME}, row {trial.row + 2}, column '{trial.level}': a specimen's "
         "recordings are tables with time_s and motion; name them in the column 'angles'"

@@ -1,7 +1,4 @@
-"""Load logs: CSV rows to a piecewise-linear load.
-
-The load may jump.
-"""
+"""Load logs: CSV rows to a piecewise-linear load."""
 
 from __future__ import annotations
 

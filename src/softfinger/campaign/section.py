@@ -1,7 +1,4 @@
-"""Base of every section of ``campaign.yaml``.
-
-It refuses unknown keys and infinite numbers.
-"""
+"""Sections of ``campaign.yaml`` that refuse unknown keys."""
 
 from pydantic import BaseModel, ConfigDict
 

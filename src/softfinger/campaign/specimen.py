@@ -1,7 +1,4 @@
-"""A specimen: anything with one degree of freedom.
-
-It is measured in any unit.
-"""
+"""A specimen: one degree of freedom, any unit."""
 
 from typing import Annotated
 
@@ -25,29 +22,20 @@ Words = Annotated[str, Field(min_length=1, max_length=60)]
 
 
 class Quantity(DeclaredSection):
-    """A measured quantity and its unit.
-
-    "1" where it has none.
-    """
+    """A measured quantity and its unit, maybe "1"."""
 
     quantity: Words
     unit: Unit
 
 
 class Motion(Quantity):
-    """The motion, and its noise where known.
-
-    The noise is an sd in the motion's own unit.
-    """
+    """The motion, and its noise [its unit]."""
 
     noise_sd: float | None = Field(default=None, gt=0.0)
 
 
 class Specimen(DeclaredSection):
-    """A motion that follows a load.
-
-    It has one degree of freedom.
-    """
+    """One motion that follows a load."""
 
     motion: Motion
     load: Quantity

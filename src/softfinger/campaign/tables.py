@@ -1,7 +1,4 @@
-"""CSV tables with a declared set of columns.
-
-Every fault names its row and column.
-"""
+"""CSV tables with a declared set of columns."""
 
 from __future__ import annotations
 

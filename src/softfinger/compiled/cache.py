@@ -43,10 +43,7 @@ class SourceCache(_Cache):
 
     @cached_property
     def _impl(self) -> CompileResultCacheImpl | None:
-        """Numba's own part of the cache.
-
-        It decides where to keep machine code, and how to turn it to bytes.
-        """
+        """Numba's own part: where code is, its bytes."""
         try:
             return CompileResultCacheImpl(self._dispatcher.py_func)
         except RuntimeError:  # no folder
@@ -60,10 +57,7 @@ class SourceCache(_Cache):
 
     @cached_property
     def _stem(self) -> str:
-        """Beginning of the file names of this function.
-
-        The digest does not change it.
-        """
+        """Beginning of this function's file names."""
         function = self._dispatcher.py_func
         name = f"{Path(function.__code__.co_filename).stem}.{function.__qualname__}"
         return name.replace("<", "").replace(">", "")
@@ -77,10 +71,7 @@ class SourceCache(_Cache):
         return digest_function(self._dispatcher)[:16]
 
     def _find_file(self, sig: object, codegen: Any) -> Path | None:  # noqa: ANN401
-        """File of the code for some types.
-
-        It is None if the code is not to be kept.
-        """
+        """File of the code for some types."""
         types = str(sig)
         if self.cache_path is None or not self._enabled or " at 0x" in types:
             return None  # types with an address are of this process alone
@@ -89,10 +80,7 @@ class SourceCache(_Cache):
         return Path(self.cache_path) / name
 
     def load_overload(self, sig: object, target_context: Any) -> Any:  # noqa: ANN401
-        """Code for some types, or None.
-
-        It is None if there is none that can be used.
-        """
+        """Code for some types, or None."""
         target_context.refresh()
         file = self._find_file(sig, target_context.codegen())
         if file is None:
@@ -112,10 +100,7 @@ class SourceCache(_Cache):
         return result if same else None
 
     def save_overload(self, sig: object, data: Any) -> None:  # noqa: ANN401
-        """Keep the code for some types.
-
-        What older sources left is removed.
-        """
+        """Keep new code for some types, remove older."""
         file = self._find_file(sig, data.codegen)
         if file is None or not self._impl.check_cachable(data):
             return

@@ -1,7 +1,4 @@
-"""The digest of a function's machine code.
-
-It covers everything that the machine code is made from.
-"""
+"""The digest of what machine code depends on."""
 
 from __future__ import annotations
 
@@ -52,10 +49,7 @@ def digest_function(function: Callable) -> str:
 
 
 class _Reader:
-    """Describes functions one after the other.
-
-    Those that are called wait for their turn.
-    """
+    """Describes functions; those they call wait in turn."""
 
     def __init__(self) -> None:
         self.numbers: dict[int, int] = {}  # id of a function → its number
@@ -136,10 +130,7 @@ def _describe_code(code: CodeType, doc: str | None = None) -> tuple:
 
 
 def _list_used(function: FunctionType) -> Iterator[tuple[str, object]]:
-    """Names and values of what a function uses.
-
-    They are globals and cells.
-    """
+    """Globals and cells that a function uses."""
     for name, cell in zip(function.__code__.co_freevars, function.__closure__ or (), strict=True):
         yield name, cell.cell_contents
     for path in _list_globals(function.__code__):
@@ -155,10 +146,7 @@ def _list_used(function: FunctionType) -> Iterator[tuple[str, object]]:
 
 @cache
 def _list_globals(code: CodeType) -> tuple[tuple[str, ...], ...]:
-    """List the globals that code loads.
-
-    Each comes with the attributes that the code takes of it.
-    """
+    """Globals that code loads, with attributes it takes."""
     found: dict[tuple[str, ...], None] = {}
     path: tuple[str, ...] = ()
     for step in dis.get_instructions(code):

@@ -1,7 +1,4 @@
-"""A diagnosis that gets a campaign and nothing else.
-
-It runs in a process of its own.
-"""
+"""A process that diagnoses a campaign, knowing nothing."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""How the oracle sees a trial through noise.
-
-The noise, and what else the oracle knows of the measurement, make up a blur.
-"""
+"""How the oracle sees a trial through noise."""
 
 from __future__ import annotations
 
@@ -68,10 +65,7 @@ class Blur:
         return float(nats)
 
     def _scale(self, signal: Array) -> Array:
-        """Whiten as if there were no columns.
-
-        The result is (frame · joint, …).
-        """
+        """Whiten, columns aside, as (frame · joint, …)."""
         extra = (1,) * (signal.ndim - 2)
         white = whiten(
             self.noise, self.time, signal / self.scale.reshape(*self.scale.shape, *extra)
@@ -86,10 +80,7 @@ class Blur:
 
 
 def _weigh_tails(residual: Array, shock: Array, freedom: float) -> float:
-    """Log density of innovations, Student's t over normal.
-
-    The normal density has the innovations' own known scales.
-    """
+    """Log density of innovations, Student's t over normal."""
     joints = residual.shape[1]
     square = (residual**2).sum(axis=1)
     inner = shock**2 * square / (freedom - 2.0)
@@ -126,10 +117,7 @@ def build_blur(noise: Noise, time: Array, joints: int, marks: Sequence[Mark]) ->
 
 
 def _round(noise: Noise, rounding: float) -> Noise:
-    """Add a white error to the noise.
-
-    The sum forgets sooner. This is exact over one frame interval.
-    """
+    """Add a white error to the noise."""
     if rounding == 0.0:
         return noise
     return replace(noise, rounding=rounding, memory=noise.autocorrelation / (1.0 + rounding**2))

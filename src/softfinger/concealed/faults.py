@@ -1,7 +1,4 @@
-"""How plainly the oracle sees each nuisance.
-
-The measure is its evidence that the measurement is at fault.
-"""
+"""The oracle's evidence of each nuisance."""
 
 from __future__ import annotations
 
@@ -45,19 +42,13 @@ def weigh_faults(
 
 
 def add_up(recordings: list[Recording], fit: Fit) -> float:
-    """Log evidence of a fit, all terms included.
-
-    Fits with different noise can then be compared.
-    """
+    """Log evidence, comparable under different noise."""
     pairs = zip(recordings, fit.residuals, strict=True)
     return fit.log_evidence + sum(r.blur.add_nats(residual) for r, residual in pairs)
 
 
 def _fit_ignorant(recordings: list[Recording], setting: Setting, doses: dict[str, Dose]) -> float:
-    """Best evidence of recordings without one nuisance.
-
-    The noise has to explain what that nuisance did.
-    """
+    """Best evidence by noise alone, without a nuisance."""
     individuals, turned, best = setting.individuals, doses, -np.inf
     for _ in range(2):
         rest = [
@@ -77,10 +68,7 @@ def _tell(recording: Recording, noise: Noise) -> Recording:
 
 
 def fit_noise(recordings: list[Recording], rest: list[Array], like: Noise) -> Noise:
-    """Most probable noise of some residuals.
-
-    Its sd and its autocorrelation are fitted.
-    """
+    """Most probable sd and autocorrelation of residuals."""
     values = sum(residual.size for residual in rest)
 
     def scale(memory: float) -> tuple[float, float]:

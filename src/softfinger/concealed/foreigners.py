@@ -1,7 +1,4 @@
-"""Campaigns whose effects follow foreign laws.
-
-A foreign law is a curve that no textbook form contains.
-"""
+"""Campaigns whose effects follow foreign laws."""
 
 from __future__ import annotations
 

@@ -84,10 +84,7 @@ def generate_campaign(
 
 
 def _place_strengths(spec: CaseSpec, setting: Setting) -> tuple[dict[str, float], dict[str, float]]:
-    """Strength of every effect, and its target gain [nats].
-
-    A target exists only where the strength was drawn.
-    """
+    """Strengths, and target gains [nats] where drawn."""
     if spec.strengths:
         return dict(zip(spec.effects, spec.strengths, strict=True)), {}
     places = dict(zip(spec.effects, spec.quantiles, strict=True))
@@ -191,10 +188,7 @@ def _describe_faults(setting: Setting, nats: dict[str, float]) -> list[dict]:
 
 
 def _misfit(fit: Fit) -> float:
-    """Mean square of the whitened residual.
-
-    It is 1 where nothing but noise is left.
-    """
+    """Mean square of the whitened residual; noise: 1."""
     return float(np.mean(np.concatenate([r.ravel() for r in fit.residuals]) ** 2))
 
 

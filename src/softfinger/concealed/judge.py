@@ -1,7 +1,4 @@
-"""One verdict against one truth.
-
-What counts as right is defined by the verdict's format.
-"""
+"""One verdict against one truth."""
 
 from __future__ import annotations
 
@@ -70,10 +67,7 @@ class Judgement:
 
 
 def judge(verdict: dict, truth: dict) -> Judgement:
-    """Judge a verdict by what was concealed.
-
-    The verdict is ``verdict.json``, the truth its truth file.
-    """
+    """Judge ``verdict.json`` by its truth file."""
     effects = truth["effects"]
     listed = {e["id"] for e in effects if e["listed"]}
     outside = any(not e["listed"] for e in effects)
@@ -123,10 +117,7 @@ def _label_answer(decision: str, named: set[str]) -> str:
 
 
 def _at_noise(truth: dict) -> bool:
-    """Whether the base model's residual is at the noise.
-
-    It would then pass a test at three standard deviations.
-    """
+    """Whether the base's residual is at the noise."""
     excess = truth["misfit"]["base"] - truth["misfit"]["true"]
     return excess < 3.0 * np.sqrt(2.0 / truth["values"])
 
@@ -170,10 +161,7 @@ def _close_gap(verdict: dict, truth: dict) -> float | None:
 
 
 def _check_location(verdict: dict, truth: dict, *, right: bool) -> dict[str, bool | None]:
-    """Check the location of the strongest effect.
-
-    The verdict must be right, and there must be an effect.
-    """
+    """Check the strongest effect's location, if right."""
     unknown = {"joints": None, "level": None, "window": None, "covariate": None}
     location = verdict.get("location")
     if not right or not location or not truth["effects"]:
@@ -199,9 +187,6 @@ def _check_location(verdict: dict, truth: dict, *, right: bool) -> dict[str, boo
 
 
 def _overlap(window: list[float], other: list[float]) -> bool:
-    """Whether two windows overlap.
-
-    They share at least half of the shorter one.
-    """
+    """Whether half the shorter window is shared."""
     shared = min(window[1], other[1]) - max(window[0], other[0])
     return shared >= 0.5 * min(window[1] - window[0], other[1] - other[0])

@@ -1,7 +1,4 @@
-"""The proof's own integrator, compiled.
-
-Its equations of motion are in `motion`.
-"""
+"""The proof's own integrator of `motion`, compiled."""
 
 from __future__ import annotations
 
@@ -21,20 +18,14 @@ COLUMNS = 4  # of the extrapolation table, hence its order
 
 
 class RunawayError(ValueError):
-    """An effect is too strong for the finger.
-
-    The finger then has no rest.
-    """
+    """An effect is too strong for any rest."""
 
 
 @compiled
 def _differentiate(
     p: Physics, place: Place, ramp: Ramp, time: float, state: Array, rest: Array
 ) -> Array:
-    """Jacobian of `change_in_place` by differences.
-
-    The integrator's order does not depend on it.
-    """
+    """Jacobian of `change_in_place` by differences."""
     size = state.size
     jacobian, here, there = np.empty((size, size)), np.empty(size), np.empty(size)
     nudged = state.copy()
@@ -58,10 +49,7 @@ def _step(
     rest: Array,
     jacobian: Array,
 ) -> tuple[Array, float]:
-    """One step of the integrator, and its error [rad].
-
-    The method is the extrapolated linearly implicit Euler method.
-    """
+    """One extrapolated implicit Euler step; its error [rad]."""
     size, error = state.size, 0.0
     table, moved, push = np.empty((COLUMNS, size)), np.empty(size), np.empty(size)
     order = np.empty(size, np.int64)

@@ -1,7 +1,4 @@
-"""The free parameters of effects as one vector.
-
-The oracle fits them.
-"""
+"""The effects' free parameters as one vector."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""Whether a law's curve lies within its band.
-
-The band is the one that a diagnosis gives it.
-"""
+"""Whether a law's curve lies in its band."""
 
 from __future__ import annotations
 
@@ -49,10 +46,7 @@ def _is_curve(effect: Mapping) -> bool:
 
 
 def _acts(effect: Mapping, joint: int) -> bool:
-    """Whether an effect acts on a joint.
-
-    Joints count from 1. An effect may act on all alike.
-    """
+    """Whether an effect acts on a joint (from 1)."""
     return joint == 0 or not effect["joints"] or joint in effect["joints"]
 
 

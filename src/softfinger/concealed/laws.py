@@ -39,10 +39,7 @@ def look_up(row: Array, share: float) -> float:
 
 @compiled
 def read_state(state: Array, start: int, following: int, j: int) -> float:
-    """Optional state of a joint.
-
-    It is 0 where it is switched off.
-    """
+    """Optional state of a joint; 0 where off."""
     return state[start + j] if following > start else 0.0
 
 
@@ -61,10 +58,7 @@ def rub(tension: float, drag: float, power: float) -> float:
 
 @compiled
 def share_torque(p: Physics, j: int, i: int, angle: Array) -> float:
-    """Torque that another joint shares with a joint.
-
-    It passes through what lies between them: a skin, a membrane.
-    """
+    """Torque through what lies between two joints."""
     shared = 0.0
     if p.coupling[j, i] != 0.0:
         slack = np.tanh((angle[i] - p.q_ini[i]) / 0.6)  # a skin that slackens as it is bent
@@ -141,10 +135,7 @@ def _give(p: Physics, place: Place, j: int, torque: float, state: Array) -> floa
 
 @compiled
 def carry(p: Physics, place: Place, j: int, speed: float, state: Array) -> float:
-    """Torque that a joint carries at this speed.
-
-    It is found by Newton's iteration on `_give`.
-    """
+    """Torque at this speed, by Newton's iteration."""
     torque = p.k_v[j] * state[j] + p.c_v[j] * speed
     for _ in range(30):
         lacking = speed - _give(p, place, j, torque, state)

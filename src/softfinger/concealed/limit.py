@@ -108,10 +108,7 @@ def _invert(nats: float) -> float:
 
 
 def read_spec(case: dict) -> CaseSpec:
-    """Return the case that `CaseSpec.to_json` wrote.
-
-    It was JSON in between.
-    """
+    """Return the case that `CaseSpec.to_json` wrote."""
     return CaseSpec(**{key: _freeze(value) for key, value in case.items()})
 
 
@@ -162,10 +159,7 @@ class _Place:
         return evidence[best], sets[best]
 
     def _expect(self, doses: dict[str, Dose], few: int, iterations: int = ITERATIONS) -> float:
-        """Log evidence of a set of effects.
-
-        It comes from a few trials that represent all.
-        """
+        """Log evidence of effects, from a few trials."""
         count = len(self.setting.trials)
         chosen = choose_trials(count, few)
         fit = fit_model(
@@ -180,10 +174,7 @@ class _Place:
         return fit.log_evidence + 0.5 * fit.solution.effect.size
 
     def _match_size(self, other: str, dose: Dose) -> float:
-        """Strength at which another effect moves angles as far.
-
-        The last trial's angles count.
-        """
+        """Strength that moves the last trial as far."""
         last = np.array([len(self.setting.trials) - 1])
         first = FIRST_TRY * EFFECTS[other].typical
         sets = (self.rest, self.doses, self.rest | {other: replace(dose, strength=first)})

@@ -1,7 +1,4 @@
-"""Small dense linear algebra for the proof's integrator.
-
-It spares a library call per step.
-"""
+"""Small dense linear algebra without library calls."""
 
 from __future__ import annotations
 
@@ -15,10 +12,7 @@ Array = NDArray[np.float64]
 
 @compiled
 def factor_in_place(matrix: Array, order: NDArray[np.int64]) -> None:
-    """LU factors of a square matrix.
-
-    Gauss's elimination with row exchange, written over the matrix.
-    """
+    """LU with row exchange, over the matrix."""
     n = matrix.shape[0]
     for i in range(n):
         pivot = i

@@ -1,7 +1,4 @@
-"""What unkind recordings do to the answers.
-
-Alarms by condition, names lost, findings.
-"""
+"""What unkind recordings do to the answers."""
 
 from __future__ import annotations
 

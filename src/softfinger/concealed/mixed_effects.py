@@ -156,10 +156,7 @@ def _integrate(trials: Linearised, centre: Array, sd: Array, log_spread: Array) 
 
 
 def _hold_out(total: Array, force: Array, gram: Array, push: Array) -> Array:
-    """Cost of learning fixed effects from other trials only.
-
-    It is given for each trial.
-    """
+    """Each trial's cost of learning from others."""
     fixed = np.linalg.solve(total, force)
     rest = total - gram
     move = fixed - np.linalg.solve(rest, (force - push)[..., None])[..., 0]

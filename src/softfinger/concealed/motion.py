@@ -32,10 +32,7 @@ DRY_RAD = 0.005  # of motion that turns a joint's friction round
 
 @compiled
 def lay_out(p: Physics) -> Place:
-    """Where the optional states start, and their end.
-
-    They follow in the order of their list.
-    """
+    """Where the optional states start, and their end."""
     n = p.k_v.size
     friction = 2 * n + p.compliance.size
     lag = friction + (n if np.any(p.friction != 0.0) else 0)
@@ -51,10 +48,7 @@ def lay_out(p: Physics) -> Place:
 
 @compiled
 def find_rest(p: Physics, place: Place) -> Array:
-    """State of the unloaded finger.
-
-    The springs have long borne its weight.
-    """
+    """State of the unloaded finger under its weight."""
     n = p.k_v.size
     state, borne = np.zeros(place[7]), np.zeros(n)
     weigh_in_place(p, p.q_ini, borne)
@@ -81,10 +75,7 @@ def bend(p: Physics, state: Array, rest: Array, angle: Array) -> None:
 def pull(
     p: Physics, place: Place, time: float, tension: float, state: Array, angle: Array, torque: Array
 ) -> None:
-    """Torque on each joint from outside.
-
-    It comes from the wire, gravity, neighbours, a stop and a support.
-    """
+    """Torque on each joint from outside."""
     friction, lag, strain, dry, broken, _, _, _ = place
     if strain > lag:
         tension = 0.0
@@ -161,10 +152,7 @@ def change_in_place(
 
 @compiled
 def _remember(p: Physics, place: Place, state: Array, speed: Array, change: Array) -> None:
-    """Rate of what a joint remembers.
-
-    It remembers strain, its friction's direction, structure and warmth.
-    """
+    """Rate of what a joint remembers."""
     _, _, strain, dry, broken, warm, at_speed, _ = place
     n = p.k_v.size
     rate, power, heat, cooling = p.warming

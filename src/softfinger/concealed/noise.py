@@ -1,7 +1,4 @@
-"""Noise of the recorded angles.
-
-Its colour, its tails, its gaps, its clock.
-"""
+"""Noise of the angles: colour, tails, gaps, clock."""
 
 from __future__ import annotations
 
@@ -21,10 +18,7 @@ DEGREES_OF_FREEDOM = 4
 
 @dataclass(frozen=True)
 class Noise:
-    """Noise of a relative angle.
-
-    It has a marginal sd [rad] and a correlation ρ per frame interval.
-    """
+    """Noise: sd [rad], correlation ρ per frame interval."""
 
     kind: NoiseKind
     sd: float
@@ -49,10 +43,7 @@ class Noise:
 
 
 def draw_frame_times(noise: Noise, duration: float, rng: np.random.Generator) -> Array:
-    """Draw the times of a trial's frames.
-
-    The clock is steady, or it hurries and lags.
-    """
+    """Draw frame times of a steady clock, or not."""
     frames = int(duration / noise.frame_interval) + 1
     time = noise.frame_interval * np.arange(frames)
     if noise.kind == "uneven":
@@ -97,10 +88,7 @@ def draw_noise(
 
 
 def draw_missing(noise: Noise, frames: int, rng: np.random.Generator) -> NDArray[np.bool_]:
-    """Draw which frames show nothing.
-
-    These are scattered ones and two longer gaps, or none.
-    """
+    """Draw scattered gaps and two longer ones."""
     missing = np.zeros(frames, bool)
     if noise.kind == "gappy":
         missing = rng.uniform(size=frames) < 0.1

@@ -32,10 +32,7 @@ SETTLED_NATS = 0.05
 
 @dataclass(frozen=True)
 class Recording:
-    """One trial as the oracle gets it.
-
-    Nothing is hidden but the numbers that it fits.
-    """
+    """One trial with all that the oracle knows."""
 
     time: Array  # (frame,) of the frames that show something
     angle: Array  # (frame, joint)
@@ -49,10 +46,7 @@ class Recording:
 
 @dataclass(frozen=True)
 class Fit:
-    """A model fitted to a campaign.
-
-    Each trial's own parameters are integrated.
-    """
+    """A model fitted to a campaign, trials integrated."""
 
     log_evidence: float
     solution: Solution
@@ -64,10 +58,7 @@ class Fit:
 def compute_angles(
     individual: Array, doses: dict[str, Dose], recording: Recording, rig: Rig
 ) -> Array:
-    """Angles (frame, joint) [rad] of given parameters and effects.
-
-    The parameters are a trial's own.
-    """
+    """Angles (frame, joint) [rad] of a trial's parameters."""
     trial, time = recording.trial, recording.time
     if doses:
         return simulate_trial(individual, doses, trial, rig, time, TOLERANCE_RAD)
@@ -123,10 +114,7 @@ def fit_model(
 def _settle(
     lines: list[Line], knobs: Knobs, times: float, iterations: int
 ) -> tuple[Solution, bool]:
-    """Move the lines to the mixed model's modes.
-
-    It ends when the modes are where the lines were drawn.
-    """
+    """Move the lines until they are at modes."""
     longest = np.concatenate([LONGEST_MOVE, knobs.sd])
     lowest = np.concatenate([np.full(LONGEST_MOVE.size, -np.inf), knobs.floor])
     solution = solve_mixed_model(_collect(lines, times), knobs.centre, knobs.sd)

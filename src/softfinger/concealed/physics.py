@@ -1,7 +1,4 @@
-"""What moves one trial of a concealed campaign.
-
-A law is off where its amount is zero.
-"""
+"""What moves one trial; zero switches it off."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""The population of a concealed campaign's trials.
-
-It is near the paper's table.
-"""
+"""A concealed campaign's trials, near the paper's."""
 
 from __future__ import annotations
 
@@ -46,10 +43,7 @@ class Population:
 
 
 def draw_population(rng: np.random.Generator) -> Population:
-    """Draw a population near the paper's.
-
-    No two campaigns share one.
-    """
+    """Draw a new population near the paper's."""
     shift = rng.normal(0.0, 1.0, PAPER_MEAN.shape) * np.array([[0.12], [0.12], [0.2], [0.004]])
     return Population(PAPER_MEAN + shift, PAPER_SD * np.exp(rng.normal(0.0, 0.15, PAPER_SD.shape)))
 

@@ -1,7 +1,4 @@
-"""What a proof consists of.
-
-A suite, the paper's own case, and campaigns with unkind recordings.
-"""
+"""What a proof consists of."""
 
 from __future__ import annotations
 

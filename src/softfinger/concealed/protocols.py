@@ -16,19 +16,13 @@ LOGGED_WITHIN_S = 1e-5  # rows this close show when the load jumped
 
 @dataclass(frozen=True)
 class Load:
-    """Wire tension over time.
-
-    It follows straight lines between knots; a jump is a repeated time.
-    """
+    """Wire tension over time: knots, repeated for jumps."""
 
     time: Array  # (knot,) [s], the first at 0, when the trial starts
     tension: Array  # (knot,) [N]
 
     def value(self, time: Array) -> Array:
-        """Tension at some times.
-
-        At a jump it is the tension after the jump.
-        """
+        """Tension at some times, after their jumps."""
         at = np.clip(np.searchsorted(self.time, time, side="right") - 1, 0, None)
         following = np.minimum(at + 1, self.time.size - 1)
         span = self.time[following] - self.time[at]
@@ -44,10 +38,7 @@ def _hold(jump_time: Array, level: Array) -> Load:
 
 
 def _begin(time: Array, tension: Array) -> Load:
-    """Let a load begin with the trial, at 0.
-
-    What an earlier trial left relaxes from there on.
-    """
+    """Let a load begin with the trial, at 0."""
     if time[0] > 0.0:
         time, tension = np.append(0.0, time), np.append(0.0, tension)
     return Load(time, tension)
@@ -87,10 +78,7 @@ def draw_loads(
 
 
 def refine_load(load: Load, every: float) -> Load:
-    """Add knots to a load where it changes.
-
-    The load itself stays the same: knots are added where it rises or falls between two of them.
-    """
+    """Add knots to a load where it changes."""
     time, tension = [load.time[:1]], [load.tension[:1]]
     for k in range(1, load.time.size):
         span, rise = load.time[k] - load.time[k - 1], load.tension[k] - load.tension[k - 1]
@@ -124,10 +112,7 @@ def refine_rows(rows: Array, every: float, duration: float) -> Array:
 
 
 def write_rows(load: Load) -> Array:
-    """Rows (time, tension) of the log.
-
-    A jump becomes two rows, close enough to be read as one.
-    """
+    """Rows (time, tension); a jump is two."""
     rows = []
     for k, (time, tension) in enumerate(zip(load.time, load.tension, strict=True)):
         if k + 1 < load.time.size and load.time[k + 1] == time:

@@ -31,10 +31,7 @@ class Rig:
 
 
 def draw_rig(rng: np.random.Generator, *, filmed: bool) -> Rig:
-    """Draw a rig near the paper's.
-
-    A filmed one is the virtual rig's own.
-    """
+    """Draw a rig near the paper's, or the virtual one."""
     draw = (lambda low, high: 0.5 * (low + high)) if filmed else rng.uniform
     return Rig(
         link_length=np.full(3, round(draw(0.022, 0.028), 4)),

@@ -1,7 +1,4 @@
-"""The score of a proof.
-
-Every verdict is compared with its truth; shares have binomial intervals.
-"""
+"""The proof's score, with binomial intervals."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""Seals an answer before the question is put.
-
-The digest shows that the answer was not changed later.
-"""
+"""Seals an answer before the question is put."""
 
 from __future__ import annotations
 
@@ -12,10 +9,7 @@ from pathlib import Path
 
 
 def make_salt() -> str:
-    """Sixty-four random hexadecimal digits.
-
-    With them no truth can be guessed from its digest.
-    """
+    """Sixty-four random hexadecimal digits, against guessing."""
     return secrets.token_hex(32)
 
 
@@ -31,10 +25,7 @@ def seal(truth: bytes, salt: str) -> str:
 
 
 def seal_file(truth_path: Path, salt_path: Path) -> str:
-    """Seal a file, and return the public digest.
-
-    The salt is drawn and kept beside the truth.
-    """
+    """Seal a file beside its salt; its digest."""
     salt = make_salt()
     salt_path.write_text(salt + "\n", encoding="utf-8")
     return seal(truth_path.read_bytes(), salt)

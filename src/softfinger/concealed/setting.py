@@ -1,7 +1,4 @@
-"""All that is drawn before the finger moves.
-
-It is drawn for one concealed campaign.
-"""
+"""All that is drawn before the finger moves."""
 
 from __future__ import annotations
 
@@ -29,10 +26,7 @@ TRACKED_SD_RAD = 0.001
 
 @dataclass(frozen=True)
 class Setting:
-    """A campaign's finger, population, trials and noise.
-
-    It contains its effects' shapes, but not their strengths.
-    """
+    """A campaign's finger, trials, noise, effects' shapes."""
 
     rig: Rig
     population: Population
@@ -106,10 +100,7 @@ def _draw_circumstances(
 
 
 def _draw_faults(spec: CaseSpec) -> dict[str, Fault]:
-    """Draw how large each nuisance is.
-
-    Nothing else uses these random numbers.
-    """
+    """Draw nuisances, by random numbers of their own."""
     rng = np.random.default_rng([spec.seed, 3])
     return {name: NUISANCES[name].draw(rng) for name in spec.nuisances}
 
@@ -152,10 +143,7 @@ def record_cleanly(setting: Setting, doses: dict[str, Dose], chosen: Array) -> l
 
 
 def disturb(setting: Setting, recordings: list[Recording], seed: int) -> list[Recording]:
-    """The recordings with their noise.
-
-    Frames that show nothing are NaN.
-    """
+    """The recordings with noise, missing frames NaN."""
     rng = np.random.default_rng([seed, 1])
     disturbed = []
     for recording in recordings:

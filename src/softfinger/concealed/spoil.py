@@ -1,7 +1,4 @@
-"""Recordings with their nuisances.
-
-An oracle that knows some of the nuisances gets its own recordings.
-"""
+"""Recordings with nuisances, and the oracle's own."""
 
 from __future__ import annotations
 
@@ -87,10 +84,7 @@ def _spoil_trial(
 
 
 def _simulate_at(setting: Setting, doses: dict[str, Dose], clean: Recording, taken: Array) -> Array:
-    """Motion at the true times of the frames.
-
-    It is in the order of the frames.
-    """
+    """Motion at the true times of the frames."""
     order = np.argsort(taken, kind="stable")
     individual = setting.individuals[clean.trial.number]
     rig, motion = setting.rig, np.empty_like(clean.angle)
@@ -143,8 +137,5 @@ def _recall_trial(setting: Setting, sight: Sight, seed: int, names: list[str]) -
 
 
 def _listen(name: str, seed: int, trial: int) -> np.random.Generator:
-    """Random numbers of one nuisance in one trial.
-
-    They are the same in each of its hooks.
-    """
+    """A nuisance's random numbers in one trial."""
     return np.random.default_rng([seed, 3, list(NUISANCES).index(name), trial])

@@ -1,7 +1,4 @@
-"""How strong an effect must be.
-
-The oracle is to gain a given evidence.
-"""
+"""Strengths by which the oracle gains some evidence."""
 
 from __future__ import annotations
 
@@ -24,10 +21,7 @@ WITHIN_TRIALS, BETWEEN_TRIALS = 6, 40  # trials that represent the whole campaig
 
 
 def expect_effect_gain(effect: str, strength: float, setting: Setting) -> float:
-    """Evidence [nats] to expect from one effect alone.
-
-    The oracle expects it at a given strength.
-    """
+    """Evidence [nats] to expect from one effect's strength."""
     count = len(setting.trials)
     few = BETWEEN_TRIALS if EFFECTS[effect].level == "between_trials" else WITHIN_TRIALS
     chosen = choose_trials(count, few)
@@ -43,10 +37,7 @@ def expect_effect_gain(effect: str, strength: float, setting: Setting) -> float:
 
 
 def find_reach(effect: str, setting: Setting) -> float:
-    """Largest evidence [nats] of an effect here.
-
-    It is the most that the oracle can expect in this campaign.
-    """
+    """Largest evidence [nats] of an effect here."""
     return expect_effect_gain(effect, EFFECTS[effect].largest, setting)
 
 

@@ -1,7 +1,4 @@
-"""Which campaigns a proof consists of.
-
-It is a seeded, balanced draw.
-"""
+"""A proof's campaigns: a seeded, balanced draw."""
 
 from __future__ import annotations
 
@@ -224,19 +221,13 @@ def _build_cases(
 
 
 def take_turns[Item](items: tuple[Item, ...], n: int, rng: np.random.Generator) -> list[Item]:
-    """Every item about equally often, in random order.
-
-    Counts differ by one at most.
-    """
+    """Every item about equally often, randomly ordered."""
     rounds = [rng.permutation(len(items)) for _ in range(math.ceil(n / len(items)))]
     return [items[k] for k in np.concatenate([*rounds, []]).astype(int)[:n]]
 
 
 def _spread(sets: list[tuple[str, ...]], rng: np.random.Generator) -> list[tuple[float, ...]]:
-    """Places on (0, 1), spread evenly.
-
-    They are even over the cases that share their effects.
-    """
+    """Even places on (0, 1), by shared effects."""
     places: list[tuple[float, ...]] = [()] * len(sets)
     for effects in dict.fromkeys(sets):
         cases = [k for k, other in enumerate(sets) if other == effects]
@@ -250,10 +241,7 @@ def _spread(sets: list[tuple[str, ...]], rng: np.random.Generator) -> list[tuple
 
 
 def _choose_filmed(sets: list[tuple[str, ...]], n: int, rng: np.random.Generator) -> set[int]:
-    """Cases that a camera can show.
-
-    It cannot show what alters the recorded angles afterwards.
-    """
+    """Cases that a camera can show."""
     fit = [k for k, names in enumerate(sets) if not any(EFFECTS[e].record for e in names)]
     return set(rng.choice(fit, min(n, len(fit)), replace=False).tolist())
 

@@ -1,7 +1,4 @@
-"""The proof's table: one row per campaign.
-
-A row contains what was concealed and what was answered.
-"""
+"""The proof's table: one row per campaign."""
 
 from __future__ import annotations
 
@@ -17,10 +14,7 @@ def tabulate_cases(
     answers: Sequence[dict],
     limits: Sequence[dict],
 ) -> list[dict]:
-    """Rows of plain words and numbers.
-
-    They are in the order of the suite's names.
-    """
+    """Rows of plain words, in the suite's order."""
     rows = zip(names, truths, answers, limits, strict=True)
     return [_tabulate(name, truth, answer, weighed) for name, truth, answer, weighed in rows]
 

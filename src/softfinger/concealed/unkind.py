@@ -1,7 +1,4 @@
-"""Campaigns that are recorded unkindly.
-
-Clean ones, and pairs with and without nuisances.
-"""
+"""Campaigns that are recorded unkindly."""
 
 from __future__ import annotations
 
@@ -100,10 +97,7 @@ def draw_twins(seed: int, n: int, catalogue: Catalogue = "first") -> list[CaseSp
 
 
 def _draw_several(rng: np.random.Generator) -> tuple[str, ...]:
-    """Draw two or more nuisances that act together.
-
-    They are in the order of their list.
-    """
+    """Draw two or more nuisances that act together."""
     count = int(rng.integers(2, MOST_AT_ONCE + 1))
     return tuple(
         np.array(list(NUISANCES))[np.sort(rng.permutation(len(NUISANCES))[:count])].tolist()

@@ -1,7 +1,4 @@
-"""Writes a concealed campaign as a folder.
-
-The diagnosis gets this folder.
-"""
+"""Writes a concealed campaign's folder."""
 
 from __future__ import annotations
 

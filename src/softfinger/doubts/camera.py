@@ -20,10 +20,7 @@ def doubt_camera(
     marker_diameter_m: float,
     link_length_m: Sequence[float] | None,
 ) -> Iterator[Doubt]:
-    """Doubt the declared camera and its markers.
-
-    campaign.yaml declares them.
-    """
+    """Doubt the declared camera and its markers."""
     yield from doubt_range("camera.fps", fps, FRAMES_PER_S, "1/s", "a frame interval for a rate")
     if link_length_m is None:
         return

@@ -1,7 +1,4 @@
-"""Recordings that copy each other, whole or shifted.
-
-A part is enough.
-"""
+"""Recordings that copy a part of each other."""
 
 from __future__ import annotations
 
@@ -19,10 +16,7 @@ DIGITS = 7
 
 
 def doubt_copies(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
-    """Doubt trials that repeat another trial's changes.
-
-    These are the changes from frame to frame.
-    """
+    """Doubt trials that repeat another's frame changes."""
     windows = [_list_windows(trial) for trial in trials]
     owners: dict[bytes, int] = {}
     copies: dict[int, set[int]] = {}

@@ -1,7 +1,4 @@
-"""Covariates out of range.
-
-The range is that of their unit, or of the other trials.
-"""
+"""Covariates out of range."""
 
 from __future__ import annotations
 
@@ -27,10 +24,7 @@ SPREADS = 8.0
 def doubt_covariates(
     names: Sequence[str], covariates: Sequence[str], value: Array
 ) -> Iterator[Doubt]:
-    """Doubt covariates (trial, covariate).
-
-    They were noted beside the trials.
-    """
+    """Doubt the covariates (trial, covariate)."""
     for column, values in zip(covariates, value.T, strict=True):
         wrong = _find_out_of_range(column, values)
         low, high, unit = _get_range(column)

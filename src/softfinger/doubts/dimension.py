@@ -1,7 +1,4 @@
-"""Doubtful sizes: loads, stiffness, masses.
-
-Stiffness is compared with the weight, links with their mass.
-"""
+"""Doubtful sizes: loads, stiffness, masses, lengths."""
 
 from __future__ import annotations
 

@@ -30,10 +30,7 @@ NEAR = 0.15  # of a factor, in its logarithm
 
 @dataclass(frozen=True)
 class Doubt:
-    """One warning about trials and joints.
-
-    They are empty where it concerns all.
-    """
+    """One warning about trials and joints, or all."""
 
     id: str
     statement: str

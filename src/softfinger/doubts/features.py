@@ -1,7 +1,4 @@
-"""Simple features of every trial.
-
-The doubts compare them with the campaign's.
-"""
+"""Simple features of every trial, for doubts."""
 
 from __future__ import annotations
 
@@ -63,10 +60,7 @@ class TrialFeatures:
 
     @property
     def loaded_at(self) -> float:
-        """Time [s] at which the load first acts.
-
-        NaN where it never does.
-        """
+        """Time [s] of the first load, or NaN."""
         return find_first_load(self.load_time, self.load)
 
     @property
@@ -173,10 +167,7 @@ def find_first_load(load_time: Array, load: Array) -> float:
 
 
 def measure_rest(time: Array, angle: Array, loaded_at: float) -> Array:
-    """Median angle (joint,) of the frames before the load.
-
-    NaN where there are none.
-    """
+    """Median angle (joint,) before the load, or NaN."""
     before = angle[:, time <= loaded_at]
     rest = np.full(len(angle), np.nan)
     for joint, values in enumerate(before):
@@ -186,10 +177,7 @@ def measure_rest(time: Array, angle: Array, loaded_at: float) -> Array:
 
 
 def measure_unexplained(response: Response, angle: Array) -> float:
-    """Rms of the residual over the motion's.
-
-    Joints are pooled.
-    """
+    """Rms of residual over motion, joints pooled."""
     motion = angle - np.nanmean(angle, axis=1, keepdims=True)
     left = np.nansum(response.residual**2)
     return float(np.sqrt(left / max(np.nansum(motion**2), 1e-300)))

@@ -124,10 +124,7 @@ def _doubt_order(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
 
 
 def _find_order(correlation: Array) -> tuple[int, ...] | None:
-    """Order of joints in which neighbours err oppositely.
-
-    None where it is the declared one.
-    """
+    """Order by opposite errors; None where as declared."""
     if not np.isfinite(correlation).all():
         return None
     count = len(correlation)

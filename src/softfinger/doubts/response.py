@@ -42,10 +42,7 @@ class Response:
 
 
 def choose_times(span: float, interval: float) -> Array:
-    """Creep times [s] (term,), from frames to span.
-
-    The first is 0, the last ∞.
-    """
+    """Creep times [s] (term,), 0 first, ∞ last."""
     shortest = min(2.0 * interval, 0.1 * span)
     return np.concatenate([[0.0], np.geomspace(shortest, span, N_TIMES), [np.inf]])
 
@@ -67,10 +64,7 @@ def compute_terms(time: Array, load_time: Array, load: Array, times: Array) -> A
 
 
 def split_load(load_time: Array, load: Array) -> tuple[Array, Array, Array, Array]:
-    """Jumps and slope changes of a load.
-
-    Each is (at, size).
-    """
+    """Jumps and slope changes of a load: (at, size)."""
     gap = np.diff(load_time)
     step = gap <= 0
     slope = np.where(step, 0.0, np.diff(load) / np.where(step, 1.0, gap))

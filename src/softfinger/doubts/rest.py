@@ -1,7 +1,4 @@
-"""Doubtful angles at rest.
-
-They differ from the others', or from those of any straight finger.
-"""
+"""Doubtful angles at rest."""
 
 from __future__ import annotations
 

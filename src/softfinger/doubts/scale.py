@@ -1,7 +1,4 @@
-"""Trials with a gain many times the others'.
-
-The gain is motion per load; a slip of a unit causes it.
-"""
+"""Trials of many times the others' gain."""
 
 from __future__ import annotations
 
@@ -22,10 +19,7 @@ NOISE_RATIO = 8.0
 
 
 def doubt_scale(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
-    """Doubt gains and noise.
-
-    Gains are taken joint by joint, and for all joints together.
-    """
+    """Doubt gains and noise, by joint and together."""
     yield from _doubt_noise(trials)
     trials = [trial for trial in trials if not begins_late(trial)]  # their gain is unknown
     if not trials:

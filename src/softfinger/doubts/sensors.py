@@ -1,7 +1,4 @@
-"""Doubtful sensors.
-
-They are frozen, clipped, quantised, wrapped, without noise, or repeat frames.
-"""
+"""Doubtful sensors: frozen, clipped, quantised, wrapped, repeating."""
 
 from __future__ import annotations
 
@@ -95,10 +92,7 @@ def examine_sensors(trial: TrialFeatures) -> dict[str, float]:
 
 
 def _count_steps(angle: Array) -> float | None:
-    """Number of steps in the joint's motion.
-
-    The joint is the one that moves most; None where the steps are fine.
-    """
+    """Steps of the joint that moves most."""
     widest = int(np.nanargmax(np.nanmax(angle, axis=1) - np.nanmin(angle, axis=1)))
     values = angle[widest][np.isfinite(angle[widest])]
     levels = np.unique(np.round(values, 9))
@@ -109,10 +103,7 @@ def _count_steps(angle: Array) -> float | None:
 
 
 def _find_plateaus(angle: Array) -> dict[str, float]:
-    """Long runs or repeated extremes in a noisy joint.
-
-    One value lasts, or one extreme value comes again and again.
-    """
+    """Long runs or repeated extremes in a noisy joint."""
     found: dict[str, float] = {}
     for values in angle:
         seen = values[np.isfinite(values)]

@@ -1,7 +1,4 @@
-"""Doubtful clocks.
-
-These are frame intervals, logs that cover another span, and trials that start together.
-"""
+"""Doubtful clocks: intervals, spans, starts."""
 
 from __future__ import annotations
 

@@ -21,10 +21,7 @@ CLEAR, FAINT = 20.0, 5.0  # motion in sd of the noise
 
 
 def doubt_together(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
-    """Doubt shifts, and motions without their load.
-
-    The load must explain the motion.
-    """
+    """Doubt shifts, and motions without their load."""
     late = [trial for trial in trials if begins_late(trial)]
     if late:
         yield _describe_late(late, len(trials))
@@ -47,10 +44,7 @@ def doubt_together(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
 
 
 def begins_late(trial: TrialFeatures) -> bool:
-    """Whether the recording begins after its load.
-
-    Then the rest was not seen.
-    """
+    """Whether the recording begins after its load."""
     after = trial.time[0] - trial.loaded_at
     return bool(after > max(LATE_FRAMES * trial.interval, LATE_SHARE * trial.span))
 
@@ -126,9 +120,6 @@ def _doubt_unexplained(trials: Sequence[TrialFeatures], of: int) -> Iterator[Dou
 
 
 def _moves(trial: TrialFeatures, times: float) -> bool:
-    """Whether a joint's range is many times its noise.
-
-    Some joint suffices; the range is the recorded one.
-    """
+    """Whether some joint moves beyond its noise."""
     reach = np.nanpercentile(trial.angle, 98, axis=1) - np.nanpercentile(trial.angle, 2, axis=1)
     return bool((reach > times * np.nan_to_num(trial.noise)).any())

@@ -1,7 +1,4 @@
-"""Parameters of every trial and their distribution.
-
-They are found the paper's way and Bayes'.
-"""
+"""Trials' parameters, the paper's way and Bayes'."""
 
 from softfinger.estimation.diagnostics import diagnose_sampling
 from softfinger.estimation.least_squares import fit_least_squares

@@ -1,7 +1,4 @@
-"""The knobs of the fits.
-
-They include the limits for their sampling.
-"""
+"""The knobs of the fits and sampling limits."""
 
 from typing import Annotated, Literal
 
@@ -14,10 +11,7 @@ Count = Annotated[int, Field(ge=1)]
 
 
 class EstimationConfig(Settings):
-    """The paper's outlier rule and the sampler's size.
-
-    It also states when the sampler's verdict is red.
-    """
+    """The outlier rule, the sampler's size and limits."""
 
     outlier_rule: Literal["scaled_mad", "raw_mad"]
     outlier_cutoff: Positive

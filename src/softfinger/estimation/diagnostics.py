@@ -1,7 +1,4 @@
-"""Whether the sampling can be trusted.
-
-R-hat, effective draws and divergences are compared with limits.
-"""
+"""Whether the sampling can be trusted."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any

@@ -68,10 +68,7 @@ def fit_least_squares(angles: xr.Dataset, config: Mapping[str, Any]) -> xr.Datas
 
 
 def _fit_trials(angles: xr.Dataset, frames: xr.Dataset) -> xr.Dataset:
-    """Estimates, their sd and residuals of every trial.
-
-    A residual is the rms of what is left, per trial and joint.
-    """
+    """Estimates, sd and rms residuals of every trial."""
     collapse = collapse_angles(angles, frames)
     count = frames["used"].sum("frame").values
     joints, trials = angles.sizes["joint"], angles.sizes["trial"]
@@ -96,10 +93,7 @@ def _fit_trials(angles: xr.Dataset, frames: xr.Dataset) -> xr.Dataset:
 
 
 def _move(angles: xr.Dataset, found: xr.Dataset) -> NDArray[np.float64]:
-    """Motion (trial, joint, frame) [rad] of the estimates.
-
-    It is 0 where there is no estimate.
-    """
+    """Motion (trial, joint, frame) [rad], 0 if unknown."""
     parameters = found["estimate"].to_dataset("parameter")
     return compute_motion(angles, parameters).fillna(0.0).transpose(*LAYOUT).values
 

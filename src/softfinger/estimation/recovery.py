@@ -76,10 +76,7 @@ def measure_recovery(
 
 
 def tabulate_recovery(recovery: xr.Dataset) -> pd.DataFrame:
-    """Tabulate a recovery.
-
-    There is a line for every joint, parameter and estimate.
-    """
+    """Tabulate a recovery by joint, parameter and estimate."""
     rows = []
     for joint in recovery["joint"].values:
         for parameter in recovery["parameter"].values:
@@ -105,10 +102,7 @@ def tabulate_recovery(recovery: xr.Dataset) -> pd.DataFrame:
 
 
 def _align_truth(truth: xr.Dataset, posterior: xr.Dataset) -> xr.Dataset:
-    """True populations and parameters of the fitted trials.
-
-    The parameters are as the model has them.
-    """
+    """True populations and parameters of the fitted trials."""
     there = truth.sel(trial=posterior["trial"].values, joint=posterior["joint"].values)
     logs = {name: np.log(there[name]) for name in NATURAL[:3]} | {"q_ini": there["q_ini"]}
     parts = [there["population_mean"], there["population_sd"]]

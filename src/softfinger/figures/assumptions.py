@@ -54,10 +54,7 @@ def draw_assumptions(assumptions: xr.Dataset, changes: xr.Dataset) -> Figure:
 
 
 def draw_gaps(ax: Axes, assumptions: xr.Dataset) -> None:
-    """Draw each cause's largest and rms gaps over time.
-
-    The gaps are those of one joint.
-    """
+    """Draw one joint's gaps by cause over time."""
     later = assumptions.sel(time=slice(EARLIEST, None))
     for cause, (words, colour) in CAUSES.items():
         for name, line, kind in (("gap_largest_at", "-", "largest"), ("gap_rms_at", ":", "rms")):
@@ -68,10 +65,7 @@ def draw_gaps(ax: Axes, assumptions: xr.Dataset) -> None:
 
 
 def draw_growth(ax: Axes, assumptions: xr.Dataset) -> None:
-    """Draw the torque's growth over the joint angle.
-
-    Marks show where the fingers ended.
-    """
+    """Draw the torque's growth, with the fingers' ends."""
     ax.plot(assumptions["angle"], 100 * assumptions["arm_growth"], color=RED, zorder=3)
     reached = (assumptions[name].values.ravel() for name in ("angle_reached", "torque_growth"))
     angle, growth = reached
@@ -81,10 +75,7 @@ def draw_growth(ax: Axes, assumptions: xr.Dataset) -> None:
 
 
 def draw_changes(ax: Axes, changes: xr.Dataset) -> None:
-    """Draw the errors of the fitted parameters.
-
-    It shows the median and the range of 90 % of the fingers.
-    """
+    """Draw median and 90 % range of errors."""
     ticks = []
     for place, parameter in enumerate(("k_v", "c_v", "c_p")):
         change = 100 * changes["fitted_change"].sel(parameter=parameter)

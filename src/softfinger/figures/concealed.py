@@ -1,7 +1,4 @@
-"""Figures of the proof.
-
-They show right names, confusion, reliability and a buried case.
-"""
+"""Figures of the proof."""
 
 from __future__ import annotations
 
@@ -69,10 +66,7 @@ def draw_right_by_evidence(score: xr.Dataset) -> Figure:
 
 @styled
 def draw_confusion(score: xr.Dataset) -> Figure:
-    """Draw how often each truth got each answer.
-
-    Truths are rows and answers columns; only those that occur are drawn.
-    """
+    """Draw how often each truth got each answer."""
     counts = score["confusion"]
     counts = counts.isel(
         truth=np.flatnonzero(counts.sum("answer").values),

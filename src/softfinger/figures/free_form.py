@@ -1,7 +1,4 @@
-"""The shape of what no listed effect explains.
-
-It is drawn against what it depends on.
-"""
+"""The shape of what no listed effect explains."""
 
 from __future__ import annotations
 

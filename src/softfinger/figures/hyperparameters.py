@@ -1,7 +1,4 @@
-"""Forest plot of the hyperparameters.
-
-Where the population lies and how wide it is.
-"""
+"""Forest plot: where and how wide populations are."""
 
 from __future__ import annotations
 

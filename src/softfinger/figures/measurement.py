@@ -1,7 +1,4 @@
-"""Noise and useless frames of the recordings.
-
-They are shown by trial, and by the joint's deflection.
-"""
+"""Noise and useless frames of the recordings."""
 
 from __future__ import annotations
 

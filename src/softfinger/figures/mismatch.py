@@ -1,7 +1,4 @@
-"""Figures of left-out physics.
-
-They show the fit before and after, the evidence, where it acts, and what would show.
-"""
+"""Figures of left-out physics."""
 
 from __future__ import annotations
 
@@ -96,10 +93,7 @@ def draw_leftover(ax: Axes, repair: xr.Dataset) -> None:
 
 
 def draw_misfit(ax: Axes, misfit: xr.Dataset) -> None:
-    """Draw squared residuals over squared noise of all trials.
-
-    The axis is the time since the load changed.
-    """
+    """Draw squared residuals over noise after load changes."""
     ax.axhline(1.0, color=GREY, lw=0.7)
     for model in misfit["model"].values:
         colour, line, _ = MODEL_STYLES[str(model)]

@@ -80,10 +80,7 @@ def finish_histograms(figure: Figure, axes: np.ndarray, joints: np.ndarray, labe
 
 
 def draw_histogram(ax: Axes, population: xr.Dataset, *, logarithmic: bool) -> None:
-    """Draw one joint's parameter: histogram and densities.
-
-    Bars are the estimates.
-    """
+    """Draw one joint's estimates as bars, and densities."""
     edges = drop_missing(population["bar_edge"].values)
     for name, label, style in (
         ("kept_density", "trials kept", {"color": PALE}),
@@ -113,10 +110,7 @@ def drop_missing(values: np.ndarray) -> np.ndarray:
 
 
 def label_decades(ax: Axes, ratio: float) -> None:
-    """Label a logarithmic axis in plain numbers.
-
-    It may span few decades or many.
-    """
+    """Label a logarithmic axis in plain numbers."""
     ax.set_xscale("log")
     subs = (1,) if ratio > 100 else (1, 3)
     ax.xaxis.set_major_locator(MaxNLocator(3) if ratio < 10 else LogLocator(subs=subs))

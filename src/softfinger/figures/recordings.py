@@ -60,10 +60,7 @@ def draw_recordings(angles: xr.Dataset) -> Figure:
 
 
 class _LoadColours:
-    """A colour per trial by its largest load.
-
-    One plain colour where all loads are alike.
-    """
+    """A trial's colour by its load, if they differ."""
 
     def __init__(self, angles: xr.Dataset) -> None:
         load = angles["load_torque"].values
@@ -74,10 +71,7 @@ class _LoadColours:
 
 
 def draw_trials(ax: Axes, angles: xr.Dataset, series: xr.DataArray, colours: np.ndarray) -> None:
-    """Draw one line of `series` (trial, frame) per trial.
-
-    The axis is the artifact's time.
-    """
+    """Draw one line of `series` (trial, frame) each."""
     pairs = zip(angles["time"].values, series.transpose("trial", "frame").values, strict=True)
     lines = [np.column_stack(pair) for pair in pairs]
     alpha = float(np.clip(6 / max(len(lines), 1), 0.25, 0.9))

@@ -1,7 +1,4 @@
-"""The model's residuals over time, and their spectrum.
-
-Time counts from the last change of the load.
-"""
+"""Residuals since the load changed; their spectrum."""
 
 from __future__ import annotations
 
@@ -65,10 +62,7 @@ def draw_residuals(residuals: xr.Dataset) -> Figure:
 
 
 def draw_mean_residual(ax: Axes, residuals: xr.Dataset) -> None:
-    """Draw one joint's mean residual [mrad].
-
-    The band around zero shows chance.
-    """
+    """Draw one joint's mean residual [mrad] and chance."""
     time = residuals["since_change"].values
     ax.axhline(0, color=GREY, linewidth=0.6)
     for change in residuals["change"].values:
@@ -80,10 +74,7 @@ def draw_mean_residual(ax: Axes, residuals: xr.Dataset) -> None:
 
 
 def draw_spectrum(ax: Axes, residuals: xr.Dataset) -> None:
-    """Draw one joint's residual spectrum and name its ring.
-
-    The axis shows frequency × power spectral density.
-    """
+    """Draw one joint's spectrum and name its ring."""
     frequency = residuals["frequency"].values
     for change in residuals["change"].values:
         colour, _ = CHANGE_STYLES[str(change)]

@@ -24,10 +24,7 @@ WIRES: Cords = ((OFFSET, RED, 1), (-OFFSET, GREY, 1))
 
 @styled
 def draw_finger_sketch(n_joint: int, *, wires: bool = True) -> Figure:
-    """Draw the finger from above.
-
-    It shows links, joints, relative angles, markers, and wires if there are any.
-    """
+    """Draw the finger from above, maybe with wires."""
     figure = Figure(figsize=(SINGLE_COLUMN, 2.3))
     ax = figure.subplots()
     centre, heading = np.zeros(2), 0.0
@@ -48,10 +45,7 @@ def draw_finger_sketch(n_joint: int, *, wires: bool = True) -> Figure:
 
 
 def name_wires(ax: Axes) -> None:
-    """Name the pulled wire and the slack one.
-
-    The wire's distance from the middle is marked too.
-    """
+    """Name both wires and their distance."""
     ax.annotate(
         "wire: tension f", (-LINK, OFFSET), (-LINK - 0.75, OFFSET),
         arrowprops={"arrowstyle": "<-", "color": RED}, color=RED, va="center", ha="right",
@@ -68,10 +62,7 @@ def along(heading: float) -> np.ndarray:
 
 
 def draw_link(ax: Axes, start: np.ndarray, heading: float, name: str, cords: Cords) -> None:
-    """Draw one link's body, wires and markers.
-
-    It lies between two joint centres.
-    """
+    """Draw one link's body, wires and markers."""
     forward, side = along(heading), along(heading + np.pi / 2)
     body = start + forward * JOINT / 2, start + forward * (LINK - JOINT / 2)
     half = 1.45 * OFFSET
@@ -88,19 +79,13 @@ def draw_link(ax: Axes, start: np.ndarray, heading: float, name: str, cords: Cor
 
 
 def draw_direction(ax: Axes, centre: np.ndarray, heading: float) -> None:
-    """Draw a link's direction beyond its proximal joint.
-
-    The angle is taken from there.
-    """
+    """Draw a link's direction beyond its proximal joint."""
     ends = np.array([centre, centre + along(heading) * REACH])
     ax.plot(*ends.T, color=BLUE, lw=0.4, zorder=5)
 
 
 def draw_joint(ax: Axes, centre: np.ndarray, heading: float, joint: int, cords: Cords) -> None:
-    """Draw a constricted joint, its wires and angle.
-
-    The angle is relative.
-    """
+    """Draw a constricted joint, wires, relative angle."""
     bent = heading + BEND
     for place, colour, width in (*cords, (0.0, GREY, 5)):
         ends = [
@@ -121,10 +106,7 @@ def draw_joint(ax: Axes, centre: np.ndarray, heading: float, joint: int, cords: 
 
 @styled
 def draw_joint_model_sketch() -> Figure:
-    """Draw the joint's model of springs and dashpots.
-
-    A spring and a dashpot are side by side; another dashpot is in series.
-    """
+    """Draw the joint's model of springs and dashpots."""
     figure = Figure(figsize=(SINGLE_COLUMN, 1.35))
     ax = figure.subplots()
     with mpl.rc_context({"lines.linewidth": 1.0}):

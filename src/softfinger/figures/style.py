@@ -1,7 +1,4 @@
-"""The style that every figure shares.
-
-It sets widths, colours, the stamp, and the way figures are saved.
-"""
+"""The style that every figure shares."""
 
 from __future__ import annotations
 
@@ -50,10 +47,7 @@ PARAMETER_LABELS = {
 
 
 def styled[**P](draw: Callable[P, Figure]) -> Callable[P, Figure]:
-    """Make `draw` use the project's style, always.
-
-    The caller's settings do not matter.
-    """
+    """Make `draw` use the project's style, always."""
 
     @functools.wraps(draw)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> Figure:
@@ -82,10 +76,7 @@ def new_figure(source: str, height: float, width: float = DOUBLE_COLUMN) -> Figu
 
 
 def get_source(dataset: xr.Dataset) -> str:
-    """The `source` attr, or an empty string.
-
-    `new_figure` refuses the empty one.
-    """
+    """The `source` attr, or an empty string."""
     return str(dataset.attrs.get("source", ""))
 
 
@@ -113,10 +104,7 @@ def label_motion(dataset: xr.Dataset) -> str:
 
 
 def get_motion_unit(dataset: xr.Dataset) -> str:
-    """Unit of the motion.
-
-    It is rad for a finger, and the declared one for a specimen.
-    """
+    """Unit of the motion, [rad] or declared."""
     return str(dataset.attrs.get("motion_unit", "rad"))
 
 
@@ -159,18 +147,12 @@ def build_joint_axes(
 
 
 def measure_joint_rows(n_joint: int, n_row: int) -> int:
-    """Number of rows that `build_joint_axes` lays out.
-
-    The figure's height follows from it.
-    """
+    """Number of rows that `build_joint_axes` lays out."""
     return n_row if n_joint <= 4 else n_joint
 
 
 def label_log_axis(axis: Axis) -> None:
-    """Label a short logarithmic axis 1, 2, 5.
-
-    It spans few decades; the numbers are plain.
-    """
+    """Label a short logarithmic axis 1, 2, 5."""
     axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())

@@ -67,10 +67,7 @@ def name_link(marker: str) -> str:
 
 
 def draw_links(ax: Axes, trial: xr.Dataset, frame: int) -> None:
-    """Draw one trial's marker paths, rings and crosses.
-
-    The markers are (frame, marker, axis).
-    """
+    """Draw a trial's marker paths (frame, marker, axis)."""
     names = [name_link(str(name)) for name in trial["marker"].values]
     links = list(dict.fromkeys(names))
     for place, link in enumerate(links):

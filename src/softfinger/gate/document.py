@@ -1,7 +1,4 @@
-"""YAML documents of others: values and their lines.
-
-Values are plain and within limits.
-"""
+"""Others' YAML: plain values, lines, limits."""
 
 from __future__ import annotations
 

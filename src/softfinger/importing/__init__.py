@@ -1,7 +1,4 @@
-"""Recordings of others, read into a campaign folder.
-
-All that was guessed or dropped is listed.
-"""
+"""Recordings of others, read into a campaign folder."""
 
 from __future__ import annotations
 
@@ -33,10 +30,7 @@ __all__ = [
 
 
 class Found(NamedTuple):
-    """What an import found.
-
-    How all was read, the trials, and what was guessed and dropped.
-    """
+    """Trials, how they were read, guesses and losses."""
 
     description: ImportDescription
     trials: list[ImportedTrial]

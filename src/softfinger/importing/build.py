@@ -1,7 +1,4 @@
-"""Trials in the campaign's form.
-
-They are made of runs and a description that leaves nothing open.
-"""
+"""Trials in the campaign's form."""
 
 from __future__ import annotations
 
@@ -132,10 +129,7 @@ def _check_times(run: Run, table: RawTable, time: np.ndarray) -> None:
 def _read_load(
     run: Run, description: ImportDescription, origin: float, first: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Read the rows of the load log.
-
-    Times [s] and values; none where no load is known.
-    """
+    """Times [s] and values of the load log."""
     asked, sign = description.load, description.load.sign or 1
     if asked.none:
         return np.zeros(0), np.zeros(0)

@@ -1,7 +1,4 @@
-"""Cells of a table, and numbers out of them.
-
-A cell is a number, a moment, a gap or a word.
-"""
+"""Cells: numbers, moments, gaps and words."""
 
 from __future__ import annotations
 

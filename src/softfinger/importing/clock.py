@@ -1,7 +1,4 @@
-"""Times of rows in seconds.
-
-They come from numbers, dates, clock readings and stamps of any epoch.
-"""
+"""Times of rows in seconds, from any clock."""
 
 from __future__ import annotations
 
@@ -24,10 +21,7 @@ EPOCH_UNITS = ((1e17, "ns"), (1e14, "us"), (1e11, "ms"), (9e8, "s"))  # since 19
 
 
 class Times(NamedTuple):
-    """Times (row,) [s], and how they were read.
-
-    A gap is NaN. The moment of time 0 is kept where it is known.
-    """
+    """Times (row,) [s], NaN for gaps; moment 0."""
 
     seconds: np.ndarray
     zero: dt.datetime | None
@@ -100,10 +94,7 @@ def _is_moment(cell: object) -> bool:
 
 
 def _read_moments(table: RawTable, column: str) -> Times:
-    """Read dates and clock readings.
-
-    Clock readings go on past midnight.
-    """
+    """Read dates, and clock readings past midnight."""
     cells = table.cells[column]
     seconds, dated = np.full(len(cells), np.nan), False
     for row, cell in enumerate(cells):
@@ -154,10 +145,7 @@ def _to_seconds(cell: object) -> tuple[float, bool] | None:
 
 @lru_cache(maxsize=1024)
 def list_clocks(table: RawTable) -> tuple[tuple[str, str], ...]:
-    """Columns that may be the clock, best first.
-
-    Each has its kind: ``time`` or ``frame``.
-    """
+    """Clock columns, best first: ``time`` or ``frame``."""
     found = []
     for place, column in enumerate(table.columns):
         scores = {kind: score_words(column, words) for kind, words in CLOCK.items()}

@@ -105,10 +105,7 @@ class Points(DeclaredSection):
 
 
 class MotionColumns(DeclaredSection):
-    """The motion: one column, or points.
-
-    An angle may have one column per joint.
-    """
+    """The motion: columns of angles, or points."""
 
     columns: tuple[str, ...] | None = None
     points: Points | None = None
@@ -144,10 +141,7 @@ class LoadColumns(DeclaredSection):
 
 
 class Covariate(DeclaredSection):
-    """A number that is noted of each trial.
-
-    It is a key stated above the table, or a column's mean.
-    """
+    """A number of each trial: stated, or a mean."""
 
     name: str = Field(pattern=r"^\w+$")
     stated: str | None = None
@@ -230,10 +224,7 @@ def _describe(fault: Mapping[str, Any]) -> str:
 
 
 def format_description(description: ImportDescription, guessed: Sequence[str] = ()) -> str:
-    """Write a description as YAML.
-
-    What was guessed is written as comments above it.
-    """
+    """Write a description as YAML, guesses as comments."""
     content = description.model_dump(mode="json", exclude_none=True, exclude_defaults=False)
     stream = io.StringIO()
     writer = YAML()

@@ -1,7 +1,4 @@
-"""Errors of an import.
-
-They give file, sheet, row and column, and what to type instead.
-"""
+"""Errors of an import: place, and what to type."""
 
 from softfinger.faults import Fault, ListedFault
 

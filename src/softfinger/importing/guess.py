@@ -1,7 +1,4 @@
-"""Guesses of what a description leaves open.
-
-They are made from the tables, and each is listed.
-"""
+"""Guesses of what a description leaves open, listed."""
 
 from __future__ import annotations
 
@@ -24,10 +21,7 @@ from softfinger.importing.trials import Run, split_trials
 
 @dataclass
 class Guesses:
-    """A description as it fills up.
-
-    It keeps a sentence on each key that was guessed.
-    """
+    """A description as it fills up, with reasons."""
 
     content: dict[str, Any]
     said: list[str] = field(default_factory=list)
@@ -142,10 +136,7 @@ def _first_with(run: Run, column: str) -> tuple[RawTable, str]:
 
 
 def _guess_start(runs: Sequence[Run], guesses: Guesses) -> None:
-    """Count times from the first row, if needed.
-
-    This is so where a clock began long before the trial.
-    """
+    """Count times from the first row, if needed."""
     late, column = 0, guesses.get("clock.column")
     for run in runs:
         for table in run.tables.values():

@@ -1,7 +1,4 @@
-"""Guesses of the load and of covariates.
-
-They decide which column or stated number is the load, and what is noted of each trial.
-"""
+"""Guesses of the load and of covariates."""
 
 from __future__ import annotations
 
@@ -23,10 +20,7 @@ if TYPE_CHECKING:
 
 
 def guess_load(runs: Sequence[Run], guesses: Guesses) -> None:
-    """Guess the load.
-
-    It is a column, a key stated above the table, or what the motion implies.
-    """
+    """Guess the load: column, stated key or motion."""
     run = runs[0]
     asked = [guesses.get(f"load.{key}") for key in ("column", "stated", "value")]
     if all(value is None for value in asked) and not guesses.get("load.none"):
@@ -73,10 +67,7 @@ def _complete_load(run: Run, guesses: Guesses) -> None:
 
 
 def _find_stated_load(runs: Sequence[Run], motion_unit: str) -> list[str]:
-    """Keys that state a load, the best first.
-
-    They must be above all tables.
-    """
+    """Keys that state all tables' load, best first."""
     scores = {}
     for key, (value, unit) in runs[0].stated.items():
         if classify(value) != "n" or not all(key in run.stated for run in runs):
@@ -91,10 +82,7 @@ def _find_stated_load(runs: Sequence[Run], motion_unit: str) -> list[str]:
 
 
 def guess_covariates(runs: Sequence[Run], guesses: Guesses) -> None:
-    """Note temperature, humidity and payload of each trial.
-
-    They are noted where they are stated and differ.
-    """
+    """Note stated temperature, humidity, payload that differ."""
     if guesses.get("covariates") is not None:
         return
     found: dict[str, dict[str, str]] = {}

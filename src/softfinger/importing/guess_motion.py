@@ -1,7 +1,4 @@
-"""Guesses of the motion.
-
-They decide which columns or points are the motion, in what unit, and where it begins.
-"""
+"""Guesses of the motion, its unit and start."""
 
 from __future__ import annotations
 
@@ -34,10 +31,7 @@ UNITS = {
 
 
 class SignalColumn(NamedTuple):
-    """A column that may be a signal.
-
-    It has a name, a quantity, a measure of how well it fits, and a unit.
-    """
+    """A column that may be a signal."""
 
     column: str
     quantity: str
@@ -115,10 +109,7 @@ def guess_motion(runs: Sequence[Run], guesses: Guesses) -> None:
 
 
 def _find_usual_unit(run: Run, column: str, quantity: str) -> str:
-    """Usual unit of a quantity.
-
-    It is rad for angles, deg where they are larger than any joint turns; else 1.
-    """
+    """Usual unit of a quantity, by its size."""
     if quantity != "angle":
         return UNITS.get(quantity, "1")
     table, name = run.find(column)
@@ -136,10 +127,7 @@ def _list_points(run: Run, guesses: Guesses) -> list[Point]:
 
 
 def _order(points: Sequence[Point]) -> list[str]:
-    """Names from base to tip.
-
-    They are in the columns' order, unless that begins with the tip.
-    """
+    """Names from base to tip."""
     names = [point.name for point in points]
     tip = [score_words(name, "tip end spitze") > 0 for name in names]
     base = [score_words(name, "base root origin basis pivot") > 0 for name in names]
@@ -147,10 +135,7 @@ def _order(points: Sequence[Point]) -> list[str]:
 
 
 def _complete_points(run: Run, guesses: Guesses) -> None:
-    """Guess how points are read.
-
-    What a lost point looks like is guessed too.
-    """
+    """Guess how points are read, and lost ones."""
     if guesses.get("motion.points.names") is None:
         guesses.put(
             "motion.points.names", _order(_list_points(run, guesses)), "all that are logged"
@@ -194,10 +179,7 @@ def _is_zero_at_times(x: np.ndarray, y: np.ndarray) -> bool:
 
 
 def _choose_columns(candidates: Sequence[SignalColumn], guesses: Guesses) -> None:
-    """Choose the best column, or all angles.
-
-    Of numbered angles all are taken, one per joint.
-    """
+    """Choose the best column, or all numbered angles."""
     best = candidates[0]
     rivals = [c.column for c in candidates[1:] if c.score >= best.score - 0.6]
     columns = [best.column]
@@ -219,10 +201,7 @@ def _number(name: str) -> tuple[int, ...]:
 
 
 def _choose_only_column(run: Run, guesses: Guesses) -> None:
-    """Take the only column of numbers that moves.
-
-    Where there are several, the user has to choose.
-    """
+    """Take the only column of numbers that moves."""
     moving = []
     for topic, table in run.tables.items():
         clocks = [column for column, _ in list_clocks(table)]
@@ -245,10 +224,7 @@ def _choose_only_column(run: Run, guesses: Guesses) -> None:
 
 
 def _find_start(runs: Sequence[Run], guesses: Guesses) -> tuple[str, str]:
-    """Guess from where a motion is measured.
-
-    It is the first row, where most motions begin far from 0 compared with their range.
-    """
+    """Guess from where a motion is measured."""
     columns = guesses.get("motion.columns")
     if not columns or guesses.get("motion.quantity") in ("angle", "strain", "compliance"):
         return "as recorded", "its zero is its own"

@@ -72,10 +72,7 @@ def _find_topics(tables: Sequence[RawTable]) -> str | None:
 
 
 def _are_topics(tables: Sequence[RawTable]) -> bool:
-    """Whether tables are topics of one recording.
-
-    They overlap in time and differ in what they log.
-    """
+    """Whether tables are topics of one recording."""
     if len(tables) < 2:
         return False
     roles = {_find_table_role(table) for table in tables}
@@ -113,10 +110,7 @@ def _overlap(tables: Sequence[RawTable]) -> bool:
 
 
 def _choose_tables(tables: Sequence[RawTable]) -> tuple[list[RawTable], list[str]]:
-    """Tables of the most usual columns with motion.
-
-    Their columns are those that most rows have. The other tables are named.
-    """
+    """Tables of the usual columns; names of others."""
     weights: Counter[tuple[str, ...]] = Counter()
     for table in tables:
         movable = _has(table, MOTION) or len(find_points(table.columns)) > 0
@@ -145,10 +139,7 @@ def _sign(table: RawTable) -> tuple[str, ...]:
 
 
 def unify_units(tables: Sequence[RawTable]) -> tuple[list[RawTable], list[str]]:
-    """Give columns of different tables one unit.
-
-    It is the unit of the first table that has the column.
-    """
+    """Give columns the unit of their first table."""
     wanted: dict[str, str] = {}
     for table in tables:
         for column, unit in table.unit.items():
@@ -168,10 +159,7 @@ def unify_units(tables: Sequence[RawTable]) -> tuple[list[RawTable], list[str]]:
 
 
 def _find_cut(table: RawTable, tables: Sequence[RawTable]) -> tuple[str, str | None, str]:
-    """How trials are cut.
-
-    The function returns by what, the column if any, and why.
-    """
+    """How trials are cut, its column, and why."""
     column = _find_trial_column(table)
     if column:
         return "column", column, f"'{column}' names runs of rows"
@@ -212,10 +200,7 @@ def _find_trial_column(table: RawTable) -> str | None:
 
 
 def _rise_within(table: RawTable, labels: np.ndarray, clocks: list[str]) -> bool:
-    """Whether labels separate runs of the clock.
-
-    The clock runs forwards among the rows of each label, and not among all of them.
-    """
+    """Whether labels separate runs of the clock."""
     times = [c for c in table.columns if c in clocks] or pick(table.columns, "time t zeit frame")
     if not times:
         return False
@@ -225,10 +210,7 @@ def _rise_within(table: RawTable, labels: np.ndarray, clocks: list[str]) -> bool
 
 
 def _is_grouped(table: RawTable) -> bool:
-    """Whether columns are trials side by side.
-
-    Each group then has a clock, points, or one motion.
-    """
+    """Whether columns are trials side by side."""
     groups = list_groups(table)
     if len(groups) < 2:
         return False
@@ -247,10 +229,7 @@ def _is_grouped(table: RawTable) -> bool:
 
 
 def _restarts(table: RawTable) -> bool:
-    """Whether the clock starts anew.
-
-    Each piece must be long enough to be a trial.
-    """
+    """Whether the clock starts long pieces anew."""
     for column in [*pick(table.columns, "time t zeit timestamp elapsed frame"), *table.columns[:1]]:
         try:
             seconds = read_times(table, column).seconds

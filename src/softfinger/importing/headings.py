@@ -1,7 +1,4 @@
-"""Where a table begins in a sheet.
-
-The parts of a sheet of cells are preamble, heading rows, unit row and first row of data.
-"""
+"""Where a table begins in a sheet."""
 
 from __future__ import annotations
 
@@ -34,10 +31,7 @@ OF_TEMPERATURE = ("c",)  # units that are believed beside a temperature only
 
 @dataclass(frozen=True)
 class Layout:
-    """Rows of a sheet, counted from 0.
-
-    The headings are above the first row of data.
-    """
+    """Rows of a sheet, counted from 0."""
 
     headings: tuple[int, ...]
     units: int | None
@@ -95,10 +89,7 @@ def _is_data(kinds: np.ndarray, numeric: np.ndarray) -> np.ndarray:
 
 
 def _is_followed(kinds: np.ndarray, like: np.ndarray) -> np.ndarray:
-    """Whether the next filled row is data too.
-
-    The last filled row counts as followed.
-    """
+    """Whether the next filled row, if any, is data."""
     followed = np.ones(len(kinds), bool)
     filled = np.flatnonzero((kinds != "").any(axis=1))
     followed[filled[:-1]] = like[filled[1:]]
@@ -127,10 +118,7 @@ def _find_headings(
 
 
 def _is_heading(kinds: np.ndarray, numeric: np.ndarray) -> bool:
-    """Whether most columns of numbers bear text.
-
-    A heading may itself be a number.
-    """
+    """Whether most columns of numbers bear text."""
     return bool((kinds == "t").any() and (kinds[numeric] != "").sum() >= 0.5 * numeric.sum())
 
 
@@ -146,10 +134,7 @@ def _strip_brackets(text: str) -> str:
 def _is_upper_heading(
     rows: Sequence[Row], kinds: np.ndarray, lower: int, numeric: np.ndarray
 ) -> bool:
-    """Whether the row above gives groups.
-
-    These are names that repeat, or are above names that do.
-    """
+    """Whether the row above gives groups."""
     above = [str(cell).strip() for cell in rows[lower - 1]]
     named = [cell for cell in above if cell]
     if len(named) < 2 or (kinds[lower - 1] == "t").sum() < len(named) / 2:
@@ -187,10 +172,7 @@ def split_heading(text: str) -> tuple[str, str]:
 
 
 def _is_suffix(name: str, unit: str, text: str) -> bool:
-    """Whether the last word is a unit.
-
-    It must not be the letter of a specimen.
-    """
+    """Whether the last word is a unit."""
     if unit.lower() not in SUFFIX_UNITS:
         return False
     if unit.lower() in OF_TEMPERATURE:

@@ -13,10 +13,7 @@ from softfinger.importing.trials import Run
 
 
 def find_last(motion: np.ndarray) -> int:
-    """Last row of a motion with any number.
-
-    The motion is (row, column); −1 where there is none.
-    """
+    """Last row (row, column) of numbers, or −1."""
     moved = np.flatnonzero(np.isfinite(motion).any(axis=1))
     return int(moved[-1]) if moved.size else -1
 
@@ -71,10 +68,7 @@ def _read_points(run: Run, asked: Points) -> tuple[RawTable, np.ndarray, tuple[s
 
 
 def read_point(table: RawTable, point: Point, asked: Points) -> np.ndarray:
-    """Places (row, 2) of a point.
-
-    They are NaN where the point was lost.
-    """
+    """Places (row, 2) of a point, NaN if lost."""
     place = np.column_stack([table.read(point.x), table.read(point.y)])
     lost = ~np.isfinite(place).all(axis=1)
     if asked.lost == "zero":
@@ -94,19 +88,13 @@ def _bend(place: np.ndarray) -> np.ndarray:
 
 
 def _turn(place: np.ndarray) -> np.ndarray:
-    """Direction [rad] of the line between points.
-
-    It points from the first one on.
-    """
+    """Direction [rad] from first to last point."""
     angle = _unwrap(_direction(place[:, 0], place[:, -1]))
     return angle - angle[np.isfinite(angle).argmax()]
 
 
 def _move(place: np.ndarray) -> np.ndarray:
-    """Displacement of the last point.
-
-    It is taken along the direction in which the point moves most.
-    """
+    """Displacement of the last point, along most motion."""
     path = place[:, -1]
     seen = np.isfinite(path).all(axis=1)
     first = path[seen][0]

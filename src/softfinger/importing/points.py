@@ -1,7 +1,4 @@
-"""Columns that are coordinates of points.
-
-They come from DeepLabCut, SLEAP, tags, motion capture or hand labels.
-"""
+"""Columns that are coordinates of points."""
 
 from __future__ import annotations
 
@@ -32,10 +29,7 @@ LEFT, RIGHT = ("l", "left", "cam1", "camera1"), ("r", "right", "cam2", "camera2"
 
 @dataclass(frozen=True)
 class Point:
-    """A point whose place is logged.
-
-    The place is in a picture or a plane, by the columns of its coordinates.
-    """
+    """A point, by the columns of its coordinates."""
 
     name: str
     x: str
@@ -87,10 +81,7 @@ def _name(column: str, match: re.Match) -> str:
 
 
 def list_point_columns(columns: Iterable[str]) -> set[str]:
-    """Columns of points and all logged of them.
-
-    An example is ``3 speed`` beside ``3 x``.
-    """
+    """Columns of points, as ``3 speed`` beside ``3 x``."""
     columns = list(columns)
     points = find_points(columns)
     owned = {c for point in points for c in (point.x, point.y, point.z, point.trust) if c}

@@ -1,7 +1,4 @@
-"""What was understood, in the terminal.
-
-The first rows, and motion and load as small curves.
-"""
+"""What was understood, as rows and curves."""
 
 from __future__ import annotations
 
@@ -71,10 +68,7 @@ def name_load(description: ImportDescription) -> str:
 
 
 def sum_motion(trial: ImportedTrial) -> np.ndarray:
-    """One curve (frame,) of a trial's motion.
-
-    Angles are summed; of points it is the last one's y, upwards.
-    """
+    """Sum of angles (frame,), or the tip's height."""
     return -trial.motion[:, -1] if trial.points else trial.motion.sum(axis=1)
 
 
@@ -87,10 +81,7 @@ def _draw(description: ImportDescription, trial: ImportedTrial) -> list[str]:
 
 
 def sample_load(trial: ImportedTrial) -> np.ndarray:
-    """Load (frame,) at the times of the motion.
-
-    It is 0 before the load's first row.
-    """
+    """Load (frame,) at the motion's times."""
     return np.interp(trial.time, trial.load_time, trial.load, left=0.0)
 
 

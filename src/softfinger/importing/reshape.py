@@ -1,7 +1,4 @@
-"""Long tables made wide.
-
-One row per point, or per signal, becomes one row per time.
-"""
+"""Long tables made wide: a row per time."""
 
 from __future__ import annotations
 
@@ -35,10 +32,7 @@ def widen(table: RawTable) -> RawTable:
 
 
 def _join_stamps(table: RawTable) -> RawTable:
-    """One column of seconds out of two.
-
-    ROS logs its stamps as two.
-    """
+    """One column of seconds out of ROS's two."""
     ends = re.compile(r"(.*?)(secs?|seconds?)$", re.IGNORECASE)
     for column in table.columns:
         found = ends.match(column)
@@ -77,10 +71,7 @@ def _widen_points(table: RawTable) -> RawTable | None:
 
 
 def _reduce_corners(table: RawTable) -> RawTable:
-    """Replace four corners by their centre.
-
-    Where a centre is logged, the corners are only left out.
-    """
+    """Replace four corners by their centre."""
     corners: dict[str, list[str]] = {"x": [], "y": []}
     for column in table.columns:
         if found := CORNER.fullmatch(column.strip().lower()):
@@ -114,10 +105,7 @@ def _widen_signals(table: RawTable) -> RawTable | None:
 
 
 def _pivot(table: RawTable, moment: str, key: pd.Series) -> RawTable:
-    """One row per time.
-
-    Columns are named by the key and their own names.
-    """
+    """One row per time, columns by key and name."""
     cells = table.cells
     first = pd.factorize(cells[moment])[0]
     count = int(first.max()) + 1

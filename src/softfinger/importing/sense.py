@@ -1,7 +1,4 @@
-"""Whether recordings move with their load.
-
-Otherwise their sign must be turned.
-"""
+"""Whether recordings move with their load."""
 
 from __future__ import annotations
 
@@ -42,10 +39,7 @@ def _find_sense(trial: ImportedTrial) -> int:
 
 
 def _sum_motion(trial: ImportedTrial) -> np.ndarray:
-    """Whole motion (frame,) of a trial.
-
-    Angles are summed; a chain of points gives its bending.
-    """
+    """Sum of angles (frame,), or a chain's bending."""
     if not trial.points:
         return trial.motion.sum(axis=1)
     place = trial.motion.reshape(len(trial.time), -1, 2)

@@ -26,10 +26,7 @@ HEAD = 400  # rows that are looked at to find the layout
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """All cells of a sheet.
-
-    It is a text file, or a sheet of a workbook; `row` numbers its rows from 1.
-    """
+    """All cells of a sheet; `row` counts from 1."""
 
     file: Path
     name: str
@@ -74,10 +71,7 @@ def split_tables(
 def _cut_blocks(
     sheet: Sheet, grid: list[list[Any]], layout: Layout
 ) -> Iterator[tuple[int, int, str | None]]:
-    """First and last row of each block.
-
-    The single words above its repeated heading are returned too.
-    """
+    """First, last row of blocks; words above them."""
     end = len(sheet.cells)
     if not layout.headings:
         yield layout.first, end, None
@@ -100,20 +94,14 @@ def _matches(sheet: Sheet, row: int, heading: list[str]) -> bool:
 
 
 def _find_end(sheet: Sheet, row: int) -> int:
-    """End of the block above a repeated heading.
-
-    It is before blank and text rows.
-    """
+    """End of a block: blank and text rows aside."""
     while row > 0 and "n" not in [classify(cell) for cell in sheet.cells.iloc[row - 1]]:
         row -= 1
     return int(row)
 
 
 def _find_title(sheet: Sheet, row: int) -> str:
-    """Words right above a heading.
-
-    They count where they are alone.
-    """
+    """Single words right above a heading."""
     if row == 0:
         return ""
     above = [str(cell).strip() for cell in sheet.cells.iloc[row - 1] if str(cell).strip()]
@@ -166,10 +154,7 @@ def _strip_comment(level: list[str]) -> list[str]:
 
 
 def _drop_scorer(levels: list[list[str]]) -> tuple[list[list[str]], bool]:
-    """Heading rows of DeepLabCut without the network's name.
-
-    The function also returns whether the rows are DeepLabCut's.
-    """
+    """Heading rows of DeepLabCut without the network; whether so."""
     if not levels or levels[-1][0] != "coords":
         return levels, False
     kept = [["", *level[1:]] for level in levels if level[0] != "scorer"]
@@ -179,10 +164,7 @@ def _drop_scorer(levels: list[list[str]]) -> tuple[list[list[str]], bool]:
 def _drop_text_rows(
     cells: pd.DataFrame, row: np.ndarray, decimal: str, missing: Collection[str]
 ) -> tuple[pd.DataFrame, np.ndarray, list[str]]:
-    """Drop blank rows, and words below numbers.
-
-    Words below the last row of numbers go with what is summed up there.
-    """
+    """Drop blank rows, and all below the numbers."""
     filled = (cells.astype(str).to_numpy() != "").any(axis=1)
     numbers = np.zeros(len(cells), bool)
     words = None

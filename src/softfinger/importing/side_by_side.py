@@ -1,7 +1,4 @@
-"""Trials side by side in one table.
-
-They are groups of the same columns, or a column each.
-"""
+"""Trials side by side in one table."""
 
 from __future__ import annotations
 
@@ -35,10 +32,7 @@ def list_groups(table: RawTable) -> dict[str, dict[str, str]]:
 
 
 def _split_names(table: RawTable, end: int) -> dict[str, dict[str, str]]:
-    """Columns by their first or last part.
-
-    A number at the end is such a part.
-    """
+    """Columns by their first or last part."""
     groups: dict[str, dict[str, str]] = {}
     for column in table.columns:
         parts = re.split(r"[ _.:-]+", column)

@@ -1,7 +1,4 @@
-"""Every table of a source.
-
-A source is a file, or a folder with files and folders in it.
-"""
+"""Every table of a file or a folder."""
 
 from __future__ import annotations
 
@@ -70,10 +67,7 @@ def read_tables(source: Path, asked: Tables) -> tuple[list[RawTable], list[str]]
 
 
 def _list_files(source: Path, asked: Tables, dropped: list[str]) -> Iterator[tuple[Path, Path]]:
-    """Files to read, each with its message name.
-
-    The others are noted.
-    """
+    """Files to read, and names; notes of others."""
     if source.is_file():
         yield source, Path(source.name)
         return

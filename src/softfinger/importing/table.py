@@ -1,7 +1,4 @@
-"""A table as found in a file.
-
-It has columns, their units, and what is stated above them.
-"""
+"""A table as found: columns, units, what is stated."""
 
 from __future__ import annotations
 

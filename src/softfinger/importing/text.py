@@ -1,7 +1,4 @@
-"""Delimited text, whatever its form.
-
-Any delimiter, decimal mark, preamble and heading rows are read.
-"""
+"""Delimited text, whatever its form."""
 
 from __future__ import annotations
 
@@ -73,10 +70,7 @@ def _decode(content: bytes, name: Path, encoding: str | None) -> str:
 
 
 def split_lines(lines: Sequence[str], delimiter: str) -> list[list[str]]:
-    """Cells of lines.
-
-    Where the delimiter is a blank, any number of blanks is one.
-    """
+    """Cells of lines; blanks delimit as one."""
     if delimiter in (" ", SPACES):
         return [line.split() for line in lines]
     return [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=delimiter)]

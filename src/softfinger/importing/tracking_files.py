@@ -1,7 +1,4 @@
-"""Files of trackers that are no tables.
-
-They are SLEAP's analysis HDF5 and `movement`'s NetCDF.
-"""
+"""SLEAP's analysis HDF5 and `movement`'s NetCDF."""
 
 from __future__ import annotations
 

@@ -22,20 +22,14 @@ SEPARATOR = ": "  # between a topic and its column
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """One trial as found in its tables.
-
-    It has one table, or a table for each topic, by the topic's name.
-    """
+    """One trial: its tables by topic."""
 
     name: str
     tables: dict[str, RawTable]
 
     @property
     def columns(self) -> list[str]:
-        """Columns of all tables.
-
-        The topic is in front where there are several.
-        """
+        """Columns of all tables, with topics where several."""
         if len(self.tables) == 1:
             return next(iter(self.tables.values())).columns
         return [f"{k}{SEPARATOR}{c}" for k, table in self.tables.items() for c in table.columns]
@@ -101,10 +95,7 @@ def split_trials(
 
 
 def name_tables(tables: Sequence[RawTable]) -> list[str]:
-    """Name each table by what distinguishes it.
-
-    This is its file, its sheet, or the title of its block.
-    """
+    """Name each table by what distinguishes it."""
     stems = [str(table.file.with_suffix("")) for table in tables]
     short = [table.file.stem for table in tables]
     stems = short if len(set(short)) == len(set(stems)) else [s.replace("/", "_") for s in stems]
@@ -210,10 +201,7 @@ def group_topics(tables: Sequence[RawTable]) -> dict[str, list[RawTable]]:
 
 
 def _group_by_stem(tables: Sequence[RawTable]) -> dict[str, list[RawTable]]:
-    """Files of one name in folders of quantities.
-
-    An example is ``angles/a.csv, load/a.csv``.
-    """
+    """Tables of one name, as ``angles/a.csv, load/a.csv``."""
     groups: dict[str, list[RawTable]] = {}
     for table in tables:
         groups.setdefault(table.file.stem, []).append(table)
@@ -244,10 +232,7 @@ def find_role(name: str) -> str | None:
 
 
 def _name_topics(tables: Sequence[RawTable]) -> dict[str, RawTable]:
-    """Tables by topic.
-
-    A topic is named by file (and sheet), without what all of them share.
-    """
+    """Tables by topic, without what all share."""
     if len({t.file.stem for t in tables}) == 1 and len({t.file.parent for t in tables}) > 1:
         return {t.file.parent.name: t for t in tables}
     stems = [" ".join(filter(None, [t.file.stem, t.sheet])) for t in tables]

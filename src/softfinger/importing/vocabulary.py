@@ -1,7 +1,4 @@
-"""Words that laboratories use in column names.
-
-They name a clock, a motion, a load and what else is logged.
-"""
+"""Words that laboratories use in column names."""
 
 from __future__ import annotations
 
@@ -83,10 +80,7 @@ def list_tokens(name: str) -> list[str]:
 
 
 def score_words(name: str, words: str) -> float:
-    """How well a name fits words.
-
-    It is 2 for a whole word, 1 for a part of one, and 0 for none.
-    """
+    """How well a name fits: 2 whole, 1 part."""
     tokens = list_tokens(name)
     known = words.split()
     joined = "".join(tokens)
@@ -96,10 +90,7 @@ def score_words(name: str, words: str) -> float:
 
 
 def is_derived(name: str) -> bool:
-    """Whether a name means a derived quantity.
-
-    This is a limit, a rate or the like.
-    """
+    """Whether a name means a limit, rate or alike."""
     return score_words(name, DERIVED) == 2.0
 
 
@@ -132,10 +123,7 @@ def find_quantity(name: str, unit: str, role: Mapping[str, str]) -> tuple[str, f
 
 
 def _is_counted(unit: str, quantity: str) -> bool:
-    """Whether a unit of counts fits a quantity.
-
-    The unit is one of counts, pixels or shares.
-    """
+    """Whether a unit of counts fits a quantity."""
     plain = not is_unit(unit) or _is_alike(unit, "1") or _is_alike(unit, "pixel")
     return plain and quantity not in ("time", "torque", "stress")
 

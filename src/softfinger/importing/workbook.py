@@ -1,7 +1,4 @@
-"""Workbooks: every visible sheet as cells.
-
-Merged cells carry their value all over.
-"""
+"""Workbooks: every visible sheet as cells."""
 
 from __future__ import annotations
 
@@ -76,10 +73,7 @@ def _read_sheet(sheet: CalamineSheet, name: Path) -> Sheet:
 
 
 def _fill_merged(sheet: CalamineSheet, rows: list[list[Any]]) -> int:
-    """Repeat the first cell of each merged range.
-
-    The function returns how many cells that filled.
-    """
+    """Repeat merged ranges' first cells; return how many."""
     filled = 0
     for (top, left), (bottom, right) in sheet.merged_cell_ranges or []:
         value = rows[top][left] if top < len(rows) and left < len(rows[top]) else ""

@@ -1,7 +1,4 @@
-"""A campaign folder out of imported trials.
-
-Nothing that exists is overwritten.
-"""
+"""A new campaign folder out of imported trials."""
 
 from __future__ import annotations
 
@@ -91,10 +88,7 @@ def name_files(names: Sequence[str]) -> list[str]:
 def describe_campaign(
     description: ImportDescription, trials: Sequence[ImportedTrial]
 ) -> dict[str, Any]:
-    """Content of ``campaign.yaml``.
-
-    It is a finger where the motion is of joints, else a specimen.
-    """
+    """Content of ``campaign.yaml``: a finger or specimen."""
     head: dict[str, Any] = {
         "version": 1, "name": description.name, "source": description.source,
     }  # fmt: skip
@@ -120,10 +114,7 @@ def describe_campaign(
 
 
 def count_joints(description: ImportDescription, trials: Sequence[ImportedTrial]) -> int:
-    """Number of joints of a finger, or 0.
-
-    It is 0 for a specimen.
-    """
+    """Number of joints of a finger, else 0."""
     if trials[0].points:
         return len(trials[0].points) - 2
     return trials[0].motion.shape[1] if description.motion.quantity == "angle" else 0

@@ -1,7 +1,4 @@
-"""Numbers that limit the work of an inference.
-
-They also set how finely it computes.
-"""
+"""Numbers that limit the work of an inference."""
 
 from dataclasses import dataclass
 

@@ -109,10 +109,7 @@ def _measure_change(
     chain: int,
     every: int,
 ) -> NDArray[np.float64]:
-    """Δ_i (draw, trial) [nats] of some draws.
-
-    It takes every few draws of one chain.
-    """
+    """Δ_i (draw, trial) [nats] of every few draws."""
     eta, effect = draws["eta"][chain, ::every], draws["effect"][chain, ::every]
     scale = draws["noise_scale"][chain, ::every]
     trials = eta.shape[1]

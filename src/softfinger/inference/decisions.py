@@ -1,7 +1,4 @@
-"""Numbers that decide what an inference trusts.
-
-They also decide what counts as present in a campaign.
-"""
+"""Numbers that decide what an inference trusts."""
 
 from dataclasses import dataclass
 

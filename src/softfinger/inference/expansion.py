@@ -95,10 +95,7 @@ def expand_fit(
 
 
 def forget_trial(expansion: Expansion, trial: int) -> Expansion:
-    """Remove the recording of one trial.
-
-    The trial itself remains, unknown.
-    """
+    """Forget a recording, but not its trial."""
     names = ("gram", "rows", "logdet")
     left = {name: getattr(expansion, name).copy() for name in names}
     for array in left.values():

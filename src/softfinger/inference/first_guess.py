@@ -1,7 +1,4 @@
-"""First guesses of the base model's parameters.
-
-They are least squares over a grid of rates.
-"""
+"""First guesses of base parameters, over rates."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -124,10 +124,7 @@ def _read_state(state: ChainState, given: Given) -> dict[str, NDArray[np.float64
 
 
 def _follow_chains(running: list[Future], done: NDArray, sweeps: int, stop: Event) -> None:
-    """Wait for all chains.
-
-    After Ctrl-C they end with the sweep that they are in.
-    """
+    """Wait for all chains' sweeps, even after Ctrl-C."""
     try:
         with follow_progress("sampling chains", sweeps) as follow:
             while wait(running, timeout=0.1).not_done:
@@ -139,10 +136,7 @@ def _follow_chains(running: list[Future], done: NDArray, sweeps: int, stop: Even
 
 
 def start_chain(given: Given, sigma: NDArray[np.float64], rng: np.random.Generator) -> ChainState:
-    """Start a chain, dispersed.
-
-    Each trial starts about where its population and the fit put it.
-    """
+    """Start a chain, dispersed about population and fit."""
     expansion, bounded = given.expansion, given.effects.bounded
     trials, size = expansion.own.shape
     few = BUDGET.dispersion / np.sqrt(trials)
@@ -160,10 +154,7 @@ def start_chain(given: Given, sigma: NDArray[np.float64], rng: np.random.Generat
 def _place_trials(
     state: ChainState, given: Given, number: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Centre and factor of the trials' whitening.
-
-    They are (d, trial) and (d, d, trial).
-    """
+    """Centre (d, trial), factor (d, d, trial) of whitening."""
     expansion, bounded = given.expansion, given.effects.bounded
     change = bounded.bind(number) - expansion.shared
     pull = shift_pull(expansion.pull, expansion.cross, change)
@@ -183,10 +174,7 @@ def _measure(
 
 
 def sweep_once(state: ChainState, given: Given, rng: np.random.Generator) -> float:
-    """Draw everything once, in place.
-
-    Returns the share of the trials' moves that were accepted.
-    """
+    """Draw everything once, in place; accepted share."""
     expansion, prior = given.expansion, given.prior
     bounded = given.effects.bounded
     accepted = 0

@@ -1,7 +1,4 @@
-"""Compiled moves of a sweep (`gibbs`).
-
-They let other threads run.
-"""
+"""Compiled moves of a sweep (`gibbs`), lock free."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -111,10 +111,7 @@ def _weigh_points(
     shared: NDArray,
     gram: NDArray,
 ) -> NDArray:
-    """Log of p(y|η) p(η) / q(η): (point, trial).
-
-    Constants of the noise are left out.
-    """
+    """Log of p(y|η) p(η) / q(η): (point, trial)."""
     count, size, trials = points.shape
     half_log_det = np.log(np.diag(np.linalg.cholesky(precision))).sum()
     away = np.empty(size)

@@ -1,7 +1,4 @@
-"""The fit laid out as ArviZ groups.
-
-The names are those that everything downstream reads.
-"""
+"""The fit laid out as ArviZ groups."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -79,10 +76,7 @@ def name_draws(
 
 
 def _name_noise(scale: NDArray[np.float64], noise: xr.Dataset) -> dict[str, tuple]:
-    """The noise of each draw.
-
-    It is the estimate, with its sd times the draw's scale.
-    """
+    """The noise of each draw, times its scale."""
     dims, lead = ("chain", "draw"), scale.shape
     rho, correlation = (
         noise[f"noise_{name}"].values for name in ("autocorrelation", "correlation")
@@ -107,10 +101,7 @@ def build_tree(
     config: Mapping[str, Any],
     rng: np.random.Generator,
 ) -> xr.DataTree:
-    """Lay the fit out in ArviZ's groups.
-
-    Predictions and the trials' scores are included.
-    """
+    """Lay fit, predictions and scores out for ArviZ."""
     recorded, given, coords = prepared
     angles, problem = recorded.angles, recorded.problem
     noise_sd = problem.noise["noise_sd"].values

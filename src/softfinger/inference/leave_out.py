@@ -83,10 +83,7 @@ def leave_trials_out(
 
 
 def _resample(draws: xr.Dataset, weight: np.ndarray, rng: np.random.Generator) -> xr.Dataset:
-    """Draw hyperparameters and noise (sample, joint) by weight.
-
-    The weights are (chain, draw).
-    """
+    """Draw hyperparameters (sample, joint) by weight (chain, draw)."""
     names = [f"{level}_{name}" for level in ("mu", "sigma") for name in LOG_PARAMETERS]
     place = rng.choice(weight.size, BUDGET.left_out_draws, p=weight.ravel())
     chain, draw = (xr.DataArray(at, dims="sample") for at in np.unravel_index(place, weight.shape))

@@ -81,10 +81,7 @@ def compute_loo_pit(
 
 
 def thin_samples(population: xr.Dataset) -> xr.Dataset:
-    """Keep every few draws (sample).
-
-    A PIT needs no more than `pit_draws`.
-    """
+    """Keep at most `pit_draws` draws (sample)."""
     step = max(population.sizes["sample"] // BUDGET.pit_draws, 1)
     return population.isel(sample=slice(None, None, step))
 
@@ -110,10 +107,7 @@ def _draw_angles(
     time: NDArray[np.float64],
     rng: np.random.Generator,
 ) -> NDArray[np.float64]:
-    """Angles (sample, joint, moment) of one new trial.
-
-    There is one for every draw of a population.
-    """
+    """Angles (sample, joint, moment) of one new trial."""
     ordered = population.transpose("sample", ...)
     own = draw_own(ordered, 1, rng)[:, 0]
     load = tuple(recorded.angles[name].values[trial] for name in ("load_time", "load_torque"))

@@ -1,7 +1,4 @@
-"""The mixed-effects model linearised at a place.
-
-It is centred there, solved, and its shared parameters are bounded.
-"""
+"""The mixed-effects model linearised, solved and bounded."""
 
 from typing import NamedTuple
 

@@ -71,10 +71,7 @@ class Relaxation(NamedTuple):
         return np.clip(min(right, (1 + 1 / self.count) * self.most), BUDGET.least_fraction, 1.0)
 
     def take(self, most: float, wanted: NDArray[np.float64], fraction: float) -> "Relaxation":
-        """Remember a change, and the fraction of it taken.
-
-        `most` is what was allowed.
-        """
+        """Remember a change, its fraction taken, `most` allowed."""
         return Relaxation(most, wanted, fraction, self.count + 1)
 
 
@@ -127,10 +124,7 @@ def take_step(
 
 
 def _step_back(linear: LinearFit, own: NDArray, gram: NDArray, longest: NDArray) -> NDArray:
-    """Gauss-Newton step of every trial's η.
-
-    φ, μ and Ω are fixed.
-    """
+    """Gauss-Newton step of every η, all else fixed."""
     d = len(linear.omega)
     inverse = np.linalg.inv(linear.omega)
     pull = gram[:, :d, -1] - (own - linear.shared[:d]) @ inverse

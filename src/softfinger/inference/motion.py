@@ -1,7 +1,4 @@
-"""Motion of many trials at once.
-
-Each has its own parameters and effects.
-"""
+"""Motion of many trials, each with own effects."""
 
 from collections.abc import Callable
 
@@ -135,10 +132,7 @@ def move_trials(
 def fill_draw_slots(
     model: EffectModel, effect: NDArray[np.float64], like: NDArray[np.int64]
 ) -> tuple[SlotArrays, NDArray[np.bool_]]:
-    """Slots of m trials under their own φ.
-
-    φ is (m, p). Also which φ (m,) has none.
-    """
+    """Slots under φ (m, p), and failures (m,)."""
     kinds, kind = np.unique(effect, axis=0, return_inverse=True) if effect.size else (
         effect[:1], np.zeros(len(effect), int)
     )  # fmt: skip

@@ -1,7 +1,4 @@
-"""PyTensor operations that are one numba function each.
-
-They are ordinary operations with exact derivatives, so any PyMC sampler can use them.
-"""
+"""PyTensor operations that are one numba function each."""
 
 from collections.abc import Callable, Sequence
 from typing import ClassVar

@@ -1,7 +1,4 @@
-"""Operations of the density that PyMC lacks.
-
-They are the likelihood of an expansion, a product, and the factor of a correlation.
-"""
+"""Operations of the density that PyMC lacks."""
 
 from collections.abc import Sequence
 

@@ -1,7 +1,4 @@
-"""The hierarchical posterior of a campaign.
-
-Prepare, sample, weigh, check predictions, lay out.
-"""
+"""The hierarchical posterior of a campaign."""
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -105,10 +102,7 @@ def fit_posterior(
 def prepare_fit(
     angles: xr.Dataset, content: ModelFile | None = None, *, priors: bool = True
 ) -> Preparation:
-    """Fit the model at its mode, and expand it.
-
-    The priors are set as well.
-    """
+    """Fit and expand the model; set the priors."""
     problem, fit = pose_problem(angles, content, priors=priors)
     return prepare_candidate(angles, problem, Candidate(problem.base, fit, fit.log_evidence))
 
@@ -140,20 +134,14 @@ def prepare_candidate(angles: xr.Dataset, problem: Problem, candidate: Candidate
 
 
 def describe_effects(model: EffectModel, fit: Fit) -> Effects:
-    """Names, priors and bounds of φ.
-
-    Also where the fit puts it.
-    """
+    """Names, priors, bounds and fit of φ."""
     names = [f"{model.pieces[e.piece].effect.id}.{e.name}" for e in model.entries]
     bounded = place_effects(fit.shared, fit.shared_covariance, model.low, model.high)
     return Effects(names, *model.shared_prior, bounded)
 
 
 def compile_fit(prepared: Preparation, config: Mapping[str, Any]) -> Density | None:
-    """Compile the density of a model and a campaign.
-
-    Gibbs sampling needs none.
-    """
+    """Compile the density, which Gibbs does without."""
     if config["sampler"] == "gibbs":
         return None
     return compile_density(build_pymc_model(prepared.given, prepared.coords, config["covariance"]))
@@ -217,10 +205,7 @@ def correct_posterior(
 def take_draws(
     drawn: dict[str, NDArray[np.float64]], found: Correction
 ) -> dict[str, NDArray[np.float64]]:
-    """Put each draw where weighing has put it.
-
-    Draws are (chain, draw, …).
-    """
+    """Put draws (chain, draw, …) where weighing wants."""
     chain = np.arange(len(found.kept))[:, None]
     return {name: values[chain, found.kept] for name, values in drawn.items()}
 
@@ -231,10 +216,7 @@ def sample_posterior(
     rng: np.random.Generator,
     density: Density | None = None,
 ) -> tuple[xr.Dataset, xr.Dataset]:
-    """Sample and weigh.
-
-    Returns the posterior's named variables and the sampler's statistics.
-    """
+    """Sample and weigh; named variables and statistics."""
     density = compile_fit(prepared, config) if density is None else density
     drawn, stats = draw_points(prepared, config, rng, density)
     kept = take_draws(drawn, correct_posterior(prepared, drawn, rng))

@@ -1,7 +1,4 @@
-"""What the model expects to record.
-
-It predicts the recorded trials, new ones, and trials before any data.
-"""
+"""What the model expects to record."""
 
 from typing import NamedTuple
 
@@ -167,10 +164,7 @@ def thin_draws(posterior: xr.Dataset, draws: int) -> xr.Dataset:
 
 
 def _thin_times(recorded: Recorded, like: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Times (trial, moment) [s] of evenly spaced used frames.
-
-    They are NaN behind the last.
-    """
+    """Times (trial, moment) [s] of even frames, NaN-padded."""
     time = recorded.angles["time"].transpose("trial", "frame").values[like]
     thinned = np.full((len(like), BUDGET.predicted_frames), np.nan)
     for i, used in enumerate(recorded.frames["used"].values[like]):

@@ -26,10 +26,7 @@ from softfinger.faults import Fault
 
 @dataclass(frozen=True)
 class InferencePriors:
-    """What an inference assumes before any data.
-
-    Of a population, its noise and its disturbances.
-    """
+    """What an inference assumes before any data."""
 
     elastic_rad: float = 0.5
     """[rad] that a joint is expected to bend elastically. Why: it is seen, and does not break."""
@@ -118,10 +115,7 @@ def build_prior(angles: xr.Dataset, frames: xr.Dataset) -> PopulationPrior:
 
 
 def _compute_duration(angles: xr.Dataset, used: NDArray[np.bool_]) -> float:
-    """Median duration [s] of the trials under load.
-
-    It runs from the first load to the last used frame.
-    """
+    """Median time [s] from load to last frame."""
     time = angles["time"].transpose("trial", "frame").values
     knots = angles["load_time"].transpose("trial", "knot").values
     load = angles["load_torque"].transpose("trial", "knot").values

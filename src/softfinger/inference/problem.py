@@ -1,7 +1,4 @@
-"""A campaign as a mixed-effects problem.
-
-Its recordings, priors, forward model, and fits.
-"""
+"""A campaign as a mixed-effects problem."""
 
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -265,10 +262,7 @@ def simulate_frames(
 
 
 def compute_usual_inertia(setting: Setting) -> NDArray[np.float64]:
-    """Inertia (joint, joint) of even links.
-
-    With it the first joint swings once in ten frames.
-    """
+    """Inertia (joint, joint) that swings in ten frames."""
     even = np.ones(setting.joints)
     shape = compute_inertia_coefficients(FingerGeometry.uniform(even, even, 1.0, 1.0))
     return shape / shape.sum() * setting.stiffness[0] * (10 * setting.interval / 2 / np.pi) ** 2

@@ -1,7 +1,4 @@
-"""Whitened Gram matrix of each trial.
-
-It follows from a model's angles and derivatives at the bins' nodes.
-"""
+"""Whitened Gram matrix of each trial."""
 
 import numpy as np
 from numba import prange
@@ -119,10 +116,7 @@ def whiten_slope(trials: Trials, slope: NDArray[np.float64], trial: int) -> NDAr
 
 
 def whiten_residual(trials: Trials, angle: NDArray[np.float64], trial: int) -> NDArray[np.float64]:
-    """Whitened residual (bin, joint) of one trial.
-
-    It is NaN for joints that were not seen.
-    """
+    """Whitened residual (bin, joint), NaN where unseen."""
     empty = np.zeros((*angle.shape[1:], 0))
     present, kind = trials.present[trial], trials.protocol[trial]
     seen, scale = trials.angle[trial], trials.scale[trial]

@@ -14,10 +14,7 @@ from softfinger.mechanics.three_element import compute_elastic_basis_array
 
 
 def build_setting(angles: xr.Dataset, trials: Trials, own: NDArray[np.float64]) -> Setting:
-    """Describe a campaign.
-
-    The base model's parameters (trial, 4 · joint) are given.
-    """
+    """Describe a campaign at base parameters (trial, 4·joint)."""
     chosen = angles.sel(trial=trials.name)
     kinds = set(chosen["load_kind"].values.tolist())
     largest = np.abs(trials.load_torque).max(axis=1)
@@ -76,10 +73,7 @@ def _falls(load: NDArray, torque: float, share: float) -> bool:
 
 
 def find_step_gap(trials: Trials) -> float:
-    """Widest gap [s] between a step's two rows.
-
-    It is 0 where every step has its time.
-    """
+    """Widest gap [s] in a step, or 0."""
     gap = np.diff(trials.load_time, axis=1)
     jump = (gap == 0.0) & (np.diff(trials.load_torque, axis=1) != 0.0)
     stated = gap[:, :-1][jump[:, 1:]]

@@ -1,7 +1,4 @@
-"""Recordings drawn from the model itself.
-
-They serve predictions, calibration and design.
-"""
+"""Recordings drawn from the model itself."""
 
 from collections.abc import Sequence
 
@@ -167,10 +164,7 @@ def draw_angles(
 def group_clocks(
     time: NDArray[np.float64],
 ) -> list[tuple[NDArray[np.int64], NDArray[np.float64]]]:
-    """Group the trials that have the same times.
-
-    Times are (trial, frame); each group has its rows and the times.
-    """
+    """Group trials (trial, frame) of the same times."""
     _, first, index = np.unique(
         np.nan_to_num(time, nan=-1.0), axis=0, return_index=True, return_inverse=True
     )

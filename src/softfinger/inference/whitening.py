@@ -212,10 +212,7 @@ def whiten_trials(
 
 @compiled(error_model="numpy")
 def whiten_about(eta: NDArray, centre: NDArray, factor: NDArray) -> NDArray:
-    """Turn parameters into z = Rᵀ(η − centre).
-
-    Both are (p, trial).
-    """
+    """Turn parameters (p, trial) into Rᵀ(η − centre)."""
     z = np.zeros(eta.shape)
     for b in range(len(z)):
         for a in range(b, len(z)):

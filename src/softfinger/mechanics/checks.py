@@ -1,7 +1,4 @@
-"""Refuse input that no finger could have.
-
-The fault is one sentence with the value and the bound.
-"""
+"""Refuse, with value and bound, what no finger has."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,10 +7,7 @@ from softfinger.faults import Fault
 
 
 def require_positive(name: str, value: ArrayLike, unit: str, *, infinite: bool = False) -> None:
-    """Raise `Fault` unless every value is > 0.
-
-    Values are also finite, unless `infinite` is allowed.
-    """
+    """Refuse values not > 0 or, unless `infinite`, infinite."""
     array = np.asarray(value, float)
     bad = ~(array > 0) if infinite else ~((array > 0) & (array < np.inf))
     if bad.any():

@@ -218,10 +218,7 @@ def _integrate_trial(
 
 @compiled
 def _propose_step(error: float, length: float, step: float, last: bool) -> float:
-    """Propose the step after one of `length`.
-
-    The next knot may have cut that one short of `step`.
-    """
+    """Propose the step after one of `length`."""
     if error > 1.0:
         return length * (max(0.1, 0.9 * error**-0.2) if error < 1e30 else 0.1)
     grown = length * min(8.0, 0.9 * max(error, 1e-10) ** -0.2)
@@ -245,10 +242,7 @@ def _measure_error(error: NDArray, step: float, tolerance: float) -> float:
 
 @compiled
 def _fill_bends(stages: NDArray, bends: NDArray) -> None:
-    """Write H₁k, H₂k, H₃k into `bends`.
-
-    The step's three are its rows.
-    """
+    """Write H₁k, H₂k, H₃k into `bends`' rows."""
     for power in range(3):
         for k in range(stages.shape[0]):
             bends[power, k] = 0.0

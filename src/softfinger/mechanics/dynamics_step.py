@@ -34,10 +34,7 @@ def fill_stages(
     squares: NDArray,
     rows: NDArray,
 ) -> None:
-    """One Rosenbrock step from `state` to `after`.
-
-    It also gives the stage increments.
-    """
+    """One Rosenbrock step `state` → `after`, and stages."""
     n = state.size // 3
     inertia, by_angle, system, scratch = squares
     rate, right = rows[: 3 * n], rows[3 * n : 6 * n]
@@ -103,10 +100,7 @@ def _fill_rate(
     factors: NDArray,
     rate: NDArray,
 ) -> None:
-    """The equations of motion.
-
-    (q̇, q̈, q̇_v) goes into `rate`, M(q) into `inertia`.
-    """
+    """(q̇, q̈, q̇_v) into `rate`, M(q) into `inertia`."""
     n = state.size // 3
     push = rate[n : 2 * n]
     fill_inertia_and_nonlinear_term(state[:n], state[n : 2 * n], coefficients, inertia, push)

@@ -8,10 +8,7 @@ from softfinger.compiled import compiled
 
 @compiled
 def factorise(matrix: NDArray) -> None:
-    """LU without pivoting, in place.
-
-    M, and M plus a positive damping, need none.
-    """
+    """LU without pivoting, in place, for positive M."""
     n = matrix.shape[0]
     for k in range(n):
         for i in range(k + 1, n):
@@ -35,10 +32,7 @@ def solve_factorised(matrix: NDArray, vector: NDArray) -> None:
 
 @compiled
 def factorise_pivoted(matrix: NDArray, pivot: NDArray) -> bool:
-    """LU with row exchanges, in place.
-
-    False where the matrix is singular or not finite.
-    """
+    """LU with row exchanges, in place; False: singular."""
     n = matrix.shape[0]
     for k in range(n):
         best = k
@@ -69,10 +63,7 @@ def solve_pivoted(matrix: NDArray, pivot: NDArray, vector: NDArray) -> None:
 
 @compiled
 def solve_columns(matrix: NDArray, pivot: NDArray, columns: NDArray) -> None:
-    """Solve with the factors of `factorise_pivoted`.
-
-    It is in place, all columns (n, column) at once.
-    """
+    """Solve columns (n, column), in place, after `factorise_pivoted`."""
     n, count = columns.shape
     for k in range(n):
         if pivot[k] != k:

@@ -96,10 +96,7 @@ def compute_moment_arm_array(
 
 @compiled
 def moment_arm(angle: NDArray, half_length: float, offset: float) -> NDArray:
-    """The arm (l_joint/2) sin(q/2) + d cos(q/2) [m].
-
-    It is of one angle or of an array, without checks.
-    """
+    """(l_joint/2) sin(q/2) + d cos(q/2) [m], unchecked."""
     return half_length * np.sin(angle / 2) + offset * np.cos(angle / 2)
 
 

@@ -1,7 +1,4 @@
-"""The shape of what no listed effect explains.
-
-Without such a misfit there is no quantity.
-"""
+"""The shape of what no listed effect explains."""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

@@ -1,7 +1,4 @@
-"""The curves of a diagnosis's free laws.
-
-Where no law is free there is none.
-"""
+"""The curves of a diagnosis's free laws."""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

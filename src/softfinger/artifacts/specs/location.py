@@ -1,7 +1,4 @@
-"""Where base and repaired model miss.
-
-Misfits within trials and between trials are apart.
-"""
+"""Where base and repaired model miss."""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

@@ -1,7 +1,4 @@
-"""How visible each effect is in a campaign.
-
-It gives what the protocol could show, and what the base model absorbs.
-"""
+"""What a protocol could show of each effect."""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

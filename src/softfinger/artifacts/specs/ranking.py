@@ -1,7 +1,4 @@
-"""How well every effect explains the base model's misfit.
-
-Every fitted form of an effect has its own row.
-"""
+"""How well every form explains the base's misfit."""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

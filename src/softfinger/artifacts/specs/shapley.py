@@ -1,7 +1,4 @@
-"""Shapley effects of correlated parameters, and their correlations.
-
-They are shares in the spread of the joint angle.
-"""
+"""Shapley effects of correlated parameters on the angle."""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

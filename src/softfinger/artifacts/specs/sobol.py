@@ -1,7 +1,4 @@
-"""Sobol indices of the joint angle over time.
-
-Their meaning for design is added.
-"""
+"""Sobol indices of the joint angle over time."""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

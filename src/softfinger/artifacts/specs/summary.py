@@ -1,7 +1,4 @@
-"""Numbers for tables and figures.
-
-They describe recordings, population and diagnosis.
-"""
+"""Numbers for tables and figures."""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

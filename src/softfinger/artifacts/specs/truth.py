@@ -1,7 +1,4 @@
-"""What the virtual rig really did.
-
-Only tests and calibration read it.
-"""
+"""What the virtual rig did; for tests only."""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

@@ -1,7 +1,4 @@
-"""What a rig's protocols would show of each effect.
-
-It is computed before anything is recorded.
-"""
+"""What a rig's protocols would show, before recording."""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
 

@@ -1,7 +1,4 @@
-"""Three lags in a row, not one or two.
-
-Their times are as seven to two to one.
-"""
+"""Three lags in a row, as 7:2:1."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""Softening from trial to trial, with recovery.
-
-A long pause between sessions undoes a part of it.
-"""
+"""Softening from trial to trial; a pause undoes some."""
 
 from __future__ import annotations
 

@@ -11,10 +11,7 @@ from softfinger.concealed.effects.effect import Array, Circumstances, Dose, Effe
 
 
 def _delay(dose: Dose, trial: Circumstances) -> float:
-    """Delay [s] of a trial.
-
-    It differs by up to 10 % between trials.
-    """
+    """Delay [s] of a trial, within 10 %."""
     return dose.strength * (0.9 + 0.2 * trial.luck[0])
 
 

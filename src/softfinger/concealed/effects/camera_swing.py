@@ -1,7 +1,4 @@
-"""A camera that turns to and fro.
-
-It turns within a trial, while the base's direction was read only once.
-"""
+"""A camera that turns to and fro."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""A wire that slips in its clamp.
-
-It slips at a random time, in every other trial.
-"""
+"""A wire that slips in every other trial."""
 
 from __future__ import annotations
 
@@ -13,10 +10,7 @@ from softfinger.concealed.protocols import Load
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """From the slip on, the tension is lower.
-
-    It lacks a share of what is logged.
-    """
+    """From the slip on, a share is missing."""
     if trial.luck[0] > 0.5 and trial.count > 1:
         return physics
     slips = (0.15 + 0.7 * trial.luck[1]) * trial.duration

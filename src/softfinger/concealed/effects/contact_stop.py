@@ -1,7 +1,4 @@
-"""A stop with a Hertzian contact, not a spring.
-
-It is met as two spheres meet.
-"""
+"""A stop with a Hertzian contact."""
 
 from __future__ import annotations
 
@@ -10,10 +7,7 @@ from softfinger.concealed.physics import Physics
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """Torque −K (q − stop)^1.5 beyond the stop.
-
-    The strength is K [N m/rad^1.5].
-    """
+    """Torque −K (q − stop)^1.5, K [N m/rad^1.5]."""
     joints = physics.k_v.size
     return physics._replace(
         stop_stiffness=dose.spread(joints),

@@ -1,7 +1,4 @@
-"""A joint that rubs on its support.
-
-Dry friction acts against its own motion.
-"""
+"""A joint with dry friction on its support."""
 
 from __future__ import annotations
 

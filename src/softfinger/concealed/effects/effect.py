@@ -1,7 +1,4 @@
-"""What an effect of the proof is.
-
-It is a switch with a strength, in a physical form of its own.
-"""
+"""An effect of the proof: a switch, own form."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""Power-law creep as a ladder of retardation times.
-
-There are eight, over six decades.
-"""
+"""Power-law creep as eight retardation times."""
 
 from __future__ import annotations
 

@@ -11,10 +11,7 @@ STANDARD_GRAVITY = 9.80665
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """Tilt of the plane about one of two directions.
-
-    They are the base's direction and the direction across it.
-    """
+    """Tilt along the base, or across it."""
     along = STANDARD_GRAVITY * np.sin(dose.strength)
     if dose.shape["along_base"]:
         return physics._replace(gravity_x=physics.gravity_x + along)

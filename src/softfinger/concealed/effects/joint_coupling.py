@@ -1,7 +1,4 @@
-"""An elastic skin over two neighbouring joints.
-
-Each one's deflection loads the other.
-"""
+"""An elastic skin over two neighbouring joints."""
 
 from __future__ import annotations
 

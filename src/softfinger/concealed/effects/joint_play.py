@@ -1,7 +1,4 @@
-"""Play of a joint.
-
-The joint snaps over as soon as the wire is taut, and back when it is slack.
-"""
+"""Play of a joint, taken up by the wire."""
 
 from __future__ import annotations
 

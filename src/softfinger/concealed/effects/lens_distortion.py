@@ -22,10 +22,7 @@ def _record(angle: Array, time: Array, dose: Dose, trial: Circumstances, rig: Ri
 
 
 def look_through(angle: Array, rig: Rig, bend: Callable[[Array], Array]) -> Array:
-    """Angles as seen in a distorted picture.
-
-    The picture shows every place, counted from its axis, elsewhere.
-    """
+    """Angles as seen in a distorted picture."""
     heading = np.cumsum(angle, axis=1)
     unit = np.stack([np.cos(heading), np.sin(heading)], axis=-1)
     link = rig.link_length[:, None] * unit

@@ -1,7 +1,4 @@
-"""A load cell whose gain creeps between trials.
-
-It creeps fast at first and then ever slower.
-"""
+"""A load cell's gain that creeps between trials."""
 
 from __future__ import annotations
 

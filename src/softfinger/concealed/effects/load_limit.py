@@ -1,7 +1,4 @@
-"""A drive that cannot pull harder than a limit.
-
-It nears the limit softly.
-"""
+"""A drive that softly nears its limit."""
 
 from __future__ import annotations
 
@@ -48,10 +45,7 @@ EFFECT = Effect(
 
 
 def limit_rate(load: Load, rate: float) -> Load:
-    """Tension that follows a load at limited rate.
-
-    It changes no faster than by `rate` [N/s].
-    """
+    """Tension that follows by at most `rate` [N/s]."""
     fine = refine_load(load, 0.25)
     time, wanted = [float(fine.time[0])], [0.0]
     for k in range(fine.time.size):
@@ -71,10 +65,7 @@ def _chase(
     line: tuple[float, float],
     rate: float,
 ) -> None:
-    """Follow one straight piece of a load.
-
-    It starts from what was reached before the piece.
-    """
+    """Follow one straight piece from what was reached."""
     start, stop = ends
     gap, slope = line[0] - reached[-1], line[1]
     if stop <= start:

@@ -1,7 +1,4 @@
-"""A link's markers that slip at one moment.
-
-They slip in every other trial.
-"""
+"""A link's markers slip in every other trial."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""The wire's own chord between its guides.
-
-It replaces a constant offset.
-"""
+"""The wire's own chord between its guides."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""Softening where the joint was strained before (Mullins).
-
-It happens within a trial.
-"""
+"""Softening by the largest strain before (Mullins)."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""A damper that gives way more easily bending.
-
-It gives way less easily as the joint returns.
-"""
+"""A damper that gives way more easily bending."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""A picture that stretches to one side.
-
-It stretches while its mount warms up.
-"""
+"""A picture that stretches as its mount warms."""
 
 from __future__ import annotations
 

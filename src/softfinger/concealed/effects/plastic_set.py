@@ -1,7 +1,4 @@
-"""A joint that keeps a set once overbent.
-
-It is bent too far once and does not come back all the way.
-"""
+"""A joint that keeps a set once overbent."""
 
 from __future__ import annotations
 
@@ -10,10 +7,7 @@ from softfinger.concealed.physics import Physics
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """Shift of the spring's rest beyond a threshold.
-
-    It is a share of what the spring's largest strain was beyond the threshold.
-    """
+    """Shift the rest by strain beyond a threshold."""
     return physics._replace(
         plastic=dose.spread(physics.k_v.size), plastic_from=dose.shape["from_rad"]
     )

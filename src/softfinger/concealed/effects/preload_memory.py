@@ -1,7 +1,4 @@
-"""Strain left from the trial before.
-
-The longer the rest, the less is left.
-"""
+"""Strain from the trial before, less after rest."""
 
 from __future__ import annotations
 
@@ -14,10 +11,7 @@ FORGETTING_S = 60.0
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """Voigt strain when the trial starts.
-
-    It is a share of what the trial's largest load would give.
-    """
+    """Voigt strain at the start of a trial."""
     elastic = physics.load_tension.max() * physics.wire_offset / physics.k_v
     left = dose.spread(physics.k_v.size) * np.exp(-trial.rest / FORGETTING_S)
     return physics._replace(residual=physics.residual + left * elastic)

@@ -1,7 +1,4 @@
-"""A narrow spectrum of longer retardation times.
-
-It is not a single time.
-"""
+"""A narrow spectrum of longer retardation times."""
 
 from __future__ import annotations
 

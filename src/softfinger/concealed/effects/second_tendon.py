@@ -1,7 +1,4 @@
-"""A second wire along the finger's back.
-
-It is slack until the finger as a whole is bent far enough.
-"""
+"""A second wire along the back, at first slack."""
 
 from __future__ import annotations
 
@@ -10,10 +7,7 @@ from softfinger.concealed.physics import Physics
 
 
 def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """Torque s (Σq − slack) on every joint.
-
-    It acts where the bend of all joints is beyond the slack.
-    """
+    """Torque s (Σq − slack) on every joint."""
     return physics._replace(tendon=dose.strength, tendon_slack=dose.shape["slack_rad"])
 
 

@@ -1,7 +1,4 @@
-"""A second session with other stiffness.
-
-From one trial on, the joints are stiffer or softer at once.
-"""
+"""A second session with other stiffness."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""Stiffness or viscosity that falls within a trial.
-
-A joint warms up or takes up water.
-"""
+"""Stiffness or viscosity that falls within a trial."""
 
 from __future__ import annotations
 
@@ -12,10 +9,7 @@ Warming = tuple[float, float, float, float]
 
 
 def soften(physics: Physics, dose: Dose, warming: Warming) -> Physics:
-    """Let stiffness, or the viscosities, lose a share.
-
-    They lose it as a joint warms by a law.
-    """
+    """Let stiffness or viscosities lose a share."""
     share = dose.spread(physics.k_v.size)
     if dose.shape["viscosity"]:
         return physics._replace(thinning_out=share, warming=warming)

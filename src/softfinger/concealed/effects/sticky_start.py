@@ -1,7 +1,4 @@
-"""A joint that sticks to its base.
-
-It sticks until it is pulled off, once in a trial.
-"""
+"""A joint that sticks until pulled off."""
 
 from __future__ import annotations
 

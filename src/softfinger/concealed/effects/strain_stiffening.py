@@ -1,7 +1,4 @@
-"""A spring that locks at a finite strain.
-
-It follows Gent's law, not a polynomial.
-"""
+"""A spring by Gent's law, with finite strain."""
 
 from __future__ import annotations
 

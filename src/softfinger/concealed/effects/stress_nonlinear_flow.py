@@ -1,7 +1,4 @@
-"""Creep rate with an additional 1.5 power.
-
-The power is beside the proportional part.
-"""
+"""Creep rate with an additional 1.5 power."""
 
 from __future__ import annotations
 

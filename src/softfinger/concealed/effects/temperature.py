@@ -1,7 +1,4 @@
-"""Viscosities or stiffness that depend on temperature.
-
-They follow the law of Williams, Landel and Ferry.
-"""
+"""Viscosities or stiffness by Williams, Landel and Ferry."""
 
 from __future__ import annotations
 

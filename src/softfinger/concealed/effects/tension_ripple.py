@@ -1,7 +1,4 @@
-"""A drive that turns unevenly.
-
-The tension swings around the logged one.
-"""
+"""A drive whose tension swings around the log."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""A damper that thins with the rate.
-
-The faster the Voigt element moves, the less it resists.
-"""
+"""A damper that resists less when fast."""
 
 from __future__ import annotations
 

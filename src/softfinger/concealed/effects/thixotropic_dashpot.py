@@ -1,7 +1,4 @@
-"""A dashpot whose structure breaks with flow.
-
-It heals at rest.
-"""
+"""A dashpot whose structure breaks, and heals at rest."""
 
 from __future__ import annotations
 

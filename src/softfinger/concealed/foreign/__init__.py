@@ -1,7 +1,4 @@
-"""Foreign laws: at least three for each effect.
-
-No textbook form contains any of them.
-"""
+"""Foreign laws, which no textbook form contains."""
 
 from __future__ import annotations
 

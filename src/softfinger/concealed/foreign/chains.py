@@ -1,7 +1,4 @@
-"""Foreign laws of weight and mass.
-
-They vary where along the finger both are.
-"""
+"""Foreign laws of weight and mass."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""Foreign laws of the load and the clock.
-
-They act between the log and the load that acts, and on the camera's clock.
-"""
+"""Foreign laws of the load and the clock."""
 
 from __future__ import annotations
 
@@ -19,10 +16,7 @@ from softfinger.concealed.protocols import Load, refine_load
 
 
 def _lag(stages: Array, mix: Array, transport: float = 0.0) -> Move:
-    """Build lags in a row after a delay.
-
-    Each stage gives a share; the delay is pure.
-    """
+    """Build lags in a row after a delay."""
 
     def move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
         if dose.strength == 0.0:
@@ -78,10 +72,7 @@ def _sag(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
 
 
 def _fill(load: Load, duration: float) -> Load:
-    """Give a load knots at every second.
-
-    They go on to the end of the trial.
-    """
+    """Give a load knots at every second."""
     held = Load(np.append(load.time, duration), np.append(load.tension, load.tension[-1]))
     nudged = Load(held.time, held.tension + 1e-12 * np.arange(held.time.size))
     return refine_load(nudged, 1.0)

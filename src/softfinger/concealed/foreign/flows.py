@@ -1,7 +1,4 @@
-"""Foreign laws of flow and of the damper.
-
-They vary what a rate depends on.
-"""
+"""Foreign laws of flow and of the damper."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""A foreign law: an effect by another curve.
-
-No textbook form contains the curve.
-"""
+"""A foreign law: an effect by another curve."""
 
 from __future__ import annotations
 
@@ -19,10 +16,7 @@ Curve = Callable[[Array], Array]
 
 
 def build_law(effect: Effect, law: str, why: str, **changes: Any) -> Effect:  # noqa: ANN401
-    """Give an effect another law.
-
-    The law's parameters are not those of the effect's own.
-    """
+    """Give an effect another law with own parameters."""
     return replace(effect, law=law, why=why, **{"tell": lambda dose, trials: {}} | changes)
 
 
@@ -35,18 +29,12 @@ def show(argument: str, curve: Curve) -> dict[str, object]:
 
 
 def tabulate_angle(curve: Curve) -> Array:
-    """Table of a curve over angles [rad] or strains.
-
-    The table goes to the span that the kernel reads.
-    """
+    """Table of a curve over angles [rad]."""
     return curve(np.linspace(0.0, ANGLE_SPAN_RAD, POINTS))
 
 
 def tabulate_rate(curve: Curve) -> Array:
-    """Table of a curve of a rate [rad/s].
-
-    It goes from 0 to many times the middle one.
-    """
+    """Table of a curve of a rate [rad/s]."""
     return curve(_stretch(RATE_MIDDLE))
 
 
@@ -61,10 +49,7 @@ def _stretch(middle: float) -> Array:
 
 
 def act_on(dose: Dose, row: Array, joints: int) -> Array:
-    """Table (joint, point), scaled by the strength.
-
-    It acts where the effect does.
-    """
+    """Table (joint, point) where the effect acts, scaled."""
     return np.outer(dose.spread(joints), row)
 
 

@@ -1,7 +1,4 @@
-"""Foreign laws of what is seen.
-
-Lenses, and play of a joint.
-"""
+"""Foreign laws of lenses and of play."""
 
 from __future__ import annotations
 
@@ -42,18 +39,12 @@ def _moustache(place: Array, strength: float) -> Array:
 
 
 def _keystone(place: Array, strength: float) -> Array:
-    """A picture plane that is aslant.
-
-    The far side is smaller.
-    """
+    """A picture plane aslant: a smaller far side."""
     return place / (1.0 + 0.25 * strength * place[..., :1])
 
 
 def _backlash(angle: Array, time: Array, dose: Dose, trial: Circumstances, rig: Rig) -> Array:
-    """The link follows its joint with play.
-
-    It follows only after the joint has moved by the strength, up and down alike.
-    """
+    """The link follows after play of the strength."""
     seen = angle.copy()
     half = 0.5 * dose.strength
     for j in dose.joints:
@@ -65,10 +56,7 @@ def _backlash(angle: Array, time: Array, dose: Dose, trial: Circumstances, rig: 
 
 
 def _taken_up(share: Callable[[Array], Array]) -> Record:
-    """Build play that the tension takes up.
-
-    What is taken up is share(tension) times the strength.
-    """
+    """Build play, of which share(tension) is taken up."""
 
     def record(angle: Array, time: Array, dose: Dose, trial: Circumstances, rig: Rig) -> Array:
         taken = share(trial.load.value(time))

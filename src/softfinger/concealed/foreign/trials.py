@@ -1,7 +1,4 @@
-"""Foreign laws between trials.
-
-Drifts, sessions, warmth, memory; and softening within one trial.
-"""
+"""Foreign laws between trials, or within one."""
 
 from __future__ import annotations
 
@@ -98,10 +95,7 @@ def _warm(shift: Size) -> Move:
 
 
 def _leave(fade: Size) -> Move:
-    """Build a strain left at the start.
-
-    It is a share of the elastic one times fade(rest [s]).
-    """
+    """Build a start strain that fades with rest."""
 
     def move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
         elastic = physics.load_tension.max() * physics.wire_offset / physics.k_v
@@ -112,10 +106,7 @@ def _leave(fade: Size) -> Move:
 
 
 def _worked(heat: float, power: float) -> Move:
-    """Build a softening that motion drives.
-
-    A joint's own motion drives it, and rest undoes it.
-    """
+    """Build a softening by motion, undone by rest."""
 
     def move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
         cooling = 1.0 / dose.shape["softening_time_s"]

@@ -1,7 +1,4 @@
-"""Foreign laws along the wire.
-
-Its arm, its friction, and what joins neighbours.
-"""
+"""Foreign laws along the wire."""
 
 from __future__ import annotations
 
@@ -20,10 +17,7 @@ from softfinger.concealed.physics import Physics
 
 
 def _arm(curve: Curve) -> dict[str, object]:
-    """Build an arm that gains s · curve(angle).
-
-    The gain is a share of the offset.
-    """
+    """Build an arm that gains s · curve(angle)."""
     row = tabulate_angle(curve)
 
     def move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
@@ -33,10 +27,7 @@ def _arm(curve: Curve) -> dict[str, object]:
 
 
 def _rub(curve: Curve, back: float = 1.0) -> Move:
-    """Build a friction by the capstan's law.
-
-    It acts over curve(angle), and is weaker when the wire is let go.
-    """
+    """Build capstan friction over curve(angle), weaker let go."""
     row = tabulate_angle(curve)
 
     def move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:

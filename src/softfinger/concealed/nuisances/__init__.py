@@ -1,7 +1,4 @@
-"""The nuisances of the proof.
-
-They are faults of the measurement, drawn for clean campaigns and others.
-"""
+"""The nuisances of the proof."""
 
 from __future__ import annotations
 

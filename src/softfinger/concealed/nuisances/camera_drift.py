@@ -1,7 +1,4 @@
-"""A camera that turns slowly and without aim.
-
-It turns while a trial runs.
-"""
+"""A camera that turns slowly and without aim."""
 
 from __future__ import annotations
 

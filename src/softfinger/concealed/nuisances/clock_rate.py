@@ -1,7 +1,4 @@
-"""A camera whose clock has another rate.
-
-The load log's clock runs differently.
-"""
+"""A camera whose clock has another rate."""
 
 from __future__ import annotations
 
@@ -9,10 +6,7 @@ from softfinger.concealed.nuisances.nuisance import Array, Circumstances, Fault,
 
 
 def _clock(time: Array, fault: Fault, trial: Circumstances, rng: Random) -> Array:
-    """Frame times at another rate.
-
-    What is stated to be t was taken at t (1 + s); s is the size.
-    """
+    """Frame times t (1 + s) for stated t."""
     return time * (1.0 + fault.size)
 
 

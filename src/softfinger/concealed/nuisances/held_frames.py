@@ -1,7 +1,4 @@
-"""A camera that stalls and repeats frames.
-
-Each repeated frame is the one before.
-"""
+"""A camera that stalls and repeats frames."""
 
 from __future__ import annotations
 
@@ -23,10 +20,7 @@ USUAL = 1e-3  # share of the frames that a sound camera repeats
 
 
 def _draw(fault: Fault, frames: int, rng: Random) -> Flags:
-    """Draw runs of repeated frames.
-
-    They begin by chance and are, on average, as long as the size asks for.
-    """
+    """Draw runs of repeats of a mean length."""
     length = max(1, round(fault.shape["frames_in_a_row"]))
     begins = rng.uniform(size=frames) < fault.size / length
     held = np.convolve(begins, np.ones(length))[:frames] > 0

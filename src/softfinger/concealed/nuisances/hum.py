@@ -1,7 +1,4 @@
-"""A mount that hums at one frequency.
-
-So the base's direction swings.
-"""
+"""A mount that hums at one frequency."""
 
 from __future__ import annotations
 
@@ -11,10 +8,7 @@ from softfinger.concealed.nuisances.nuisance import Fault, Mark, Nuisance, Rando
 
 
 def _mark(scene: Scene, fault: Fault, rng: Random) -> Mark:
-    """Swing the first joint's angle.
-
-    The swing is a share of the noise, with each trial's own phase.
-    """
+    """Swing the base at a phase per trial."""
     size = fault.size * scene.noise.sd
     phase = 2.0 * np.pi * fault.shape["frequency_hz"] * scene.time
     columns = np.zeros((*scene.motion.shape, 2))

@@ -1,7 +1,4 @@
-"""Trials whose parameters scatter as Laplace's law.
-
-More of them are far out.
-"""
+"""Trials whose parameters scatter as Laplace's law."""
 
 from __future__ import annotations
 

@@ -27,10 +27,7 @@ def _draw(fault: Fault, frames: int, rng: Random) -> Flags:
 
 
 def _mark(scene: Scene, fault: Fault, rng: Random) -> Mark:
-    """Count what lost frames make less probable.
-
-    The reference is a sound recording's share of lost frames.
-    """
+    """Count what lost frames make less probable."""
     lost = _draw(fault, len(scene.time), rng)
     share = lost.mean()
     gain = lost.sum() * np.log(share / USUAL) + (~lost).sum() * np.log1p(-share)

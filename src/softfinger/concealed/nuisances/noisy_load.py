@@ -1,7 +1,4 @@
-"""A load log whose rows scatter.
-
-They scatter about the load that acts.
-"""
+"""A load log whose rows scatter."""
 
 from __future__ import annotations
 
@@ -35,10 +32,7 @@ def _log(rows: Array, fault: Fault, trial: Circumstances, rng: Random) -> Array:
 
 
 def _mark(scene: Scene, fault: Fault, rng: Random) -> Mark:
-    """Describe it by one column a row.
-
-    A column is how far the row's error moves the three elements.
-    """
+    """Describe it by each row's motion."""
     rows = scene.rows
     columns = []
     for k in np.flatnonzero(rows[:, 1]):

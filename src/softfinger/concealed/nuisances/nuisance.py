@@ -1,7 +1,4 @@
-"""What a nuisance of the proof is.
-
-It is a fault of the measurement, not physics.
-"""
+"""A nuisance of the proof: a measurement's fault."""
 
 from __future__ import annotations
 

@@ -14,10 +14,7 @@ from softfinger.concealed.nuisances.nuisance import Fault, Mark, Nuisance, Rando
 
 
 def _mark(scene: Scene, fault: Fault, rng: Random) -> Mark:
-    """Scale the batch's noise, shift the first angle.
-
-    The noise is scaled by the size, or by its inverse.
-    """
+    """Scale the batch's noise, shift the first angle."""
     trial, shape = scene.trial, fault.shape
     first = round(shape["begins"] * trial.count)
     if not first <= trial.number < first + max(1, round(shape["share"] * trial.count)):

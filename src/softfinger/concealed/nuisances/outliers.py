@@ -1,7 +1,4 @@
-"""Frames with wrong markers.
-
-The tracker took something else for a marker.
-"""
+"""Frames with wrong markers."""
 
 from __future__ import annotations
 

@@ -8,10 +8,7 @@ from softfinger.concealed.nuisances.nuisance import Array, Fault, Mark, Nuisance
 
 
 def _mark(scene: Scene, fault: Fault, rng: Random) -> Mark:
-    """Add an independent error to each angle.
-
-    Its variance is step² / 12.
-    """
+    """Add independent errors of variance step² / 12."""
     return Mark(rounding=fault.size / scene.noise.sd / np.sqrt(12.0))
 
 

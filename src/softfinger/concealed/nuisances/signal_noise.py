@@ -1,7 +1,4 @@
-"""Noise that grows as the finger bends.
-
-The finger's markers are then seen more aslant.
-"""
+"""Noise that grows as the finger bends."""
 
 from __future__ import annotations
 

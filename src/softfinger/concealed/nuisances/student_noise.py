@@ -1,7 +1,4 @@
-"""Noise whose innovations have heavy tails.
-
-In some frames the whole picture is worse.
-"""
+"""Noise whose innovations have heavy tails."""
 
 from __future__ import annotations
 

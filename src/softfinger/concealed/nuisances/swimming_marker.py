@@ -14,10 +14,7 @@ from softfinger.concealed.nuisances.nuisance import Fault, Mark, Nuisance, Rando
 
 
 def _mark(scene: Scene, fault: Fault, rng: Random) -> Mark:
-    """Turn one link's direction with the light.
-
-    Its joint gains what the next one loses.
-    """
+    """Turn one link's direction with the light."""
     period, link = fault.shape["period_s"], int(fault.shape["link"])
     start = rng.uniform(0.0, 2.0 * np.pi, 2)
     light = np.sin(2.0 * np.pi * scene.time / period + start[0])

@@ -1,7 +1,4 @@
-"""Frames taken a little off their written time.
-
-They are taken a little before or after it.
-"""
+"""Frames a little before or after their time."""
 
 from __future__ import annotations
 
@@ -22,10 +19,7 @@ LEAST = 0.02  # of the noise: what a frame's jitter must move the finger by to c
 
 
 def _clock(time: Array, fault: Fault, trial: Circumstances, rng: Random) -> Array:
-    """Add a normal error to every time.
-
-    The size is its sd [s].
-    """
+    """Add a normal error [s] to every time."""
     return time + fault.size * rng.normal(size=time.size)
 
 

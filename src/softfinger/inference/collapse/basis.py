@@ -65,10 +65,7 @@ def build_elastic_table(protocols: list[Protocol]) -> ElasticTable:
 
 
 def build_elastic_modes(table: ElasticTable, protocol: Protocol) -> NDArray[np.float64]:
-    """Build the curves of one protocol.
-
-    U (mode, n) [N m], for the table's coefficients.
-    """
+    """Build one protocol's U (mode, n) [N m]."""
     places = place_curves_array(*table.nodes[[0, -1]])
     coefficients = np.stack([interpolate_coefficients_array(table, x)[0] for x in places])
     curves, _ = _evaluate(places, protocol)

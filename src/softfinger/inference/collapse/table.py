@@ -85,10 +85,7 @@ def collapse_angles(angles: xr.Dataset, frames: xr.Dataset) -> Collapse:
 
 
 class _Series(NamedTuple):
-    """One trial: protocol, kept frames and what they show.
-
-    The protocol has all its times.
-    """
+    """One trial: protocol, kept frames and angles."""
 
     protocol: Protocol
     kept: NDArray
@@ -114,10 +111,7 @@ _LOAD = ("load_time", "load_torque")
 
 
 def _find_increasing(time: NDArray, used: NDArray) -> NDArray[np.bool_]:
-    """All frames at which time increases.
-
-    Trials with equal clocks then share one basis.
-    """
+    """All frames at which time increases."""
     known = np.isfinite(time)
     return known if (np.diff(time[known]) > 0).all() else used
 

@@ -1,7 +1,4 @@
-"""The load acts with a lag.
-
-It follows the logged one through one stage, or two in a row.
-"""
+"""The load acts with a lag or two."""
 
 import math
 
@@ -89,10 +86,7 @@ def _follow_two_stages(model: Model, load: Load, nodes: Nodes, i: int, since: fl
 
 @compiled
 def _advance_first_stage(model: Model, load: Load, since: float) -> None:
-    """Take what the first stage passes on.
-
-    That is at a segment's end.
-    """
+    """Follow the first stage to a segment's end."""
     slope, lag, share = load.log[_SLOPE], model.chain[_LAG], model.chain[_SECOND]
     first = lag * (1.0 - share)
     decay = math.exp(-since / first)

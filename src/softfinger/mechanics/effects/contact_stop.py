@@ -1,7 +1,4 @@
-"""A joint that meets a stop.
-
-The stop is a spring that acts beyond an angle: hard, soft or hardening.
-"""
+"""A stop beyond an angle: hard, soft or hardening."""
 
 import numpy as np
 

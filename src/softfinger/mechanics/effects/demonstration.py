@@ -1,7 +1,4 @@
-"""What an effect looks like.
-
-A finger moves with it and without, by the forward model itself.
-"""
+"""A finger that moves with an effect and without."""
 
 import numpy as np
 import xarray as xr

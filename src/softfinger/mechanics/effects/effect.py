@@ -72,26 +72,17 @@ class Parameter:
 
 
 def positive(name: str, sd: float, **more: object) -> Parameter:
-    """Build an amplitude that cannot be negative.
-
-    Its prior is half-normal of scale `sd`.
-    """
+    """Build an amplitude ≥ 0: half-normal, scale `sd`."""
     return Parameter(name, 0.0, sd, low=0.0, amplitude=True, starts=(SMALL * sd,), **more)
 
 
 def signed(name: str, sd: float, **more: object) -> Parameter:
-    """Build an amplitude of either sign.
-
-    Its prior is normal of scale `sd` about 0.
-    """
+    """Build an amplitude, normal of scale `sd`."""
     return Parameter(name, 0.0, sd, amplitude=True, starts=(SMALL * sd,), **more)
 
 
 def time_constant(name: str, shortest: float, longest: float, starts: int = 3) -> Parameter:
-    """Build a time between two others.
-
-    They are at ± 2 sd of a log-normal prior.
-    """
+    """Build a time: log-normal, ± 2 sd given."""
     low, high = np.log(shortest), np.log(longest)
     middle, sd = (low + high) / 2, (high - low) / 4
     places = tuple(np.linspace(low, high, starts + 2)[1:-1])
@@ -241,10 +232,7 @@ class Effect:
     hooks: tuple[Hook, ...] = ()
 
     def list_forms(self, setting: Setting) -> list[Form] | str:
-        """Forms that a campaign allows.
-
-        Or else why it cannot show the effect.
-        """
+        """Forms that a campaign allows, or why none."""
         if setting.specimen and self.part:
             return f"the campaign is of a specimen, which has no {self.part}"
         return self.build_forms(setting)

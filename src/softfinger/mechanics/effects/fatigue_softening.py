@@ -1,7 +1,4 @@
-"""Parameters that drift with the trials done.
-
-The drift is linear, logarithmic, exponential or free.
-"""
+"""Parameters that drift with the trials done."""
 
 import numpy as np
 

@@ -68,10 +68,7 @@ def add_springpot(model: Model, linear: Linear, j: int) -> None:
 
 @compiled
 def springpot_weight(step: int, exponent: float) -> tuple[float, float]:
-    """Gain of a ladder's step, and its slope.
-
-    For a springpot of unit compliance; the slope by its exponent.
-    """
+    """Gain of a ladder's step, its slope by exponent."""
     last, missing = RATES.size, 1.0 - exponent
     if step < last:
         reach = math.sin(math.pi * missing) / math.pi

@@ -73,10 +73,7 @@ def _build_forms(setting: Setting) -> list[Form] | str:
         return {name.removesuffix("_rad"): value for name, value in values.items()}
 
     def alone(tilt: Parameter) -> tuple[Parameter]:
-        """Give the angle between plane and horizon.
-
-        The way it tilts comes beside it.
-        """
+        """Give the plane's angle, beside how it tilts."""
         return (replace(tilt, report={"tilt_rad": lambda x, _: abs(x), tilt.name: lambda x, _: x}),)
 
     ratio = Parameter("moment_ratio", 0.0, 0.7, per="joint", log=True, low=-2.0, high=2.5)

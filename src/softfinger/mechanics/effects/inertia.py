@@ -24,10 +24,7 @@ from softfinger.mechanics.forward.work import Balance, Model, Nodes
 
 @compiled
 def add_inertia(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
-    """What the links' acceleration takes.
-
-    −scale (M(q) q̈ + h(q, q̇)).
-    """
+    """What acceleration takes: −scale (M(q) q̈ + h(q, q̇))."""
     joints = model.joint.shape[0]
     scale = model.chain[_SCALE]
     matrix, term = np.empty((joints, joints)), np.empty(joints)

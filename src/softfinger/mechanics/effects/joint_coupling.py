@@ -1,7 +1,4 @@
-"""A joint's deflection that feeds its neighbour's.
-
-It does so by torque, a membrane or kinematics.
-"""
+"""A joint's deflection that feeds its neighbour's."""
 
 import math
 
@@ -65,10 +62,7 @@ def add_coupling(model: Model, nodes: Nodes, balance: Balance, i: int, tangents:
 def _add_membrane(
     model: Model, nodes: Nodes, balance: Balance, i: int, j: int, k: int, tangents: bool
 ) -> None:
-    """What joint k adds to joint j's torque.
-
-    It does so by its motion, less that of joint j.
-    """
+    """What joint k's relative motion adds to j's torque."""
     mean = math.exp(0.5 * (model.joint[j, LOG_K_V] + model.joint[k, LOG_K_V]))
     share = model.coupling[_MEMBRANE_SHARE, j, k]
     stiffness = model.coupling[_MEMBRANE, j, k] + share * mean

@@ -1,7 +1,4 @@
-"""Play: a gap without torque about rest.
-
-Within it, the joint's spring asks for none.
-"""
+"""Play: a gap without torque about rest."""
 
 import math
 

@@ -95,10 +95,7 @@ class Law:
         return shown - 1.0 if self.kind == "factor" else shown
 
     def get_reach(self, place: tuple[int, ...]) -> float:
-        """Where the law ends at one place.
-
-        The place is a joint, or () for all.
-        """
+        """Where the law ends, by joint or ()."""
         reach = np.asarray(self.reach, float)
         return float(reach[place[0]] if place and reach.ndim else reach)
 
@@ -113,10 +110,7 @@ class Law:
 
 
 def build_curves(terms: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Build the matrix from terms to values.
-
-    It is (n, term), for values at x (n,) of the reach.
-    """
+    """Matrix (n, term) from terms to values (n,)."""
     return build_weights(x) @ build_terms(terms).T
 
 

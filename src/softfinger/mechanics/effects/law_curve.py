@@ -1,7 +1,4 @@
-"""Curves of a fitted model's free laws.
-
-They have bands.
-"""
+"""Curves of a fitted model's free laws, with bands."""
 
 from typing import NamedTuple
 
@@ -19,10 +16,7 @@ TEXTS = ("effect", "argument_name", "kind")
 
 
 class LawPlace(NamedTuple):
-    """One law of a model.
-
-    It names its effect, the joint or () for all, and where its terms are in φ.
-    """
+    """A law's effect, joint or (), places in φ."""
 
     effect: str
     law: Law
@@ -31,10 +25,7 @@ class LawPlace(NamedTuple):
 
 
 def list_laws(model: EffectModel) -> list[LawPlace]:
-    """List the free laws of a model.
-
-    There is one for each joint where they differ.
-    """
+    """List a model's free laws, by joint if different."""
     found = []
     for number, piece in enumerate(model.pieces):
         law = piece.form.law

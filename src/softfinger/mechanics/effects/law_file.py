@@ -1,7 +1,4 @@
-"""The `law` of a model file.
-
-It is a learned curve as values at places of its argument.
-"""
+"""The `law` of a model file: values at places."""
 
 from typing import Annotated
 
@@ -44,10 +41,7 @@ class LawEntry(BaseModel):
 def describe_laws(
     model: EffectModel, number: int, mean: NDArray[np.float64], covariance: NDArray[np.float64]
 ) -> LawEntry | list[LawEntry] | None:
-    """Describe the laws of one fitted piece.
-
-    Mean and covariance of φ are given.
-    """
+    """Describe one piece's laws, given φ's covariance."""
     piece = model.pieces[number]
     laws = [one for one in list_laws(model) if one.effect == piece.effect.id]
     entries = [_describe(one, mean, covariance) for one in laws]
@@ -72,10 +66,7 @@ def _describe(one: LawPlace, mean: NDArray, covariance: NDArray) -> LawEntry:
 def read_laws(
     given: LawEntry | list[LawEntry] | None, model: EffectModel, place: str, faults: list[str]
 ) -> Known:
-    """Read the terms of one effect's laws.
-
-    They are found by least squares. What is wrong is added to `faults`.
-    """
+    """Fit terms to one effect's laws; add `faults`."""
     if given is None:
         return {}
     entries = given if isinstance(given, list) else [given]

@@ -1,7 +1,4 @@
-"""Angles bent by the optics.
-
-It is a radial distortion of the picture, or an odd cubic in the angle.
-"""
+"""Angles bent by the optics: radially, or cubic."""
 
 import math
 

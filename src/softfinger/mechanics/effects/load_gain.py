@@ -1,7 +1,4 @@
-"""The load cell's gain drifts over the trials.
-
-All compliances scale together.
-"""
+"""A load cell's drifting gain scales all compliances."""
 
 import numpy as np
 

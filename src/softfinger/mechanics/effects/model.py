@@ -1,7 +1,4 @@
-"""A set of effects as one vector φ.
-
-It has names, priors, bounds, and the slots that it fills.
-"""
+"""A set of effects as one vector φ."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -44,10 +41,7 @@ class Piece:
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """One number of φ.
-
-    It is a parameter of a piece, of one joint, one pair, or the chain.
-    """
+    """One number of φ: its piece, parameter, place."""
 
     piece: int
     parameter: Parameter
@@ -55,10 +49,7 @@ class Entry:
 
     @property
     def suffix(self) -> str:
-        """Joint or pair, counted from 1.
-
-        It is empty for the chain.
-        """
+        """Joint or pair, from 1; chain: empty."""
         return "_" + "".join(str(j + 1) for j in self.place) if self.place else ""
 
     @property
@@ -116,10 +107,7 @@ class EffectModel:
         return " + ".join(piece.label for piece in self.pieces) or "base"
 
     def without(self, entry: Entry) -> "EffectModel":
-        """Build the model without an amplitude.
-
-        What belongs to its place goes with it.
-        """
+        """Build the model without an amplitude's place."""
         piece = self.pieces[entry.piece]
         places = tuple(place for place in piece.places if place != entry.place)
         pieces = list(self.pieces)
@@ -130,10 +118,7 @@ class EffectModel:
         return replace(self, pieces=tuple(pieces))
 
     def match(self, other: "EffectModel") -> NDArray[np.int64]:
-        """Where another model's entries are in φ.
-
-        That model has no more than this one.
-        """
+        """Where a smaller model's entries are in φ."""
         mine = [(self.pieces[e.piece].effect.id, e.name) for e in self.entries]
         return np.array(
             [mine.index((other.pieces[e.piece].effect.id, e.name)) for e in other.entries], int
@@ -181,10 +166,7 @@ class EffectModel:
         return np.array([getattr(e.parameter, attribute) for e in self.entries], float)
 
     def list_negligible(self, shared: NDArray[np.float64]) -> frozenset[str]:
-        """Effects with amplitudes all below their floors.
-
-        The amplitudes are in φ (p,).
-        """
+        """Effects with amplitudes in φ (p,) below floors."""
         mine = [e for e in self.entries if e.parameter.amplitude]
         claimed = {
             e.piece
@@ -195,10 +177,7 @@ class EffectModel:
         return frozenset(piece.effect.id for k, piece in pieces if k not in claimed)
 
     def list_starts(self, piece: int) -> list[dict[str, float]]:
-        """Every combination of a piece's starts.
-
-        They are on the internal scale.
-        """
+        """Every combination of a piece's starts, internal."""
         parameters = self.pieces[piece].form.parameters
         choices = [p.starts or (p.mean,) for p in parameters]
         names = [p.name for p in parameters]
@@ -210,10 +189,7 @@ class EffectModel:
         return np.array([start[entry.parameter.name] for entry in mine])
 
     def fill_slots(self, shared: NDArray[np.float64]) -> SlotArrays:
-        """Fill the forward model's slots from φ.
-
-        φ is (p,); all trials are filled.
-        """
+        """Fill all trials' slots from φ (p,)."""
         values: dict[str, NDArray] = {}
         for number, piece in enumerate(self.pieces):
             filled = piece.form.slots(self._physical(number, shared))
@@ -228,10 +204,7 @@ class EffectModel:
     def fill_tangents(
         self, shared: NDArray[np.float64], only: NDArray[np.int64] | None = None
     ) -> list[SlotArrays]:
-        """Differentiate the slots by numbers of φ.
-
-        By all or `only` these, with central differences.
-        """
+        """Differentiate slots by φ, or `only` some, centrally."""
         tangents = []
         for k in range(len(shared)) if only is None else only:
             step = DIFFERENCE * self.entries[k].parameter.sd
@@ -242,10 +215,7 @@ class EffectModel:
         return tangents
 
     def _confine(self, piece: Piece, filled: Mapping[str, NDArray]) -> dict[str, NDArray]:
-        """Slots of a local form.
-
-        They have their null values in joints on which it does not act.
-        """
+        """Slots, null in joints without the effect."""
         if not (piece.form.local and piece.places):
             return dict(filled)
         here = np.isin(np.arange(self.setting.joints), [place[0] for place in piece.places])

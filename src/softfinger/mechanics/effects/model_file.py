@@ -80,10 +80,7 @@ class ModelFile(_Part):
     fitted_to: FittedTo | None = None
 
     def was_fitted_to(self, sha256: str) -> bool:
-        """Whether its priors come from these recordings.
-
-        Their `angles` have this hash.
-        """
+        """Whether priors come from `angles` of this hash."""
         return self.fitted_to is not None and self.fitted_to.sha256 == sha256
 
 
@@ -110,10 +107,7 @@ def read_model_file(path: Path | str) -> ModelFile:
 
 
 def write_model_file(content: ModelFile, path: Path | str) -> None:
-    """Write a model file.
-
-    One that is read and written again keeps its bytes.
-    """
+    """Write a model file; read again, its bytes stay."""
     yaml = YAML()
     yaml.width = 200
     effects = [
@@ -184,10 +178,7 @@ def describe_model(
     covariance: NDArray[np.float64],
     fitted_to: FittedTo | None,
 ) -> ModelFile:
-    """Describe a fitted model.
-
-    Mean and covariance of φ are on the internal scale.
-    """
+    """Describe a model, given φ's mean and covariance."""
     sd, effects = np.sqrt(np.diag(covariance)), []
     for number, piece in enumerate(model.pieces):
         priors = {
@@ -245,10 +236,7 @@ Places = list[tuple[int, ...]]
 
 
 def _describe_places(kinds: set[str], *, single: bool) -> tuple[str, Callable[[Places], bool]]:
-    """Which joints a form is for.
-
-    In words, and as a test.
-    """
+    """Which joints a form is for: words, test."""
 
     def is_joints(places: Places) -> bool:
         return len(places) > 0 and all(len(place) == 1 for place in places)

@@ -1,7 +1,4 @@
-"""More Voigt elements in series.
-
-They are a second time scale, or a free spectrum of retardation times.
-"""
+"""More Voigt elements in series, or a spectrum."""
 
 import math
 
@@ -55,10 +52,7 @@ def add_element(model: Model, linear: Linear, j: int) -> None:
 
 @compiled
 def add_spectrum(model: Model, linear: Linear, j: int) -> None:
-    """Elements at the ladder's rates.
-
-    Each has the spectrum's compliance there.
-    """
+    """Elements at the ladder's rates, by a spectrum."""
     soft = math.exp(-model.joint[j, LOG_K_V])
     shortest, longest = model.joint[j, _SHORTEST], model.joint[j, _LONGEST]
     for step in range(RATES.size):

@@ -1,7 +1,4 @@
-"""Parameters that jump at one trial.
-
-The finger was mounted anew, or has a new wire.
-"""
+"""Parameters jump where a finger is mounted anew."""
 
 import numpy as np
 
@@ -50,10 +47,7 @@ def _build_form(name: str, setting: Setting) -> Form:
 
 
 def find_jumps(setting: Setting) -> tuple[float, ...]:
-    """Find where the base model's parameters jump most.
-
-    The function returns the first trials after (STARTS,).
-    """
+    """First trials (STARTS,) after the largest jumps."""
     count = setting.trials
     if setting.drift is None:
         return tuple(np.round(np.linspace(2, count, STARTS + 2)[1:-1]).astype(float))

@@ -1,7 +1,4 @@
-"""Stiffness or viscosity falls within a trial.
-
-Heat or water comes in.
-"""
+"""Stiffness or viscosity falls within a trial."""
 
 import math
 

@@ -105,10 +105,7 @@ def turn_direction(way: float, motion: float, width: float) -> tuple[float, floa
 
 @compiled
 def turn_at_nodes(model: Model, nodes: Nodes) -> None:
-    """The direction at the nodes.
-
-    Each depends on the one before.
-    """
+    """Each node's direction, from the one before."""
     width, by_wire = model.chain[_WIDTH], model.chain[_DRIVER] > 0.5
     nodes.by_motion[:] = 0.0
     for i in range(3):

@@ -52,10 +52,7 @@ def hold_below(
 def _pass_threshold(
     torque: float, limit: float, width: float, jump: float
 ) -> tuple[float, float, float, float]:
-    """What passes, and its derivatives.
-
-    They are the slope, and those by the threshold and its width.
-    """
+    """What passes; slopes by torque, threshold, width."""
     if limit == 0.0:
         return torque, 1.0, -math.tanh(torque / (2.0 * width)) * (1.0 - jump), 0.0
     above, rise = softplus(torque - limit, width)

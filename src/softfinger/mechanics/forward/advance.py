@@ -1,7 +1,4 @@
-"""What a solved step yields.
-
-Frames inside it, its end, its error.
-"""
+"""A solved step's frames, its end, its error."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,10 +22,7 @@ _BEND = 0.1  # how far the worst quadratic inside a step moves a mode, of a cons
 
 @compiled
 def set_straight_drives(work: Work, load: float, rise: float) -> None:
-    """Let every drive be the load itself.
-
-    The load is a straight line over the step.
-    """
+    """Let drives be the load, a straight line."""
     work.linear.drive[:, :, 0] = load
     work.linear.drive[:, :, 1] = rise
     work.linear.drive[:, :, 2] = 0.0

@@ -14,10 +14,7 @@ from softfinger.mechanics.forward.work import Balance, Model, Nodes
 
 @compiled
 def fill_balance(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
-    """Write row i of the balance.
-
-    It comes from row i of the nodes.
-    """
+    """Write the balance of node i, in place."""
     balance.torque[i] = nodes.load[i]
     balance.by_load[i] = 1.0
     balance.by_angle[i] = 0.0

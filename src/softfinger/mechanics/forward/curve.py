@@ -20,10 +20,7 @@ Weights = tuple[int, float, float, float, float]
 
 @compiled
 def weigh_value(x: float) -> Weights:
-    """The coefficients on which the value depends.
-
-    The first of the four, and their weights.
-    """
+    """The first of four coefficients, and their weights."""
     inside = min(max(x, 0.0), 1.0)
     first, s0, s1, s2, s3 = weigh_slope(inside)
     s = inside * _INTERVALS - first

@@ -1,7 +1,4 @@
-"""From torques to angles, joint by joint.
-
-Both are at the nodes of a step.
-"""
+"""From torques to angles at nodes, by joint."""
 
 from softfinger.compiled import compiled
 from softfinger.mechanics.forward.hooks import FLOW as FLOWS
@@ -35,10 +32,7 @@ def drive_of(mode: int) -> int:
 
 @compiled
 def fill_weights(model: Model, work: Work, step: float) -> None:
-    """Write what the modes do at the nodes.
-
-    By themselves, and what unit drives at nodes add.
-    """
+    """Write the modes at nodes, and unit drives' part."""
     linear, inertial = work.linear, model.inertial
     linear.base[:] = 0.0
     linear.weight[:] = 0.0
@@ -71,10 +65,7 @@ def fill_weights(model: Model, work: Work, step: float) -> None:
 
 @compiled
 def fill_angles(model: Model, work: Work, j: int) -> None:
-    """Write what joint j does at its torque.
-
-    Its flow, spring torque, angles and velocity, from its torque at the nodes.
-    """
+    """Write joint j's nodes from its torque."""
     nodes, linear = work.nodes, work.linear
     for i in range(3):
         nodes.flow[i, j], nodes.flow_slope[i, j] = flow_drive(
@@ -105,10 +96,7 @@ def fill_angles(model: Model, work: Work, j: int) -> None:
 
 @compiled
 def _correct_spring(model: Model, work: Work, j: int) -> bool:
-    """One Newton step for the spring's torque.
-
-    It is at the nodes; True where none was needed.
-    """
+    """One Newton step for spring torque; True: at rest."""
     nodes, local, slope = work.nodes, work.newton.local, work.nodes.spring_slope
     missing = work.newton.column
     worst, scale = 0.0, 0.0
@@ -147,10 +135,7 @@ def fill_local(work: Work, j: int) -> None:
 
 @compiled
 def fill_slopes_by_torque(model: Model, work: Work, j: int) -> None:
-    """Write how joint j follows its torque.
-
-    Its spring torque, angle and velocity do, at the nodes.
-    """
+    """Write how joint j's nodes follow its torque."""
     nodes, linear, newton = work.nodes, work.linear, work.newton
     weight, rate_weight = linear.weight[:, j], linear.rate_weight[:, j]
     by_spring, by_angle = newton.spring_by_torque[j], newton.angle_by_torque[j]
@@ -185,10 +170,7 @@ def fill_slopes_by_torque(model: Model, work: Work, j: int) -> None:
 
 @compiled
 def fill_tangents_at_fixed_torque(model: Model, work: Work, step: float, j: int) -> None:
-    """Write how joint j's nodes move.
-
-    They move along each column while its torque is fixed.
-    """
+    """Write joint j's columns at fixed torque."""
     nodes, linear, state = work.nodes, work.linear, work.state
     response, motion = work.response, work.motion
     d_mode, d_rate, d_gain = state.d_mode[j], linear.d_rate[j], linear.d_gain[j]
@@ -253,10 +235,7 @@ def _add_spring_tangents(model: Model, work: Work, j: int) -> None:
 
 @compiled
 def fill_drives(model: Model, work: Work, tangents: bool) -> None:
-    """Write the drives of the modes.
-
-    They are quadratics over the step, from the nodes.
-    """
+    """Write the modes' drives as quadratics, from nodes."""
     nodes, linear = work.nodes, work.linear
     for j in range(linear.rate.shape[0]):
         for power in range(3):
@@ -280,10 +259,7 @@ def fill_drives(model: Model, work: Work, tangents: bool) -> None:
 
 @compiled
 def fill_start(model: Model, work: Work, tangents: bool) -> None:
-    """Write the angles at the step's start.
-
-    They come from the state.
-    """
+    """Write a step's first angles, from the state."""
     nodes, state = work.nodes, work.state
     for j in range(state.offset.size):
         nodes.elastic[START, j] = state.mode[j, VOIGT]

@@ -31,10 +31,7 @@ WITH_OWN, WITH_LADDER = LADDER, LADDER + RATES.size + 2
 
 @compiled
 def fill_modes(model: Model, linear: Linear, j: int) -> None:
-    """Write λ and g of joint j's modes.
-
-    Their tangents are written too.
-    """
+    """Write joint j's modes λ, g and tangents."""
     value = model.joint[j]
     rate, gain, d_rate, d_gain = linear.rate[j], linear.gain[j], linear.d_rate[j], linear.d_gain[j]
     rate[:], gain[:], d_rate[:], d_gain[:] = 0.0, 0.0, 0.0, 0.0

@@ -7,10 +7,7 @@ from softfinger.compiled import compiled
 
 @compiled
 def softplus(x: float, width: float) -> tuple[float, float]:
-    """A ramp max(x, 0), and its slope.
-
-    It sets in over `width`.
-    """
+    """A ramp max(x, 0) over `width`, and slope."""
     ratio = x / width
     if ratio > 0.0:
         tail = math.exp(-ratio)

@@ -1,7 +1,4 @@
-"""The finger before the load comes.
-
-It is at rest, in balance with its own weight.
-"""
+"""The finger before the load, balancing its weight."""
 
 import numpy as np
 

@@ -1,7 +1,4 @@
-"""Trials cut into parts, for threads.
-
-Threads take them in turn, for the kernel lets go of the interpreter.
-"""
+"""Parts of the trials in threads."""
 
 import os
 from collections.abc import Callable
@@ -41,8 +38,5 @@ def run_side_by_side(run: Callable[[slice], Arrays], trials: int) -> Arrays:
 
 @cache
 def _open_pool(_process: int) -> ThreadPoolExecutor:
-    """Threads that wait for work.
-
-    A fork gets its own.
-    """
+    """Threads that wait for work, one pool per process."""
     return ThreadPoolExecutor(config.NUMBA_NUM_THREADS)

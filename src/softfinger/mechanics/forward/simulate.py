@@ -40,10 +40,7 @@ Route = Literal["quickest", "general", "closed_form"]
 
 
 class Finger(NamedTuple):
-    """A finger as the forward model knows it.
-
-    It is made of plain arrays.
-    """
+    """A finger as plain arrays, for the kernel."""
 
     arm_ratio: float
     """l_joint / (2 d)"""
@@ -253,10 +250,7 @@ def simulate_joint_angle_array(
 
 
 def _choose_closed_form(route: Route, moved: set[str]) -> bool:
-    """Whether the closed form is to be taken.
-
-    A `Fault` where it is asked for and cannot be.
-    """
+    """Whether to take the closed form, else `Fault`."""
     on = sorted(moved - {*LOG_PARAMETERS})
     if route == "closed_form" and on:
         raise Fault(

@@ -19,10 +19,7 @@ from softfinger.mechanics.forward.slot import SLOTS, Slot, list_slots
 
 
 class SlotArrays(NamedTuple):
-    """Values (or tangents) of all slots.
-
-    They are the kernel's plain data.
-    """
+    """Values (or tangents) of all slots, as arrays."""
 
     joint: NDArray[np.float64]
     """(…, trial, joint, joint slot)"""
@@ -118,10 +115,7 @@ def _fill(
 
 
 def find_moved_slots(slots: SlotArrays, tangents: Sequence[SlotArrays]) -> set[str]:
-    """Names of the slots in use.
-
-    They are not null, or a direction moves them.
-    """
+    """Names of slots not null, or moved."""
     nulls = _gather_nulls()
     on = _find_moved(slots, nulls)
     for tangent in tangents:
@@ -131,10 +125,7 @@ def find_moved_slots(slots: SlotArrays, tangents: Sequence[SlotArrays]) -> set[s
 
 
 def _find_moved(slots: SlotArrays, nulls: Sequence[NDArray[np.float64]]) -> NDArray[np.bool_]:
-    """Which slots differ from their nulls.
-
-    They are in order of their kinds; any trial counts.
-    """
+    """Which slots differ from nulls, by kind."""
     moved = (
         slots.joint != nulls[0],
         slots.chain != nulls[1],
@@ -145,10 +136,7 @@ def _find_moved(slots: SlotArrays, nulls: Sequence[NDArray[np.float64]]) -> NDAr
 
 
 def check_slots(slots: SlotArrays) -> None:
-    """Refuse a slot that no finger has.
-
-    Its value raises `Fault`.
-    """
+    """Refuse, by `Fault`, slots that no finger has."""
     for name, slot in SLOTS.items():
         value = slots.pick(slot)
         if slot.sign == "positive":

@@ -40,10 +40,7 @@ def has_curved_voigt(model: Model) -> bool:
 def flow_drive(
     model: Model, work: Work, j: int, time: float, torque: float, row: NDArray
 ) -> tuple[float, float]:
-    """The torque that the dashpot feels, and its slope.
-
-    `row` receives its changes at fixed torque.
-    """
+    """The dashpot's torque, its slope and changes `row`."""
     drive = work.pair
     drive[VALUE], drive[SLOPE] = torque, 1.0
     for k in range(model.count[FLOW]):
@@ -55,10 +52,7 @@ def flow_drive(
 def spring_torque(
     model: Model, work: Work, j: int, time: float, elastic: float, angle: float, tangents: bool
 ) -> tuple[float, float, float]:
-    """The spring's torque, and its derivatives.
-
-    They are by q_v and q.
-    """
+    """The spring's torque, its slopes by q_v, q."""
     spring = work.spring
     spring[FREE], spring[STEEP], spring[FACTOR] = elastic, 1.0, 1.0
     spring[BY_ELASTIC], spring[BY_ANGLE], spring[LEAD] = 0.0, 0.0, 0.0
@@ -79,10 +73,7 @@ def spring_torque(
 
 @compiled
 def spring_tangent(model: Model, work: Work, j: int, c: int) -> float:
-    """The change of `spring_torque` along a column.
-
-    At fixed angles, after a call for tangents.
-    """
+    """Change of `spring_torque` by a column, angles fixed."""
     free, factor = work.spring[FREE], work.spring[FACTOR]
     change = free * factor * model.d_joint[c, j, LOG_K_V]
     change += work.d_spring[D_FREE, c] * factor + free * work.d_spring[D_FACTOR, c]
@@ -128,10 +119,7 @@ def fill_voigt_tangents(
 def _damper_factor(
     model: Model, work: Work, j: int, damper: float, row: NDArray
 ) -> tuple[float, float]:
-    """The factor on the damper's torque.
-
-    Its slope is given too.
-    """
+    """The damper's factor, and its slope."""
     thin = work.pair
     thin[VALUE], thin[SLOPE] = 1.0, 0.0
     for k in range(model.count[DAMPER]):

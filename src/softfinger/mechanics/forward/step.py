@@ -38,10 +38,7 @@ _ITERATIONS = 12
 
 @compiled
 def open_step(model: Model, work: Work, tangents: bool) -> None:
-    """Write everything at the step's start.
-
-    `nodes.load[START]` is given.
-    """
+    """Write a step's start, given `nodes.load[START]`."""
     nodes, balance, state = work.nodes, work.balance, work.state
     fill_start(model, work, tangents)
     nodes.direction[START] = state.direction[0]
@@ -96,10 +93,7 @@ def _open_tangents(model: Model, work: Work) -> None:
 
 @compiled
 def solve_step(model: Model, work: Work, step: float, tangents: bool) -> bool:
-    """Find the torques at the nodes.
-
-    False where Newton does not converge.
-    """
+    """Find torques at nodes, by Newton; False: none."""
     nodes, balance, newton = work.nodes, work.balance, work.newton
     joints = work.state.offset.size
     fill_weights(model, work, step)
@@ -139,10 +133,7 @@ def solve_step(model: Model, work: Work, step: float, tangents: bool) -> bool:
 
 @compiled
 def _fill_residual(model: Model, work: Work, step: float) -> float:
-    """Write what is missing from the torques.
-
-    The function returns the size of the torques.
-    """
+    """Write what torques miss; return their size."""
     nodes, balance, newton = work.nodes, work.balance, work.newton
     joints = work.state.offset.size
     for k in range(model.count[TURN]):
@@ -166,10 +157,7 @@ def _fill_residual(model: Model, work: Work, step: float) -> float:
 
 @compiled
 def _fill_matrix(model: Model, work: Work, step: float) -> None:
-    """Write the derivative of torque − balance.
-
-    It is by the torques at the nodes.
-    """
+    """Write the slopes of torque − balance by torques."""
     balance, newton, nodes = work.balance, work.newton, work.nodes
     joints = work.state.offset.size
     matrix, by_angle = newton.matrix, newton.angle_by_torque
@@ -195,10 +183,7 @@ def _fill_matrix(model: Model, work: Work, step: float) -> None:
 
 @compiled
 def _fill_tangents(model: Model, work: Work, step: float) -> None:
-    """Write how the nodes move.
-
-    Everything at them moves along each column.
-    """
+    """Write how nodes move along each column."""
     nodes, newton = work.nodes, work.newton
     joints = work.state.offset.size
     for j in range(joints):
@@ -226,10 +211,7 @@ def _fill_tangents(model: Model, work: Work, step: float) -> None:
 
 @compiled
 def _fill_right_sides(model: Model, work: Work, step: float) -> None:
-    """Write how the balance changes.
-
-    It is along every column, at fixed torques.
-    """
+    """Write the balance's columns at fixed torques."""
     nodes, balance, newton, state = work.nodes, work.balance, work.newton, work.state
     joints = state.offset.size
     for i in range(3):

@@ -62,10 +62,7 @@ def add_drives(weight: NDArray, d_drive: NDArray, row: NDArray) -> None:
 
 @compiled
 def move_modes(response: NDArray, d_mode: NDArray, d_rate: NDArray, d_gain: NDArray) -> None:
-    """Move the tangents to a step's end.
-
-    They are the modes'; their drives are fixed.
-    """
+    """Move modes' tangents to a step's end, drives fixed."""
     for mode in range(response.shape[0]):
         decay, slower, unit = response[mode, 0], response[mode, 1], response[mode, 2]
         for c in range(d_mode.shape[1]):

@@ -1,7 +1,4 @@
-"""One trial of the kernel.
-
-Rest, then segment after segment of the load, with the frames on the way.
-"""
+"""One trial: rest, the load's segments, frames."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,10 +97,7 @@ def _shift_frames(model: Model, work: Work, time: NDArray) -> tuple[NDArray, NDA
 
 @compiled
 def _read_log(model: Model, time: NDArray, load: NDArray) -> tuple[NDArray, NDArray, NDArray]:
-    """The load log as hooks leave it.
-
-    It has knots (knot,) and changes (knot, column).
-    """
+    """The log's knots (knot,), changes (knot, column)."""
     if model.count[LOG] > 0:
         return call_log(model.hook[LOG, 0], model, time, load)
     return time, load, np.zeros((time.size, model.d_chain.shape[0]))
@@ -113,10 +107,7 @@ def _read_log(model: Model, time: NDArray, load: NDArray) -> tuple[NDArray, NDAr
 def _set_segment(
     work: Work, time: NDArray, load: NDArray, d_load: NDArray, knot: int, span: float
 ) -> None:
-    """Write the log's straight line.
-
-    It begins at a knot and is constant after the last.
-    """
+    """Write the log's line from a knot on."""
     log, d_log = work.load.log, work.load.d_log
     log[VALUE], log[SLOPE] = load[knot], 0.0
     d_log[VALUE], d_log[SLOPE] = d_load[knot], 0.0
@@ -137,10 +128,7 @@ def _limit(model: Model, work: Work, load: float) -> float:
 
 @compiled
 def _fill_load(model: Model, work: Work, i: int, since: float) -> None:
-    """Write the load at row i.
-
-    Its changes are written too.
-    """
+    """Write the load at row i, and changes."""
     nodes, load = work.nodes, work.load
     nodes.load[i] = load.log[VALUE] + load.log[SLOPE] * since
     nodes.d_load[i] = load.d_log[VALUE]
@@ -174,10 +162,7 @@ def _run_segment(
     angle: NDArray,
     gradient: NDArray,
 ) -> int:
-    """Go from one knot to the next.
-
-    The function returns the next frame, or −1 where that failed.
-    """
+    """Go to the next knot; next frame, or −1."""
     tangents, log = model.d_chain.shape[0] > 0, work.load.log
     straight, start, steps, opened = not model.curved, now, 0, False
     step = end - now if straight else min(longest, _first_step(model, work, tolerance))
@@ -220,10 +205,7 @@ def _run_segment(
 
 @compiled
 def _first_step(model: Model, work: Work, tolerance: float) -> float:
-    """A step to begin a segment with.
-
-    It is short beside what is fastest.
-    """
+    """A segment's first step, short beside fast modes."""
     if tolerance == np.inf:
         return np.inf
     if model.inertial and work.balance.by_acceleration[START].any():

@@ -1,7 +1,4 @@
-"""All trials of a run, in turn.
-
-What the camera makes of them is here too.
-"""
+"""All trials of a run, seen by the camera."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -23,10 +23,7 @@ NO, YES = np.bool_(False), np.bool_(True)
 
 
 class Model(structref.StructRefProxy):
-    """One trial's slots and their tangents.
-
-    The column is first; with what is fixed for the finger.
-    """
+    """One trial's slots, tangents (column first), finger."""
 
     joint: Table  # (joint, slot)
     chain: Row  # (slot,)
@@ -51,10 +48,7 @@ class Model(structref.StructRefProxy):
 
 
 class State(structref.StructRefProxy):
-    """What a step's start remembers.
-
-    Its tangents have the column last.
-    """
+    """A step's start, and tangents (column last)."""
 
     mode: Table  # (joint, mode) [rad]
     d_mode: Block
@@ -69,10 +63,7 @@ class State(structref.StructRefProxy):
 
 
 class Load(structref.StructRefProxy):
-    """The log on the present segment.
-
-    It is a straight line; what acts is here too.
-    """
+    """The log's line on a segment, what acts."""
 
     log: Row  # (2,) its value at the start and its slope
     d_log: Table  # (2, column)
@@ -82,10 +73,7 @@ class Load(structref.StructRefProxy):
 
 
 class Linear(structref.StructRefProxy):
-    """The modes during the present step.
-
-    Also what they make of drives.
-    """
+    """The modes, and what drives do in this step."""
 
     rate: Table  # (joint, mode) [1/s]
     gain: Table
@@ -99,10 +87,7 @@ class Linear(structref.StructRefProxy):
 
 
 class Nodes(structref.StructRefProxy):
-    """Everything at a step's nodes and start.
-
-    There are three nodes.
-    """
+    """Everything at a step's three nodes and start."""
 
     time: Row  # (4,) [s]
     load: Row  # [N m]
@@ -128,10 +113,7 @@ class Nodes(structref.StructRefProxy):
 
 
 class Balance(structref.StructRefProxy):
-    """The torque that statics asks of joints.
-
-    Its derivatives are here too.
-    """
+    """Torque that statics asks, and its derivatives."""
 
     torque: Table  # (4, joint)
     by_angle: Block  # (4, joint, other)
@@ -250,10 +232,7 @@ def allocate_model(
 
 @compiled
 def allocate_work(n: int, modes: int, columns: int) -> Work:
-    """Make room for joints and tangents.
-
-    `n` joints of `modes` modes, with `columns` tangents.
-    """
+    """Allocate `n` joints, `modes` modes, `columns` tangents."""
     state = State(
         np.zeros((n, modes)), np.zeros((n, modes, columns)), np.zeros(n), np.zeros((n, columns)),
         np.zeros(1), np.zeros((1, columns)), np.zeros(n), np.zeros((n, columns)),

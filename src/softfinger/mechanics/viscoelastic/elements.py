@@ -54,10 +54,7 @@ class Springpot:
     exponent: float
 
     def __post_init__(self) -> None:
-        """Refuse a coefficient that is not positive.
-
-        Exponents of springs and dashpots are refused too.
-        """
+        """Refuse wrong coefficients and exponents."""
         require_positive("coefficient", self.coefficient, "N m s^a/rad")
         if not 0.0 < self.exponent < 1.0:
             raise Fault(f"exponent = {self.exponent:g}: it must lie between 0 and 1, both excluded")
@@ -65,10 +62,7 @@ class Springpot:
 
 @dataclass(frozen=True)
 class Network:
-    """Parts in series or in parallel.
-
-    In series angles add, in parallel torques.
-    """
+    """Parts in series (angles add) or parallel (torques)."""
 
     kind: Literal["series", "parallel"]
     parts: tuple["Element", ...]
@@ -103,28 +97,19 @@ def kelvin_voigt(stiffness: float, damping: float) -> Network:
 
 
 def zener(stiffness: float, voigt_stiffness: float, voigt_damping: float) -> Network:
-    """Build the standard linear solid.
-
-    It is a spring in series with a Kelvin–Voigt element.
-    """
+    """Build a spring and Kelvin–Voigt element in series."""
     return series(Spring(stiffness), kelvin_voigt(voigt_stiffness, voigt_damping))
 
 
 def three_element(k_v: float, c_v: float, c_p: float) -> Network:
-    """Build the paper's joint.
-
-    It is a Kelvin–Voigt element in series with a dashpot.
-    """
+    """Build a Kelvin–Voigt element and dashpot in series."""
     return series(kelvin_voigt(k_v, c_v), Dashpot(c_p))
 
 
 def burgers(
     stiffness: float, voigt_stiffness: float, voigt_damping: float, damping: float
 ) -> Network:
-    """Build a Burgers element.
-
-    It is a Maxwell pair in series with a Kelvin–Voigt element.
-    """
+    """Build Maxwell and Kelvin–Voigt elements in series."""
     voigt = kelvin_voigt(voigt_stiffness, voigt_damping)
     return series(Spring(stiffness), voigt, Dashpot(damping))
 
@@ -209,10 +194,7 @@ def is_fractional(element: Element) -> bool:
 
 
 def compute_impulse(element: Element) -> float:
-    """Compute the impulse's weight [N m s/rad].
-
-    It is that of the relaxation modulus, lim S(s)/s.
-    """
+    """Compute the impulse's weight lim S(s)/s [N m s/rad]."""
     if isinstance(element, Network):
         impulses = np.array([compute_impulse(part) for part in element.parts])
         if element.kind == "parallel":
@@ -235,10 +217,7 @@ def compute_instant_compliance(element: Element) -> float:
 
 
 def compute_regular_stiffness(element: Element, s: np.ndarray) -> np.ndarray:
-    """Compute S(s) less the impulse's part.
-
-    It is without cancellation [N m/rad].
-    """
+    """Compute S(s) less its impulse [N m/rad]."""
     if isinstance(element, Spring):
         return np.full_like(s, element.stiffness)
     if isinstance(element, Dashpot):

@@ -149,10 +149,7 @@ def compute_network_response_array(
 def _superpose(
     element: Element, time: NDArray, load_time: NDArray, load_torque: NDArray
 ) -> NDArray[np.float64]:
-    """Sum the responses to a load's changes.
-
-    They are to its steps (J) and to its bends (∫J dt).
-    """
+    """Sum responses to steps (J), bends (∫J dt)."""
     length, rise = np.diff(load_time), np.diff(load_torque)
     slope = np.divide(rise, length, out=np.zeros_like(rise), where=length > 0.0)
     jumps = np.append(load_torque[0], np.where(length > 0.0, 0.0, rise))
