@@ -52,10 +52,7 @@ def track_progress[Item](
 
 @contextmanager
 def follow_progress(description: str, total: int) -> Iterator[Callable[[int], None]]:
-    """Show a bar for work that reports its progress.
-
-    Gives the function that takes the number of steps done so far, from any thread.
-    """
+    """A progress bar's function of steps, thread-safe."""
     with _open_bar() as bar:
         task = bar.add_task(description, total=total)
         yield lambda done: bar.update(task, completed=done)

@@ -47,10 +47,7 @@ REASONS = {
 
 
 class Answer(NamedTuple):
-    """How one file compares with the manifest.
-
-    `good` unless it differs beyond the tolerance.
-    """
+    """How a file compares; `good` within the tolerance."""
 
     name: str
     word: str
@@ -59,10 +56,7 @@ class Answer(NamedTuple):
 
 
 def write_manifest(folder: Path, path: Path) -> None:
-    """Write a manifest that describes a run.
-
-    It contains hashes, provenance and summary values of every file in the folder.
-    """
+    """Write every file's hash, provenance and summary."""
     files = {name: describe_file(folder / name) for name in list_files(folder)}
     content = {
         "version": VERSION,
@@ -74,10 +68,7 @@ def write_manifest(folder: Path, path: Path) -> None:
 
 
 def describe_machine() -> dict[str, str]:
-    """Kind of machine, and hash of the lock.
-
-    Equal bytes are promised only where these are equal.
-    """
+    """Kind of machine, hash of the lock."""
     lock = (PROJECT / "environment.lock").read_bytes()
     return {
         "processor": platform.machine(),
@@ -88,10 +79,7 @@ def describe_machine() -> dict[str, str]:
 
 
 def list_files(folder: Path) -> list[str]:
-    """Result files of a run.
-
-    Artifacts, campaign, verdict and model count; logs and pages do not.
-    """
+    """Result files of a run, but logs, pages."""
     kinds = {".nc", ".json", ".yaml", ".csv", ".avi"}
     made = [p for p in folder.rglob("*") if p.is_file() and p.suffix in kinds]
     names = [p.relative_to(folder) for p in made]
@@ -103,10 +91,7 @@ def list_files(folder: Path) -> list[str]:
 
 
 def describe_file(path: Path) -> dict[str, Any]:
-    """Hash of a file, with a summary of values.
-
-    An artifact's provenance is added.
-    """
+    """Hash of a file, its summary and provenance."""
     described: dict[str, Any] = {"sha256": hashlib.sha256(path.read_bytes()).hexdigest()}
     if path.suffix == ".json":
         verdict = json.loads(path.read_text(encoding="utf-8"))

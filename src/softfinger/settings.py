@@ -1,7 +1,4 @@
-"""Blocks of the configuration, with units and ranges.
-
-A refused block lists every fault.
-"""
+"""Blocks of the configuration, with units and ranges."""
 
 from __future__ import annotations
 

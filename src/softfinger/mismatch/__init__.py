@@ -1,7 +1,4 @@
-"""Find which physics was left out.
-
-Locate it, name it, state what it did, propose what would show it.
-"""
+"""Find and name the physics that was left out."""
 
 from softfinger.mismatch.diagnose import Diagnosis, diagnose
 from softfinger.mismatch.tables.outcome import describe_repair, tabulate_diagnosis

@@ -1,7 +1,4 @@
-"""Numbers that limit the work of a diagnosis.
-
-More would find the same, later.
-"""
+"""Numbers that limit the work of a diagnosis."""
 
 from dataclasses import dataclass
 

@@ -8,10 +8,7 @@ from softfinger.settings import Settings
 
 
 class MismatchSettings(Settings):
-    """How a diagnosis guards itself against chance.
-
-    Also whether it samples what it repaired.
-    """
+    """Guards against chance; whether to sample the repair."""
 
     bootstrap_replicates: Annotated[int, Field(ge=99, le=9999)]
     false_alarm_probability: Annotated[float, Field(gt=0.0, le=0.1)]

@@ -1,7 +1,4 @@
-"""The diagnosis: one call from angles to verdict.
-
-It also returns the artifacts behind the verdict.
-"""
+"""The diagnosis: one call from angles to verdict."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
@@ -64,10 +61,7 @@ class Diagnosis(NamedTuple):
 
 
 class Survey(NamedTuple):
-    """Every effect alone.
-
-    The catalogue, its columns, what chance gains, what is needed, and the ranking.
-    """
+    """The catalogue alone: columns, chance, need, ranking."""
 
     catalogue: tuple[list[Piece], dict[str, str]]
     columns: ScoreColumns
@@ -156,10 +150,7 @@ def diagnose(
 
 
 def mend_log(posed: Posed, pose: Pose) -> Posed:
-    """Take steady plateaus where the motion prefers them.
-
-    The load of steady plateaus then explains the motion better than the log does.
-    """
+    """Take steady plateaus where the motion prefers them."""
     steady, error = steady_log(posed.angles)
     if error == 0.0 or not posed.plain.setting.load_known:
         return posed
@@ -185,10 +176,7 @@ def mend_clock(posed: Posed, pose: Pose) -> Posed:
 
 
 def mend_hums(posed: Posed, pose: Pose) -> tuple[Posed, list[Hum]]:
-    """Take their hums off the recordings.
-
-    They are neither motion nor noise.
-    """
+    """Take hums, neither motion nor noise, off recordings."""
     leader = find_leader(posed.base, posed.survey.ranked[0], posed.survey.needed)
     hums, angles = hear_hums(posed.plain, leader, posed.angles)
     return (pose(angles, posed.known) if hums else posed), hums

@@ -1,7 +1,4 @@
-"""What a diagnosis assumes of what it seeks.
-
-These are model assumptions; no truth can check them.
-"""
+"""What a diagnosis assumes of what it seeks."""
 
 from dataclasses import dataclass
 

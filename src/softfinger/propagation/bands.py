@@ -1,7 +1,4 @@
-"""Bands of the joint angle beside recordings.
-
-Scores are added.
-"""
+"""Bands of the joint angle beside recordings."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -118,10 +115,7 @@ def compute_bands(
 
 
 def _join_estimates(models: list[xr.Dataset]) -> xr.Dataset:
-    """Join both estimates.
-
-    The bounds are those of the posterior alone.
-    """
+    """Join both estimates, with the posterior's bounds."""
     bounds = models[1][["joint_angle_mean_bound", "joint_angle_sd_bound"]]
     both = [model.drop_vars(bounds.data_vars) for model in models]
     joined = xr.concat(both, xr.IndexVariable("estimate", list(ESTIMATES)))
@@ -129,10 +123,7 @@ def _join_estimates(models: list[xr.Dataset]) -> xr.Dataset:
 
 
 def _compute_moments(source: Source, protocol: Protocol, time: NDArray) -> xr.Dataset:
-    """Mean and sd (joint, time) [rad].
-
-    They are medians over draws, with their bounds.
-    """
+    """Mean, sd (joint, time) [rad]: medians and bounds."""
     mean, variance = choose_route(source).compute_moments(source, protocol, time)
     dims, data = ("joint", "time"), {}
     for name, value in (("joint_angle_mean", mean), ("joint_angle_sd", np.sqrt(variance))):
@@ -145,10 +136,7 @@ def _compute_moments(source: Source, protocol: Protocol, time: NDArray) -> xr.Da
 def _predict_left_out(
     place: int, samples: list[NewTrials | None], weigh: Weigh, time: NDArray
 ) -> NDArray[np.float64]:
-    """Quantiles that other trials predict for one.
-
-    They are (joint, time, p), of the trial's recording.
-    """
+    """Quantiles (joint, time, p) predicted by other trials."""
     predicted = np.full((len(samples), time.size, PROBABILITIES.size), np.nan)
     for joint, sample in enumerate(samples):
         if sample is not None:

@@ -1,7 +1,4 @@
-"""The knobs of bands, densities and indices.
-
-Each has its unit in its name.
-"""
+"""The knobs of bands, densities and indices."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any

@@ -106,10 +106,7 @@ def compute_values_array(
 
 
 def _share_covariance(covariance: NDArray, subset: Subset) -> NDArray[np.float64]:
-    """M, the covariance that two fingers share.
-
-    They have the parameters u in common.
-    """
+    """M, the covariance shared through parameters u."""
     if subset == EVERY:
         return covariance
     u = np.flatnonzero(np.isin(np.arange(len(covariance)) % len(EVERY), subset))
@@ -117,10 +114,7 @@ def _share_covariance(covariance: NDArray, subset: Subset) -> NDArray[np.float64
 
 
 def _average_elastic(joint: Joint, shift: float) -> NDArray[np.float64]:
-    """Mean (n,) of e(r) after a shift.
-
-    The log-rate's mean is shifted by `shift`.
-    """
+    """Mean (n,) of e(r), log-rate shifted by `shift`."""
     spread = np.sqrt(LOG_RATE @ joint.covariance @ LOG_RATE)
     return compute_normal_weights(joint.lattice, LOG_RATE @ joint.mu + shift, spread) @ joint.table
 
@@ -208,10 +202,7 @@ def _average_squares(
 
 
 def _space_lattice(mu: NDArray, covariance: NDArray, shared: list[NDArray]) -> NDArray[np.float64]:
-    """Log-rates for all shared parts.
-
-    They are fine and wide enough.
-    """
+    """Log-rates fine and wide enough for all."""
     with_rate = covariance @ LOG_RATE
     variance = LOG_RATE @ with_rate
     common = np.array([LOG_RATE @ part @ LOG_RATE for part in shared])

@@ -98,10 +98,7 @@ def compute_densities(
 def _refine_two_stage(
     source: Source, protocol: Protocol, time: NDArray, angle: NDArray
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Density (joint, time, angle) of the two-stage estimate.
-
-    Its error (joint, time) is returned too.
-    """
+    """Two-stage density (joint, time, angle) and error (joint, time)."""
     mu, sigma = (source.population[name].to_numpy()[0] for name in ("mu", "sigma"))
     load, cut = (protocol.load_time, protocol.load_torque), source.knobs.c_p_truncation_sd
     every = zip(mu, sigma, angle, strict=True)

@@ -42,10 +42,7 @@ def compute_moments(
 
 
 def share_variance(source: Source, protocol: Protocol, time: NDArray[np.float64]) -> Shares:
-    """Share the variance out among sets.
-
-    Each set's share is (draw, joint, n).
-    """
+    """Share variance out among sets (draw, joint, n)."""
     mu, sigma = _read_populations(source)
     cut = source.knobs.c_p_truncation_sd
     return share_variance_array(mu, sigma, time, protocol.load_time, protocol.load_torque, cut)

@@ -1,7 +1,4 @@
-"""The density of a sample.
-
-It is smoothed by a Gaussian kernel.
-"""
+"""The density of a sample, by Gaussian kernel."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray

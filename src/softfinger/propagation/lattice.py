@@ -56,10 +56,7 @@ def lay_masses(
 def read_density(
     angle: NDArray, lattice: NDArray, sd: float, start: int, taper: NDArray
 ) -> NDArray:
-    """Read the density at angles (a,).
-
-    The Gaussian smooths it once more.
-    """
+    """Read the smoothed density at angles (a,)."""
     scale = 1.0 / (PER_SD * math.sqrt(2 * math.pi))
     density = np.zeros(angle.size)
     for j in range(angle.size):
@@ -78,10 +75,7 @@ def read_density(
 
 @compiled
 def read_probability(angle: NDArray, lattice: NDArray, sd: float, start: int) -> NDArray:
-    """Read the probability below angles (a,).
-
-    It is what the lattice contains below them.
-    """
+    """Read the probability below angles (a,)."""
     cumulated = np.cumsum(lattice)
     probability = np.empty(angle.size)
     for j in range(angle.size):

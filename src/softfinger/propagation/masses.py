@@ -129,10 +129,7 @@ def lay_flow_masses(
     fineness: float,
     truncation_sd: float | None,
 ) -> Masses:
-    """Lay out C = I/c_p.
-
-    It has a given median [rad]; the layout is as in `lay_elastic_masses`.
-    """
+    """Lay out C = I/c_p of a median [rad]."""
     bound = limits[1] if median > 0 else -limits[0]
     reach = REACH if truncation_sd is None else truncation_sd
     if abs(median) < NOTHING * sd * np.exp(-min(reach, REACH) * log_sd):
@@ -170,10 +167,7 @@ def _space_nodes(
 def _space_panels(
     low: float, high: float, log_sd: float, sd: float, fineness: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Places as `_space_nodes`, by Gauss–Legendre panels.
-
-    They end sharply at both ends.
-    """
+    """Places as `_space_nodes`, by Gauss–Legendre panels."""
     step, scale = _find_steps(log_sd, sd, fineness)
     ends = _find_abscissa(np.exp(np.array([low, high])) / scale)
     panels = int(np.ceil((ends[1] - ends[0]) / (0.5 * PANEL_POINTS * step)))

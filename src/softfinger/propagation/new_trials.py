@@ -1,7 +1,4 @@
-"""New trials drawn from populations.
-
-Whole fingers are drawn, moved and recorded with noise.
-"""
+"""New fingers drawn, moved and recorded with noise."""
 
 from typing import NamedTuple
 
@@ -204,10 +201,7 @@ def draw_noise(
 
 
 def order_samples_array(values: NDArray[np.float64]) -> tuple[NDArray, NDArray]:
-    """Put values (time, n) in rising order.
-
-    The place from which each came is returned too.
-    """
+    """Sort values (time, n); also their former places."""
     values = np.ascontiguousarray(values)
     order = np.argsort(values, axis=1)
     return np.take_along_axis(values, order, axis=1), order

@@ -103,10 +103,7 @@ def are_independent(population: xr.Dataset) -> bool:
 def relate_own_array(
     correlation: NDArray[np.float64], sigma: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Build the covariance of fingers.
-
-    It is (…, 4 · joint, 4 · joint).
-    """
+    """Fingers' covariance (…, 4 · joint, 4 · joint)."""
     sd = sigma.reshape(*sigma.shape[:-2], -1)
     return correlation * sd[..., :, None] * sd[..., None, :]
 

@@ -12,10 +12,7 @@ SAME_LOAD = 0.02  # mean absolute difference over the larger peak, up to which l
 
 
 class Protocol(NamedTuple):
-    """Trials of one load history.
-
-    The load is that of the trial that was recorded longest.
-    """
+    """Trials of one load history, the longest's."""
 
     name: str
     trials: NDArray[np.int_]
@@ -62,18 +59,12 @@ def group_protocols(angles: xr.Dataset) -> list[Protocol]:
 
 
 def select_main_protocol(protocols: list[Protocol]) -> Protocol:
-    """Select the protocol with most trials.
-
-    It is the first of equals.
-    """
+    """Select the first protocol with most trials."""
     return max(protocols, key=lambda protocol: protocol.trials.size)
 
 
 def name_protocols(protocols: list[Protocol], n_trials: int) -> list[str]:
-    """Name each trial's protocol.
-
-    It is "" for a trial without any frame.
-    """
+    """Name trials' protocols, "" without any frame."""
     names = [""] * n_trials
     for protocol in protocols:
         for trial in protocol.trials:
@@ -82,10 +73,7 @@ def name_protocols(protocols: list[Protocol], n_trials: int) -> list[str]:
 
 
 def describe_truncation(c_p_truncation_sd: float | None) -> str:
-    """Name the propagated part of the population of c_p.
-
-    The population is log-normal, and may be truncated.
-    """
+    """Name the part of c_p's population that is propagated."""
     if c_p_truncation_sd is None:
         return "none: the log-normal population of c_p is taken whole"
     return f"|log c_p − μ| ≤ {c_p_truncation_sd:g} σ"

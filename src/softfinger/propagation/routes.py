@@ -10,10 +10,7 @@ from softfinger.propagation.populations import are_independent
 
 
 class Route(NamedTuple):
-    """Answers about a source's new trials.
-
-    They have one form on both routes.
-    """
+    """Answers about new trials, alike on both routes."""
 
     compute_moments: Callable
     """(source, protocol, time, left of each spread) → mean, variance (draw, joint, time)"""

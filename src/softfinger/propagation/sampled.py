@@ -79,10 +79,7 @@ def share_variance(source: Source, protocol: Protocol, time: NDArray[np.float64]
 def find_quantiles(
     source: Source, protocol: Protocol, time: NDArray[np.float64], probability: NDArray
 ) -> NDArray[np.float64]:
-    """Estimate quantiles (joint, n, p) [rad].
-
-    They are those of new trials of all draws.
-    """
+    """Estimate new trials' quantiles (joint, n, p) [rad]."""
     angle = np.stack(list(_move_draws(source, protocol, time)))
     return np.moveaxis(np.nanquantile(angle, probability, axis=(0, 1)), 0, -1)
 
@@ -111,10 +108,7 @@ def _count_draws(source: Source) -> int:
 
 
 def _draw_blocks(source: Source, copies: int) -> Iterator[DrawnFingers]:
-    """Yield the draws to sample.
-
-    Each has numbers for `copies` of each finger.
-    """
+    """Yield draws and numbers for `copies` of fingers."""
     places = choose_evenly(source.population.sizes["draw"], source.knobs.sampled_draws)
     dims = copies * source.joints * OWN
     rng = np.random.default_rng(source.seed)
@@ -126,10 +120,7 @@ def _draw_blocks(source: Source, copies: int) -> Iterator[DrawnFingers]:
 def _move_draws(
     source: Source, protocol: Protocol, time: NDArray, left: NDArray = WHOLE
 ) -> Iterator[NDArray[np.float64]]:
-    """Yield the angles of each draw's fingers.
-
-    They are (finger, joint, time) [rad].
-    """
+    """Yield draws' angles (finger, joint, time) [rad]."""
     for block in _draw_blocks(source, 1):
         score = block.normal @ take_root_array(block.correlation)
         yield _move_scores(source, block.place, score, protocol, time, left)
@@ -143,10 +134,7 @@ def _move_scores(
     time: NDArray,
     left: NDArray = WHOLE,
 ) -> NDArray[np.float64]:
-    """Angles of fingers with these scores.
-
-    They are (finger, joint, time), in one draw.
-    """
+    """Scores' angles (finger, joint, time) in one draw."""
     mu, sigma = (source.population[name].to_numpy()[place] for name in ("mu", "sigma"))
     own = place_scores_array(mu, sigma * left, score, source.knobs.c_p_truncation_sd)
     return move_fingers(source, np.full(len(own), place), own, protocol, time)
@@ -178,10 +166,7 @@ def _share_block(
 def _copy_scores(
     correlation: NDArray, subset: Subset, score: NDArray, normal: NDArray
 ) -> NDArray[np.float64]:
-    """Scores that share the parameters u.
-
-    They are (n, 4 · joint).
-    """
+    """Scores (n, 4 · joint) that share u."""
     u = np.flatnonzero(np.isin(np.arange(len(correlation)) % OWN, subset))
     gain = np.linalg.solve(correlation[np.ix_(u, u)], correlation[u])
     rest = correlation - correlation[:, u] @ gain

@@ -153,10 +153,7 @@ def mean_over_trials(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _score_trial(time: NDArray, angle: NDArray, predicted: NDArray) -> tuple[NDArray, NDArray]:
-    """Coverage and CRPS of one trial.
-
-    Coverage is (window, joint, ci_prob), CRPS (window, joint).
-    """
+    """Trial's coverage (window, joint, ci_prob), CRPS (window, joint)."""
     known = np.where(np.isfinite(predicted).all(axis=-1), angle, np.nan)
     crps = compute_crps_array(known, np.moveaxis(predicted[..., _LEVEL_PLACES], -1, 0))
     coverage = np.empty((len(WINDOWS), len(angle), len(CI_PROBS)))

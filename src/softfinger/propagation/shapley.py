@@ -119,10 +119,7 @@ def draw_correlations_array(
 def _correlate_afterwards(
     posterior: xr.DataTree, population: xr.Dataset, rng: np.random.Generator
 ) -> xr.Dataset:
-    """Give populations the correlations of their trials.
-
-    The draws' trials show them within each joint.
-    """
+    """Give populations their trials' correlations within joints."""
     trials = take_population_draws(
         posterior, LOG_PARAMETERS, population.sizes["draw"]
     ).to_dataarray("parameter")

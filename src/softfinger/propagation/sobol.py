@@ -87,19 +87,13 @@ def compute_sobol(
 
 
 def build_sobol_times(protocol: Protocol, knobs: ShapleyConfig) -> NDArray[np.float64]:
-    """Build the even grid of times.
-
-    It is (n,) [s], from 0 to the end of a protocol.
-    """
+    """Even times (n,) [s] of a protocol, from 0."""
     step = knobs.sobol_time_step_s
     return step * np.arange(int(protocol.duration / step + 1e-9) + 1)
 
 
 def compute_quantiles(draws: xr.Dataset) -> xr.Dataset:
-    """Compute every variable's quantiles over its draws.
-
-    Each gets `_quantile` (…, quantile).
-    """
+    """Add each variable's `_quantile` (…, quantile) over draws."""
     quantiles = draws.quantile(QUANTILES, dim="draw").transpose(..., "quantile")
     return quantiles.rename({name: f"{name}_quantile" for name in draws.data_vars})
 

@@ -18,10 +18,7 @@ def gather_sources(
     rng: np.random.Generator,
     move: Move,
 ) -> tuple[Source, Source]:
-    """Gather the two-stage estimate and the posterior.
-
-    The first is of the paper's joint, the second is moved by `move`.
-    """
+    """Gather two-stage estimate and posterior (moved by `move`)."""
     seeds = rng.integers(2**32, size=2).tolist()
     return (
         Source(select_two_stage(least_squares), move_paper_joint, knobs, seeds[0]),

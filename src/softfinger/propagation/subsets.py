@@ -37,10 +37,7 @@ PAIR_NAMES = tuple(f"{PARAMETERS[i]}:{PARAMETERS[j]}" for i, j in PAIRS)
 
 
 class SobolIndices(NamedTuple):
-    """Sobol indices (…, 4), and (…, 6) for pairs.
-
-    The pairs are in the order of `PAIR_NAMES`.
-    """
+    """Indices (…, 4); pairs (…, 6) as `PAIR_NAMES`."""
 
     first_order: NDArray[np.float64]
     total: NDArray[np.float64]

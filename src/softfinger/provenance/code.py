@@ -84,10 +84,7 @@ def find_modules(*modules: str) -> dict[str, Path]:
 def _follow_imports(
     syntax: Syntax, package: str, sources: dict[str, Path], *, whole: bool
 ) -> Iterator[tuple[str, bool]]:
-    """Modules that a file imports for itself.
-
-    Each comes with whether all that it passes on is meant.
-    """
+    """A file's imports; whether all passed on counts."""
     for use in syntax.imports:
         if not syntax.passes_on or whole or use.called in syntax.used:
             yield _resolve(_make_absolute(use.module, package), use.name, sources)
@@ -98,10 +95,7 @@ def _make_absolute(module: str, package: str) -> str:
 
 
 def _resolve(module: str, name: str | None, sources: dict[str, Path]) -> tuple[str, bool]:
-    """Module that defines an imported name.
-
-    The name is imported from another module.
-    """
+    """Module that defines a name another offers."""
     if name is None or name == "*":
         return module, True
     if _locate(f"{module}.{name}", sources) is not None:
@@ -115,10 +109,7 @@ def _resolve(module: str, name: str | None, sources: dict[str, Path]) -> tuple[s
 
 
 def _find_plug_ins(syntax: Syntax, sources: dict[str, Path]) -> Iterator[str]:
-    """Modules from other packages that a file loads.
-
-    The packages offer them in the groups that a file asks for.
-    """
+    """Plug-ins of the groups a file asks for."""
     for group in syntax.groups:
         for point in _list_points(group):
             top = _get_top(point.module)
@@ -164,9 +155,6 @@ def _get_top(module: str) -> str:
 
 @cache
 def _hash_file(path: Path) -> bytes:
-    """Digest of a file's code without its wording.
-
-    It is the digest of all of a file that is no Python.
-    """
+    """Digest of code without wording, or all bytes."""
     code = ast.dump(read_syntax(path).tree).encode() if path.suffix == ".py" else path.read_bytes()
     return hashlib.sha256(code).digest()

@@ -16,10 +16,7 @@ from softfinger.provenance.code import PROJECT, code_hash
 
 @dataclass(frozen=True)
 class Provenance:
-    """What is stamped on an artifact.
-
-    It has no clock, no absolute path, and nothing of the machine.
-    """
+    """What an artifact is stamped with; no clock."""
 
     stage: str
     inputs: Mapping[str, str]
@@ -74,10 +71,7 @@ def _hash_text(text: str) -> str:
 
 
 def hash_files(files: Path | str | Sequence[Path | str]) -> str:
-    """SHA-256 of a file, or of several.
-
-    Of several it is the hash of their hashes, in their order.
-    """
+    """SHA-256 of a file, or of several hashes."""
     if isinstance(files, Path | str):
         if not Path(files).is_file():
             reason = "the file does not exist; run the rule that makes it"

@@ -1,7 +1,4 @@
-"""What can be read off a Python file.
-
-It concerns the code that the file uses.
-"""
+"""What can be read off a Python file."""
 
 from __future__ import annotations
 
@@ -72,10 +69,7 @@ def read_syntax(path: Path) -> Syntax:
 
 
 def _list_statements(tree: ast.AST) -> Iterator[ast.AST]:
-    """Every statement that runs, at any depth.
-
-    Those that only a type checker runs are left out.
-    """
+    """Every statement that runs, at any depth."""
     for node in ast.iter_child_nodes(tree):
         if isinstance(node, ast.If) and _is_for_checkers(node.test):
             continue
@@ -89,10 +83,7 @@ def _is_for_checkers(test: ast.expr) -> bool:
 
 
 def _find_calls(text: str, tree: ast.AST, name: str) -> list[ast.Call]:
-    """Calls of a function of some name.
-
-    Most files have none, and their trees are spared.
-    """
+    """Calls of a function, looked for by name first."""
     nodes = ast.walk(tree) if name in text else ()
     return [
         node

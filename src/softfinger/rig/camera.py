@@ -1,7 +1,4 @@
-"""Cameras, real and virtual, behind one thread.
-
-The thread stamps the pictures, measures the sync light and compresses.
-"""
+"""Cameras, real and virtual, behind one thread."""
 
 import os
 import threading
@@ -24,10 +21,7 @@ class PictureSource(Protocol):
     """What takes pictures."""
 
     def read(self) -> tuple[float, NDArray[np.uint8]]:
-        """Wait for the next frame.
-
-        Returns its stamp on the camera's clock [s], and the picture.
-        """
+        """Wait for a frame: its stamp [s], picture."""
 
     def close(self) -> None:
         """End it."""

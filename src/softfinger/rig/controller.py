@@ -1,7 +1,4 @@
-"""The controller as the recorder sees it.
-
-It is identified and limited, and it releases the wire whatever happens.
-"""
+"""The controller: it releases the wire, whatever happens."""
 
 import time
 from collections.abc import Iterator
@@ -66,10 +63,7 @@ class Controller:
         self._request("sync", flashes=FLASHES, half_us=round(half_period * 1e6))
 
     def arm(self, knots: Knots, rate_hz: int) -> None:
-        """Send a profile and arm, without tension.
-
-        The samples start and the motor is switched on.
-        """
+        """Send a profile; start samples and motor, untensioned."""
         self._request("clear")
         for i, (moment, tension) in enumerate(zip(*knots, strict=True)):
             t_us, tension_mn = round(moment * 1e6), round(tension * 1e3)

@@ -114,10 +114,7 @@ class Device:
         return [*said, Message(message.number, "ok", answer)]
 
     def advance(self, now: float, wall: float) -> list[Message]:
-        """Advance to a time; samples and events until then.
-
-        They are in their order.
-        """
+        """Advance to a time; samples, events until then."""
         said: list[tuple[float, Message]] = []
         while self._edges_told < len(self.edges) and self.edges[self._edges_told] <= now:
             time, on = self.edges[self._edges_told], 1 - self._edges_told % 2

@@ -1,7 +1,4 @@
-"""What the person at the rig sees.
-
-These are trial, tension, frame rate, lost frames, and a picture.
-"""
+"""What the person at the rig sees."""
 
 import contextlib
 import time

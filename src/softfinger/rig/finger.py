@@ -14,18 +14,12 @@ _HORIZON_S = 10.0  # beyond the last change of the load; afterwards the finger i
 
 
 def build_finger_config() -> VirtualRigConfig:
-    """Build the finger and scene of all simulations.
-
-    They are the example campaign's.
-    """
+    """The example campaign's finger and scene."""
     return read_config(EXAMPLE_CONFIG)
 
 
 class VirtualFinger:
-    """One simulated finger, at rest before every trial.
-
-    Each trial draws its parameters anew; the paper's mechanics move it.
-    """
+    """A simulated finger, with new parameters each trial."""
 
     def __init__(self, config: VirtualRigConfig, seed: int) -> None:
         self._geometry = FingerGeometry.uniform(

@@ -33,10 +33,7 @@ _SPARE_BYTES = 50_000_000
 
 
 class RecordingFolder:
-    """A folder that is recorded into.
-
-    `open_folder` makes or resumes it.
-    """
+    """A folder that `open_folder` makes or resumes."""
 
     def __init__(self, path: Path, rows: list[dict[str, str]]) -> None:
         self.path = path
@@ -173,10 +170,7 @@ def _format_table(rows: list[dict[str, str]]) -> str:
 
 
 def _format_load(recording: TrialRecording) -> str:
-    """Measured tension of the profile, noise below 0 cut.
-
-    A wire cannot push.
-    """
+    """Measured tension, cut at 0: wires cannot push."""
     time, hair = recording.sample_time, 1e-7
     pulled = (time >= recording.load_start - hair) & (time <= recording.load_end + hair)
     columns = [time[pulled], np.maximum(recording.tension[pulled], 0.0)]
@@ -205,10 +199,7 @@ def _write_text(path: Path, text: str) -> None:
 
 @contextmanager
 def _write_whole(path: Path) -> Iterator[Path]:
-    """Yield a temporary name that becomes `path` on success.
-
-    It is in the same folder.
-    """
+    """Yield a temporary name that success makes `path`."""
     unfinished = path.with_name(_UNFINISHED + path.name)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

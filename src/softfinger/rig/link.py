@@ -1,7 +1,4 @@
-"""The recorder's end of the serial line.
-
-Requests are numbered and each is answered; a lost line is noticed.
-"""
+"""The recorder's end of the serial line."""
 
 import time
 from collections import deque
@@ -88,10 +85,7 @@ class SerialLink:
         return said
 
     def trust(self) -> None:
-        """Take every line seriously from now on.
-
-        Lines that came unasked before are dropped.
-        """
+        """Drop old lines; take every new one seriously."""
         self._trusted = True
         self._unasked.clear()
 

@@ -24,10 +24,7 @@ class LineFault(Fault):
 
 @dataclass(frozen=True)
 class Message:
-    """One line's content.
-
-    Values are text; only the reader knows their unit.
-    """
+    """One line's content; values are text."""
 
     number: int
     verb: str
@@ -99,10 +96,7 @@ def parse_line(line: bytes) -> Message:
 
 
 class LineAssembler:
-    """Cuts a stream of bytes into lines.
-
-    The bytes may come in pieces of any size.
-    """
+    """Cuts any pieces of bytes into lines."""
 
     def __init__(self) -> None:
         self._begun = b""

@@ -1,7 +1,4 @@
-"""The plan of a recording, one YAML file.
-
-It states what is pulled, how often, and within which limits.
-"""
+"""The plan of a recording, one YAML file."""
 
 from collections import Counter
 from pathlib import Path
@@ -20,10 +17,7 @@ Pixels = Annotated[int, Field(ge=0)]
 
 
 class Safety(Settings):
-    """Limits that both sides check.
-
-    Also how long a silence counts as harmless.
-    """
+    """Limits that both sides check; harmless silence."""
 
     tension_limit_n: Positive
     connect_timeout_s: Positive  # controllers that restart when their port is opened need seconds

@@ -55,10 +55,7 @@ class Steps(_Profile):
 
 
 class Staircase(_Profile):
-    """Equal stairs up to the peak and down again.
-
-    Each is held, the peak once.
-    """
+    """Equal stairs up and down, the peak once."""
 
     shape: Literal["staircase"]
     peak_n: Positive
@@ -99,10 +96,7 @@ class Triangle(_Profile):
 
 
 class Sine(_Profile):
-    """Tension mean − amplitude cos(2π t / period).
-
-    It begins at the lowest tension.
-    """
+    """Tension mean − amplitude cos(2π t / period)."""
 
     shape: Literal["sine"]
     mean_n: Positive

@@ -1,7 +1,4 @@
-"""Other protocols that a rig could record.
-
-Each is a list of profiles within the same limits.
-"""
+"""Other protocols within the same rig's limits."""
 
 from __future__ import annotations
 
@@ -48,10 +45,7 @@ def propose_profiles(peak: float, duration: float) -> dict[str, list[Profile]]:
 
 
 def stack_knots(profiles: Sequence[Profile]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Times [s] and tensions [N] (profile, knot) of profiles.
-
-    The last knot is repeated.
-    """
+    """Profiles' [s], [N] (profile, knot), last repeated."""
     knots = [profile.build_knots() for profile in profiles]
     longest = max(time.size for time, _ in knots)
     time, tension = (

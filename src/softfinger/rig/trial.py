@@ -1,7 +1,4 @@
-"""One trial: align clocks, pull, align again.
-
-Then all data have one time.
-"""
+"""One trial: align clocks, pull, align again."""
 
 import time
 from collections.abc import Sequence
@@ -72,10 +69,7 @@ class TrialRecording:
 
 @dataclass(frozen=True)
 class Pull:
-    """Data of one pull of the wire.
-
-    Times are the controller's [s], stamps the camera's [s].
-    """
+    """One pull: controller's [s], camera's stamps [s]."""
 
     started: float
     ended: float
@@ -208,10 +202,7 @@ def assemble_trial(
 
 
 def _check_samples(pull: Pull, rate_hz: float) -> None:
-    """Refuse a pull whose last samples are missing.
-
-    That none is missing between is checked elsewhere.
-    """
+    """Refuse a pull whose last samples are missing."""
     sampled = pull.samples[-1].time
     if sampled < pull.ended - 1.5 / rate_hz:
         raise Fault(
@@ -223,10 +214,7 @@ def _check_samples(pull: Pull, rate_hz: float) -> None:
 def _fill_gaps(
     clock: FrameClock, frames: Sequence[StampedPicture]
 ) -> tuple[NDArray[np.int_], NDArray[np.float64]]:
-    """Frame to show at each beat, and its stamp.
-
-    The stamp is NaN where the frame replaces a lost one.
-    """
+    """Frame at each beat; stamp NaN if lost."""
     beat = np.arange(clock.slot[-1] + 1)
     shown = np.searchsorted(clock.slot, beat, side="right") - 1
     stamp = np.full(beat.size, np.nan)

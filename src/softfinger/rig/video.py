@@ -49,10 +49,7 @@ def write_video(path: Path, pictures: Sequence[bytes], rate: float) -> None:
 
 
 def count_frames(path: Path) -> int:
-    """Number of frames that can be decoded.
-
-    A container may claim another number.
-    """
+    """Number of frames that decode, whatever is claimed."""
     capture = cv2.VideoCapture(str(path))
     count = 0
     while capture.grab():

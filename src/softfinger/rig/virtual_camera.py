@@ -56,10 +56,7 @@ class ExposureFeed:
         return f"virtual:{self._listener.getsockname()[1]}"
 
     def list_due_frames(self, now: float) -> range:
-        """Frames [number] whose time k / fps has come.
-
-        There are none while nobody looks.
-        """
+        """Frames k due at k / fps, if watched."""
         self._accept(now)
         last = math.floor(now * self.fps)
         due = range(self._next_frame, last + 1) if self._viewer else range(0)
@@ -67,10 +64,7 @@ class ExposureFeed:
         return due
 
     def send(self, frame: int, light: bool, angle: NDArray[np.float64]) -> None:
-        """Send a frame; a slow viewer loses it.
-
-        A viewer is slow when it is megabytes behind.
-        """
+        """Send a frame; a slow viewer loses it."""
         if len(self._waiting) < _MOST_WAITING_BYTES:
             stamp = frame / self.fps + CAMERA_AHEAD_S
             self._waiting += _EXPOSURE.pack(frame, stamp, int(light), *angle)

@@ -1,7 +1,4 @@
-"""Rule `angles`: joint angles and loads of all trials.
-
-They come from whatever level each was recorded at.
-"""
+"""Rule `angles`: joint angles and loads of trials."""
 
 from __future__ import annotations
 

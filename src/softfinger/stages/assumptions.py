@@ -1,7 +1,4 @@
-"""Rule `assumptions`: whether inertia and moment arm matter.
-
-Simulated fingers answer; their moment arm grows.
-"""
+"""Rule `assumptions`: whether inertia and moment arm matter."""
 
 from __future__ import annotations
 

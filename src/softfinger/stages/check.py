@@ -1,7 +1,4 @@
-"""Verb `check`: validation before anything is written.
-
-It lists what would be set aside, and what looks wrong.
-"""
+"""Verb `check`: what is set aside, or doubtful."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""Rule `check_artifacts`: every artifact against its declaration.
-
-It writes the run's receipt.
-"""
+"""Rule `check_artifacts`: artifacts against declarations, a receipt."""
 
 from __future__ import annotations
 
@@ -14,10 +11,7 @@ from softfinger.artifacts.specs import list_specs
 
 
 def check_artifacts(*, artifacts: Sequence[Path], markers: Sequence[Path], receipt: Path) -> None:
-    """Open every artifact, and write down its hash.
-
-    Opening refuses a wrong one; the hash is that of its bytes.
-    """
+    """Open every artifact, and write down its hash."""
     specs = {spec.name: spec for spec in list_specs()}
     named = [(Path(path).stem, Path(path)) for path in artifacts]
     named += [("markers", Path(path)) for path in markers]

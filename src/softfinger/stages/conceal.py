@@ -1,7 +1,4 @@
-"""Rule `conceal`: one sealed campaign of the proof.
-
-The seal is of what is concealed in it.
-"""
+"""Rule `conceal`: one sealed campaign of the proof."""
 
 from __future__ import annotations
 
@@ -56,9 +53,6 @@ def conceal(
 
 
 def film(config: Mapping[str, Any], angle: np.ndarray, rig: Rig, path: Path, seed: int) -> None:
-    """Film a trial with the virtual rig's camera.
-
-    The trial is (frame, joint) [rad]; the camera has its noise.
-    """
+    """Film a trial (frame, joint) [rad], with noise."""
     motion = xr.Dataset({"joint_angle": (("trial", "frame", "joint"), angle[None])})
     film_trial(motion, {**config, "fps": rig.fps}, 0, path, seed)

@@ -1,7 +1,4 @@
-"""Rule `diagnose`: which physics was left out.
-
-It also writes the model that has it.
-"""
+"""Rule `diagnose`: which physics was left out."""
 
 from __future__ import annotations
 
@@ -113,10 +110,7 @@ def diagnose(
 
 
 def write_load_files(proposal: Mapping[str, Any] | None, folder: Path) -> None:
-    """Write a proposed experiment's histories as load logs.
-
-    A campaign can name them.
-    """
+    """Write a proposal's histories as load logs."""
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     if proposal is None:

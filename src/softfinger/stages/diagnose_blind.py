@@ -1,7 +1,4 @@
-"""Rule `diagnose_blind`: a diagnosis from the campaign alone.
-
-Its process gets nothing else.
-"""
+"""Rule `diagnose_blind`: a process with the campaign alone."""
 
 from __future__ import annotations
 
@@ -21,10 +18,7 @@ def diagnose_blind(
     mcmc: bool,
     seal: Path | None = None,
 ) -> None:
-    """Diagnose a campaign, and write the hashed answer.
-
-    If the campaign has a truth, it is sealed.
-    """
+    """Diagnose, seal any truth, write the hashed answer."""
     if seal is not None:
         print(f"sealed before: {Path(seal).read_text(encoding='utf-8').strip()}")
     found = run_blind(Path(campaign), Path(diagnosis), patience_s, mcmc=mcmc)

@@ -1,7 +1,4 @@
-"""Rule `document`: figures and parameters as LaTeX.
-
-One document with a table of the parameters.
-"""
+"""Rule `document`: figures and parameters as LaTeX."""
 
 from __future__ import annotations
 
@@ -21,10 +18,7 @@ def document(
     markers: Sequence[Path],
     **artifacts: Path,
 ) -> None:
-    """Write a document of the figures and parameters.
-
-    The table of parameters is a file of its own, which the document contains.
-    """
+    """Write a document, and its table of parameters."""
     opened = open_stated(artifacts, markers)
     with write_atomically(table) as temporary:
         write_parameter_table(opened, temporary)

@@ -1,7 +1,4 @@
-"""Rule `doubt`: what looks wrong in a campaign.
-
-It is written beside the angles.
-"""
+"""Rule `doubt`: what looks wrong in a campaign."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""Rule `figure`: one figure, for a document.
-
-The figure is the paper's or ours.
-"""
+"""Rule `figure`: one figure, for a document."""
 
 from __future__ import annotations
 
@@ -19,8 +16,5 @@ def figure(
     markers: Sequence[Path],
     **artifacts: Path,
 ) -> None:
-    """Draw one figure once per file.
-
-    The suffix of the file decides its form.
-    """
+    """Draw a figure once per file, by suffix."""
     write_figure(name, open_stated(artifacts, markers), figures)

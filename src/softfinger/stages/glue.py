@@ -1,7 +1,4 @@
-"""Glue between a Snakemake job and a stage.
-
-Names, log, and faults as sentences.
-"""
+"""Glue between a Snakemake job and a stage."""
 
 from __future__ import annotations
 
@@ -18,10 +15,7 @@ from softfinger.failure import describe_failure
 
 
 class Job(Protocol):
-    """What a Snakemake job gives to its script.
-
-    Named lists, a log file, its share of cores.
-    """
+    """A job's named lists, log and cores."""
 
     input: Any
     output: Any
@@ -31,10 +25,7 @@ class Job(Protocol):
 
 
 def end_quietly(kind: type[BaseException], error: BaseException, trace: TracebackType) -> None:
-    """Print what ended a program, but for Ctrl-C.
-
-    Snakemake reports that once, for all its jobs.
-    """
+    """Print what ended a program, but for Ctrl-C."""
     if not issubclass(kind, KeyboardInterrupt):
         sys.__excepthook__(kind, error, trace)
 

@@ -1,7 +1,4 @@
-"""Which keys of the configuration each stage reads.
-
-No other key makes its rule run again.
-"""
+"""Which keys each stage reads, hence its reruns."""
 
 from __future__ import annotations
 

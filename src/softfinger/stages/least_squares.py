@@ -16,10 +16,7 @@ from softfinger.stages.linear_algebra import on_one_thread
 
 @on_one_thread
 def least_squares(*, angles: Path, least_squares: Path, config: Mapping[str, Any]) -> None:
-    """Write least-squares estimates, and the distributions over them.
-
-    There is one estimate of each trial.
-    """
+    """Write trials' least-squares estimates and their distributions."""
     provenance = describe_run("least_squares", {"angles": angles}, config)
     fitted = fit_least_squares(open_artifact(angles, angles_spec.SPEC), config)
     save_artifact(fitted, least_squares_spec.SPEC, least_squares, provenance)

@@ -1,7 +1,4 @@
-"""Rule `limit`: what the oracle itself could name.
-
-It is asked once the answer is written.
-"""
+"""Rule `limit`: what the oracle could name, afterwards."""
 
 from __future__ import annotations
 

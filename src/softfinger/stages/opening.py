@@ -59,10 +59,7 @@ SUMMED = {part.SPEC.name: part.SPEC for part in (checks, summary)}
 
 
 def open_artifacts(artifacts: Mapping[str, Path], markers: Sequence[Path]) -> dict[str, Any]:
-    """Open artifacts by name.
-
-    Of the markers' files it opens the first.
-    """
+    """Open artifacts by name; of markers the first."""
     specs = SPECS | FILMED | DIAGNOSED | SUMMED
     opened: dict[str, Any] = {
         name: (open_tree if specs[name].groups else open_artifact)(path, specs[name])

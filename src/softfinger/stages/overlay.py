@@ -1,7 +1,4 @@
-"""Rule `overlay`: a trial's video with its markers.
-
-A sheet of its worst frames comes with it.
-"""
+"""Rule `overlay`: a trial's video with its markers."""
 
 from __future__ import annotations
 

@@ -21,10 +21,7 @@ def picture(
     markers: Path,
     picture: Path,
 ) -> None:
-    """Write the frame of the most bent finger.
-
-    It is of the first used trial.
-    """
+    """Write the first trial's most bent frame."""
     inputs = {"tables": tables, "videos": videos, "markers": markers}
     provenance = describe_run("picture", inputs, {})
     found = open_artifact(markers, markers_spec.SPEC)

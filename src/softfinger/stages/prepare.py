@@ -1,7 +1,4 @@
-"""Bring a campaign from any level to joint angles.
-
-Nothing is done twice.
-"""
+"""Bring any campaign to angles, nothing twice."""
 
 from __future__ import annotations
 
@@ -43,10 +40,7 @@ def prepare_angles(folder: Path, out: Path, settings: Mapping[str, Any]) -> Path
 
 
 def track_campaign(folder: Path, out: Path, settings: Mapping[str, Any]) -> list[Path]:
-    """Make a campaign's OUT/markers/*.nc, unless they are current.
-
-    The campaign is filmed.
-    """
+    """Make filmed campaigns' OUT/markers/*.nc, unless current."""
     described = read_campaign(folder)
     tables, made = list_tables(described), []
     for batch, trials in enumerate(batch_filmed(described, settings["trials_per_job"])):
@@ -66,19 +60,13 @@ def track_campaign(folder: Path, out: Path, settings: Mapping[str, Any]) -> list
 
 
 def batch_filmed(campaign: Campaign, size: int) -> list[list[Trial]]:
-    """Trials that have a video, in batches.
-
-    A batch goes through one job.
-    """
+    """Trials that have a video, in job batches."""
     filmed = [trial for trial in campaign.trials if trial.level == "video"]
     return [filmed[first : first + size] for first in range(0, len(filmed), size)]
 
 
 def is_current(path: Path, spec: ArtifactSpec, expected: Provenance) -> bool:
-    """Whether an artifact is whole and current.
-
-    It came from the expected inputs, settings and code.
-    """
+    """Whether an artifact is whole and current."""
     try:
         found = open_artifact(path, spec).attrs
     except ArtifactFault:

@@ -1,7 +1,4 @@
-"""Rule `propagate`: spread of the joint angles.
-
-It follows from the spread of the parameters.
-"""
+"""Rule `propagate`: from parameters' to angles' spread."""
 
 from __future__ import annotations
 

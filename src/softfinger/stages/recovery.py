@@ -1,7 +1,4 @@
-"""Rule `recovery`: how both fits recover the truth.
-
-The truth is that of a simulated campaign.
-"""
+"""Rule `recovery`: how both fits recover the truth."""
 
 from __future__ import annotations
 
@@ -19,10 +16,7 @@ from softfinger.provenance import describe_run
 def recovery(
     *, truth: Path, least_squares: Path, posterior: Path, recovery: Path, table: Path
 ) -> None:
-    """Write errors and coverage of both fits.
-
-    They also go to a CSV table.
-    """
+    """Write errors and coverage, also as CSV."""
     roles = {"truth": truth, "least_squares": least_squares, "posterior": posterior}
     measured = measure_recovery(
         open_artifact(truth, truth_spec.SPEC),

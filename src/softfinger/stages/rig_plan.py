@@ -1,7 +1,4 @@
-"""`softfinger rig plan`: choose a protocol for effects.
-
-It shows what the user wants to tell apart.
-"""
+"""`softfinger rig plan`: choose a protocol for effects."""
 
 from __future__ import annotations
 
@@ -111,10 +108,7 @@ def rig_plan(
 
 
 def configure_rig(plan: Plan, config: Mapping[str, Any]) -> dict[str, Any]:
-    """Virtual rig of the paper's finger.
-
-    It has the plan's geometry, and a dozen trials under one step.
-    """
+    """Virtual rig of a plan: twelve single steps."""
     finger = plan.campaign["finger"]
     if finger.get("joints") != N_JOINTS:
         raise Fault(
@@ -143,10 +137,7 @@ def simulate_campaign(knobs: Mapping[str, Any], seed: int) -> xr.Dataset:
 
 
 def gather_tables(tables: Mapping[str, xr.Dataset], wanted: Sequence[str]) -> xr.Dataset:
-    """Gather one table per protocol into one.
-
-    It is NaN where a protocol cannot have an effect.
-    """
+    """Gather protocols' tables, NaN for impossible effects."""
     protocol = xr.DataArray(list(tables), dims="protocol", name="protocol")
     shown = xr.concat(
         [table[["signal", "share_left", "expected_gain"]] for table in tables.values()],
@@ -159,10 +150,7 @@ def gather_tables(tables: Mapping[str, xr.Dataset], wanted: Sequence[str]) -> xr
 
 
 def write_proposal(plan: Path, profiles: Sequence[Mapping[str, object]], path: Path) -> None:
-    """Write a plan anew with other profiles.
-
-    Its remarks are kept.
-    """
+    """Write a plan with other profiles, remarks kept."""
     yaml = YAML(typ="rt")
     content = yaml.load(plan.read_text(encoding="utf-8"))
     content["profiles"] = list(map(dict, profiles))

@@ -1,7 +1,4 @@
-"""Rule `score`: score the answers.
-
-It opens the seals and writes the page.
-"""
+"""Rule `score`: open seals, score, write the page."""
 
 from __future__ import annotations
 
@@ -124,10 +121,7 @@ def _tabulate_measured(answers: Paths, known: Mapping[str, Any]) -> list[dict] |
 def _find_buried(
     cases: Sequence[Mapping], verdicts: Sequence[dict], diagnoses: Paths
 ) -> tuple[str, str, xr.Dataset] | None:
-    """Find the strongest case buried in noise.
-
-    It was found although its residual is at the noise.
-    """
+    """Find the strongest named case buried in noise."""
     masked = [k for k, case in enumerate(cases) if case["masked"] and case["contains"]]
     if not masked:
         return None

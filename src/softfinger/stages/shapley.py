@@ -1,7 +1,4 @@
-"""Rule `shapley`: whether parameters are correlated.
-
-It also shows what that does to their shares.
-"""
+"""Rule `shapley`: shares of correlated parameters."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""Rule `summarise`: what figures and report show.
-
-Every number, statistic and decision.
-"""
+"""Rule `summarise`: what figures and report show."""
 
 from __future__ import annotations
 
@@ -70,10 +67,7 @@ def summarise(
 def _open_moves(
     angles: xr.Dataset, posterior: xr.DataTree | None, model: Path | None
 ) -> tuple[Move, Move]:
-    """Open the fitted model at its middle effects.
-
-    Also at the prior's draws of them.
-    """
+    """Open the model at middle and drawn effects."""
     if posterior is None or model is None:
         return move_paper_joint, move_paper_joint
     content, constant = read_model_file(model), posterior["constant_data"].to_dataset()

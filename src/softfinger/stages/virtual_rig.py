@@ -1,7 +1,4 @@
-"""Rule `virtual_rig`: draw a finger and its campaign.
-
-It moves the finger and writes its campaign folder, but for the videos.
-"""
+"""Rule `virtual_rig`: write a campaign, videos aside."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""Whether predictive bands contain the share they claim.
-
-The share is that of recorded frames.
-"""
+"""Whether bands contain the share they claim."""
 
 from __future__ import annotations
 
@@ -56,10 +53,7 @@ def count_trials(bands: xr.Dataset) -> xr.DataArray:
 
 
 def pool_coverage(bands: xr.Dataset, ci_prob: float, window: str) -> xr.DataArray:
-    """Pool the posterior's coverage (joint) over protocols.
-
-    Each protocol counts by its trials.
-    """
+    """Pool posterior coverage (joint), weighted by trials."""
     chosen = bands["coverage"].sel(estimate="posterior", window=window)
     chosen = chosen.sel(ci_prob=ci_prob, method="nearest")
     trials = count_trials(bands).astype(float)

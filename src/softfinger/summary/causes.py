@@ -1,7 +1,4 @@
-"""Which parameter causes the spread of the motion.
-
-Also which parameters are correlated.
-"""
+"""Which parameter spreads the motion; which correlate."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""The checks that decide what the report may claim.
-
-Each has a stated limit.
-"""
+"""The report's checks, each with a limit."""
 
 from __future__ import annotations
 
@@ -58,10 +55,7 @@ def write_judgement(*, passed: bool) -> int:
 
 
 def check_computation(sampling: xr.Dataset | None) -> Iterator[Result]:
-    """Check that the draws represent the posterior.
-
-    The limits are those of the fit.
-    """
+    """Check draws against the fit's own limits."""
     if sampling is None:
         names = ("r_hat", "ess_bulk", "ess_tail", "divergences")
         yield from (Result(name, remark=NOT_RUN) for name in names)
@@ -99,10 +93,7 @@ def check_pareto(posterior: xr.DataTree | None, limit: float) -> Result:
 
 
 def check_fit(residuals: xr.Dataset | None, shared_max: float) -> Iterator[Result]:
-    """Check that what the model leaves is noise.
-
-    The trials must not share it.
-    """
+    """Check that what is left is unshared noise."""
     names = ("shared_residual", "shared_residual_early", "ring")
     if residuals is None:
         yield from (Result(name, remark=NOT_RUN) for name in names)

@@ -12,10 +12,7 @@ Positive = Annotated[float, Field(gt=0)]
 
 
 class ReportConfig(Settings):
-    """The report's limits; beyond one a verdict is red.
-
-    Those of the sampling come with the artifact `sampling`.
-    """
+    """The report's limits; beyond one, red."""
 
     ci_prob: Probability
     pareto_k_max: Positive

@@ -1,7 +1,4 @@
-"""Everything that figures and report show.
-
-It comes from the artifacts that are there.
-"""
+"""Everything that figures and report show."""
 
 from __future__ import annotations
 

@@ -1,7 +1,4 @@
-"""What the fit took for granted.
-
-Independent parameters, one population, its priors.
-"""
+"""What the fit took for granted."""
 
 from __future__ import annotations
 

@@ -108,10 +108,7 @@ def choose_grid(
 
 
 def choose_edges(values: NDArray[np.float64], grid: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Choose edges of bars over the whole stretch.
-
-    They are as wide as suits the kept trials.
-    """
+    """Choose even edges that suit the kept trials."""
     bars = np.clip(1.5 * np.sqrt(values.size), 6, 24)
     span = grid[-1] - grid[0]
     width = np.ptp(values) / bars if values.size > 1 else span / bars

@@ -1,7 +1,4 @@
-"""Motion of trials by the fitted model.
-
-With or without effects.
-"""
+"""Motion of trials by the fitted model."""
 
 from __future__ import annotations
 

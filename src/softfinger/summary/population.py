@@ -90,20 +90,14 @@ def summarise_population(
 
 
 def take_natural(value: xr.DataArray) -> xr.DataArray:
-    """Take values from log scale to their own.
-
-    q_ini has only its own.
-    """
+    """Take values from log scale, except q_ini."""
     return xr.where(value["parameter"] == "q_ini", value, np.exp(value))
 
 
 def gather_rivals(
     least_squares: xr.Dataset | None, *, like_the_paper: bool
 ) -> dict[str, xr.DataArray]:
-    """Gather other estimates of the population.
-
-    They are (statistic, joint, parameter).
-    """
+    """Gather other populations (statistic, joint, parameter)."""
     rivals = {}
     if least_squares is not None:
         parts = [least_squares["population_mean"], least_squares["population_sd"]]

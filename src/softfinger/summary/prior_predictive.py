@@ -69,10 +69,7 @@ def compute_prior_predictive(
 
 
 def span_recordings(angles: xr.Dataset, time: NDArray) -> tuple[NDArray, NDArray]:
-    """Span the recorded angles (joint, time).
-
-    Returns the lowest and the highest; flagged frames are left out.
-    """
+    """Lowest and highest unflagged angles (joint, time)."""
     seen = angles["joint_angle"].where(angles["angle_flag"] == 0)
     rows = np.full((seen.sizes["trial"], seen.sizes["joint"], time.size), np.nan)
     for trial, own in enumerate(angles["time"].values):

@@ -54,19 +54,13 @@ def summarise_recordings(angles: xr.Dataset) -> xr.Dataset:
 
 
 def find_largest_load(angles: xr.Dataset) -> NDArray[np.float64]:
-    """Find each trial's largest load (trial,).
-
-    It is of the largest size, and keeps its sign.
-    """
+    """Each trial's (trial,) largest load, signed."""
     load = angles["load_torque"].transpose("trial", "knot").values
     return np.take_along_axis(load, np.abs(load).argmax(axis=1)[:, None], axis=1)[:, 0]
 
 
 def has_one_load(angles: xr.Dataset) -> bool:
-    """Whether every trial has one step of load.
-
-    The load then stays.
-    """
+    """Whether every trial has one lasting step."""
     knots = zip(angles["load_time"].values, angles["load_torque"].values, strict=True)
     return all(
         len(list_load_jumps(time, load)) == 1

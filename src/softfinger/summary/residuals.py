@@ -98,10 +98,7 @@ def compute_residuals(angles: xr.Dataset, residual: xr.DataArray) -> xr.Dataset:
 
 
 def find_segments(angles: xr.Dataset) -> list[tuple[str, int, float, float]]:
-    """Find the stretches between changes of load.
-
-    (change, trial index, start, end [s]).
-    """
+    """Find stretches: (change, trial index, start, end [s])."""
     jumps = [list_load_jumps(*knots) for knots in _each_load(angles)]
     if not any(jumps):
         jumps = [[(float(time[0]), 1.0)] for time, _ in _each_load(angles)]
@@ -140,10 +137,7 @@ def bin_segment(
     start: float,
     end: float,
 ) -> NDArray[np.float64]:
-    """Average one stretch into bins: (joint, bin) [rad].
-
-    A bin has `interval` seconds.
-    """
+    """Average a stretch: (joint, bin) [rad], each `interval` [s]."""
     time = angles["time"].values[trial]
     inside = (time >= start) & (time < end)
     # frames at whole multiples must not fall either way by rounding
@@ -162,10 +156,7 @@ def bin_segment(
 def summarise_segments(
     segments: list[NDArray], length: int, window: int, interval: float
 ) -> xr.Dataset:
-    """Summarise stretches (joint, bin) after one change.
-
-    Mean, error, spectrum and ring, of one kind of change.
-    """
+    """Summarise stretches (joint, bin) after changes alike."""
     padded = np.full((len(segments), segments[0].shape[0], length), np.nan)
     for row, segment in zip(padded, segments, strict=True):
         row[:, : segment.shape[1]] = segment

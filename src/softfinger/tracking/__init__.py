@@ -1,7 +1,4 @@
-"""From video to marker positions and joint angles.
-
-Each result has its uncertainty.
-"""
+"""From video to markers and angles, with uncertainty."""
 
 from softfinger.tracking.angles import compute_joint_angles
 from softfinger.tracking.assemble import assemble_angles

@@ -13,10 +13,7 @@ _RIDGE = 0.1  # of the mean channel variance: channels of a grey picture have on
 
 
 def choose_polarity(colour: str | None) -> int:
-    """Polarity: −1 dark, +1 light, 0 either.
-
-    Markers of a declared colour are light.
-    """
+    """Polarity: −1 dark, +1 light, 0 either."""
     if colour is not None and colour.startswith("#"):
         return 1
     return POLARITY.get(colour or "", 0)

@@ -1,7 +1,4 @@
-"""Joint angles, loads and covariates of a campaign.
-
-Each trial starts from the level that it was recorded at.
-"""
+"""Angles, loads and covariates of a campaign."""
 
 from __future__ import annotations
 
@@ -136,10 +133,7 @@ def find_load_jumps_array(load_time: np.ndarray, load: np.ndarray) -> np.ndarray
 
 
 def flag_frames(angles: xr.Dataset, load_jumps: np.ndarray) -> xr.Dataset:
-    """Flag repeated frames and a tracker's jumps.
-
-    Values stay as they are.
-    """
+    """Flag repeats and jumps; values stay."""
     angle = angles["joint_angle"].transpose("joint", "frame").to_numpy()
     time = angles["time"].to_numpy()
     flag = angles["angle_flag"].transpose("joint", "frame").to_numpy().copy()
@@ -216,10 +210,7 @@ def _gather(
 
 
 def _pad(one: xr.Dataset, frames: int, knots: int) -> xr.Dataset:
-    """Lengthen a trial to the common length.
-
-    Missing frames are NaN; the load repeats its last knot.
-    """
+    """Lengthen a trial: NaN frames, last knot repeated."""
     more = {"frame": (0, frames - one.sizes["frame"])}
     # In one call xarray would pad the variables that are not named with 0.
     longer = one.drop_vars(["load_time", "load_torque", "angle_flag"]).pad(more)
@@ -236,10 +227,7 @@ def _compute_starts(trials: Sequence[Trial]) -> np.ndarray:
 
 
 def describe_geometry(campaign: Campaign) -> dict[str, tuple[tuple[str, ...], np.ndarray]]:
-    """The finger's geometry as variables of the artifact.
-
-    NaN where it is not declared.
-    """
+    """The geometry as variables, NaN if undeclared."""
     finger = campaign.finger
     length = _per_joint(finger.link_length_m, finger.joints)
     mass = _per_joint(finger.link_mass_kg, finger.joints)

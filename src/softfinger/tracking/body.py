@@ -26,10 +26,7 @@ class _Search:
     discs: np.ndarray
 
     def measure_away(self, marker: int, disc: int) -> float:
-        """Distance of a disc from a marker's predicted place.
-
-        It is in units of the marker's reach.
-        """
+        """Distance from a predicted place, in its reach."""
         return float(_measure_gap(self.discs[disc], self.predicted[marker]) / self.reach[marker])
 
 
@@ -97,10 +94,7 @@ class Body:
         return stretched
 
     def adapt(self, position: np.ndarray) -> None:
-        """Let the distances follow slowly.
-
-        A lens and a slant change them as the finger moves.
-        """
+        """Let distances follow lens and slant slowly."""
         gap = _measure_gap(position[self.first], position[self.second])
         self.distance[:] += _ADAPTION * np.where(np.isfinite(gap), gap - self.distance, 0.0)
 
@@ -149,10 +143,7 @@ class Body:
     def _list_choices(
         self, number: int, lost: Sequence[int], free: Sequence[int], search: _Search
     ) -> Iterator[tuple[int, float, tuple[int, ...]]]:
-        """Choices of discs for a link's lost markers.
-
-        Each is (−number taken, cost, discs); a disc of −1 means none.
-        """
+        """Choices of lost markers' discs: (−taken, cost, discs)."""
         joint = self._find_joint(number, search.place)
         link = list(self.links[number])
         near = [[d for d in free if search.measure_away(m, d) < _SEARCH] for m in lost]
@@ -175,10 +166,7 @@ class Body:
                 yield -len(taken), cost, choice
 
     def _find_joint(self, number: int, place: np.ndarray) -> np.ndarray:
-        """Proximal joint of a link [px] from its predecessor.
-
-        NaN where that link is not seen.
-        """
+        """A link's proximal joint [px], NaN if unseen."""
         if number == 0:
             return np.full(2, np.nan)
         before = self.links[number - 1]

@@ -1,7 +1,4 @@
-"""A camera's intrinsics from pictures of a board.
-
-The board is flat and its corners are known.
-"""
+"""A camera's intrinsics from a board's pictures."""
 
 from __future__ import annotations
 

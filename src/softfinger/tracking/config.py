@@ -10,10 +10,7 @@ Positive = Annotated[float, Field(gt=0)]
 
 
 class TrackingConfig(Settings):
-    """What tracking must reach to use a trial.
-
-    A worse trial is set aside with its reason.
-    """
+    """What tracking must reach to use a trial."""
 
     smallest_share_seen: Annotated[float, Field(ge=0, le=1)]
     largest_rigid_residual_px: Positive

@@ -1,7 +1,4 @@
-"""Find discs anywhere in a picture.
-
-Tracking starts here, and restarts here when it is lost.
-"""
+"""Find discs anywhere: tracking's start and restart."""
 
 from __future__ import annotations
 
@@ -58,10 +55,7 @@ def find_discs_array(
 def _draw_difference(
     picture: np.ndarray, weight: np.ndarray, radius: float
 ) -> tuple[np.ndarray, int]:
-    """Difference of two Gaussian means of the light.
-
-    Also how many pixels one of it is wide.
-    """
+    """Difference of two Gaussian means; its pixel width."""
     size = max(1, int(radius / _SMALL_RADIUS))
     light = cv2.transform(picture.astype(np.float32), weight[None].astype(np.float32))
     if size > 1:
@@ -91,10 +85,7 @@ def _fit_anywhere(
     radius: float,
     difference: float,
 ) -> np.ndarray | None:
-    """Fit a disc at a peak of the picture.
-
-    None where there is no such disc.
-    """
+    """Fit a disc at a peak, else None."""
     reach = 2 * radius
     around = picture[
         max(0, int(row - reach)) : int(row + reach) + 1,

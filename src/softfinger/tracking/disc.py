@@ -39,10 +39,7 @@ _NORMAL_DENSITY = np.exp(-0.5 * _NODES**2) / np.sqrt(2.0 * np.pi)
 
 @compiled
 def count_divisions(spread: float) -> int:
-    """Sub-pixels along a side for a negligible bias.
-
-    The centre's bias stays far below its standard deviation.
-    """
+    """Sub-pixels a side for a negligible bias."""
     if spread >= 0.5:
         return 1
     if spread >= 0.4:

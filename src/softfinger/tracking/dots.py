@@ -1,7 +1,4 @@
-"""Free dots of a specimen, not on links.
-
-They are followed from their place in the first picture, or found by colour in each picture.
-"""
+"""Free dots: followed by place, found by colour."""
 
 from __future__ import annotations
 
@@ -25,10 +22,7 @@ from softfinger.tracking.video import Frame
 
 
 class ColourFinder(NamedTuple):
-    """Dots by their colours, each picture by itself.
-
-    It has the interface of a `Tracker`.
-    """
+    """Dots by colour; a `Tracker` by interface."""
 
     dots: Mapping[str, Dot]
     known: np.ndarray
@@ -122,10 +116,7 @@ def measure_motion(markers: xr.Dataset, campaign: Campaign) -> xr.Dataset:
 
 
 def _find_scale(unit: str, metres_per_pixel: float | None) -> tuple[float, bool]:
-    """Factor from pixels or radians into a unit.
-
-    Also whether that unit is one of angles.
-    """
+    """Factor from pixels or radians; if an angle's."""
     if "rad" in unit or "deg" in unit or "°" in unit:
         return find_factor("rad", unit), True
     if unit in ("px", "pixel"):

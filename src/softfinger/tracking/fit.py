@@ -1,7 +1,4 @@
-"""Gauss–Newton fit of one blurred disc.
-
-It uses the pixels around the predicted place.
-"""
+"""Gauss–Newton fit of one blurred disc."""
 
 import math
 
@@ -145,10 +142,7 @@ def _take_step(p: np.ndarray, step: np.ndarray, share: float) -> None:
 
 @compiled
 def _hold_spread(products: np.ndarray) -> None:
-    """Take the spread out of the parameters.
-
-    At the pixel's own sharpness it cannot shrink.
-    """
+    """Fix the spread, at the pixel's own sharpness."""
     for k in range(_SIZE + 1):
         products[max(k, SPREAD), min(k, SPREAD)] = 0.0
     products[SPREAD, SPREAD] = 1.0

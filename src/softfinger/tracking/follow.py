@@ -28,10 +28,7 @@ _ROUNDING = 0.5  # of the light, squared: below it a rise means nothing
 
 @compiled
 def looks_alike_array(found: np.ndarray, known: np.ndarray) -> bool:
-    """Whether a fitted disc may be the known one.
-
-    Its contrast has the same sign and a similar size; its radius is similar.
-    """
+    """Whether a disc has the known contrast, radius."""
     contrast = found[CONTRAST] / known[CONTRAST]
     radius = found[RADIUS] / known[RADIUS]
     return (
@@ -42,10 +39,7 @@ def looks_alike_array(found: np.ndarray, known: np.ndarray) -> bool:
 
 @compiled
 def is_certain_array(found: np.ndarray, quality: np.ndarray) -> bool:
-    """Whether a fit places a disc with certainty.
-
-    The misfit on the rim is then small against the contrast.
-    """
+    """Whether the rim's misfit is small against contrast."""
     variance = max(quality[UNIT_XX], quality[UNIT_YY]) * quality[NOISE_VARIANCE]
     residual = quality[MISFIT] * quality[NOISE_VARIANCE]
     return (

@@ -13,10 +13,7 @@ _LARGEST_BEND = 2.6  # rad, between neighbouring links
 
 @dataclass(frozen=True)
 class Match:
-    """One way to name discs.
-
-    It contains the disc of each marker, and how far the chain is from exact.
-    """
+    """Each marker's disc; how inexact the chain is."""
 
     disc: tuple[int, ...]
     error: float
@@ -102,10 +99,7 @@ def _list_rows(
     tolerance: float,
     joint: np.ndarray | None = None,
 ) -> Iterator[tuple[tuple[int, ...], float]]:
-    """Choices of discs on a line at given offsets.
-
-    Offsets start at a joint, if that is known.
-    """
+    """Choices of discs on a line at given offsets."""
     free = [k for k in range(len(position)) if k not in used]
     if joint is None:
         firsts = free
@@ -149,10 +143,7 @@ def _pick_middle(
 
 
 def _fit_line(points: np.ndarray, offsets: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
-    """Joint, direction and squared error of a rigid row.
-
-    The row of markers is the one nearest to the points.
-    """
+    """Joint, direction and squared error of a row."""
     mean, mean_offset = points.mean(axis=0), offsets.mean()
     vector = (offsets - mean_offset) @ (points - mean)
     direction = vector / np.hypot(*vector)

@@ -55,10 +55,7 @@ def find_stale_array(angle: np.ndarray) -> np.ndarray:
 
 
 def _resolves_finely(change: np.ndarray) -> np.ndarray:
-    """Whether changes are unrounded (change,) bool.
-
-    Around an unrounded change few others are alike.
-    """
+    """Whether changes are unrounded (change,) bool."""
     at = np.flatnonzero(np.isfinite(change) & (change > 0))
     if at.size < 2:
         return np.full(change.size, at.size > 0)
@@ -114,10 +111,7 @@ def find_jumps_array(time: np.ndarray, value: np.ndarray, load_jumps: np.ndarray
 
 
 def _list_excursions(value: np.ndarray, seen: np.ndarray, window: int) -> Iterator[np.ndarray]:
-    """Frames of each abrupt run off the median.
-
-    The median runs over so many distinct frames.
-    """
+    """Abrupt runs off the median of distinct frames."""
     if seen.size < 2 * _NEIGHBOURS + 2:
         return
     moved = np.concatenate([[True], (np.diff(value[seen], axis=0) != 0).any(axis=1)])
@@ -154,10 +148,7 @@ def _measure_length(vector: np.ndarray) -> np.ndarray:
 
 
 def _measure_noise(path: np.ndarray) -> float:
-    """Noise sd from second differences, whatever the motion.
-
-    It is at least the recording's step.
-    """
+    """Noise sd from second differences, at least rounding."""
     if len(path) < 4:
         return 0.0
     steps = np.abs(np.diff(path, axis=0))
@@ -167,10 +158,7 @@ def _measure_noise(path: np.ndarray) -> float:
 
 
 def _is_abrupt(path: np.ndarray, away: np.ndarray, start: int, end: int, noise: float) -> bool:
-    """Whether the other motion has no such steps.
-
-    The steps are those into and out of a run; candidates do not count.
-    """
+    """Whether other changes never are so abrupt."""
     before = np.flatnonzero(away[:start] == 0)[-_NEIGHBOURS - 1 :]
     after = end + np.flatnonzero(away[end:] == 0)[: _NEIGHBOURS + 1]
     if not (before.size and after.size):

@@ -137,10 +137,7 @@ def draw_contact_sheet(video: Path, fps: float, markers: xr.Dataset, count: int 
 
 
 def write_contact_sheet(video: Path, fps: float, markers: xr.Dataset, path: Path) -> None:
-    """Write the contact sheet as a picture file.
-
-    See `draw_contact_sheet`.
-    """
+    """Write `draw_contact_sheet` as a picture file."""
     if not cv2.imwrite(str(path), draw_contact_sheet(video, fps, markers)):
         raise Fault(f"{path}: cannot be written; is the folder there?")
 

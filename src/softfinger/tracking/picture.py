@@ -1,7 +1,4 @@
-"""The report's one picture of the finger.
-
-It shows what the camera saw, under the markers that were found.
-"""
+"""The report's picture of the finger, with markers."""
 
 from __future__ import annotations
 

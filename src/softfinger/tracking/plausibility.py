@@ -1,7 +1,4 @@
-"""Marker positions that cannot be true.
-
-Blobs that are no marker, and swapped names.
-"""
+"""Marker positions that cannot be true."""
 
 from __future__ import annotations
 

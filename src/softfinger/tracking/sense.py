@@ -1,7 +1,4 @@
-"""Whether trials move with their load.
-
-A wrong sign is found here, and not in a posterior.
-"""
+"""Whether trials move with their load."""
 
 from __future__ import annotations
 

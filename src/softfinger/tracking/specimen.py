@@ -1,7 +1,4 @@
-"""Specimens: a motion of any unit becomes angles.
-
-Tests at constant strain are refused.
-"""
+"""Specimens: a motion of any unit becomes angles."""
 
 from __future__ import annotations
 
@@ -117,10 +114,7 @@ def refuse_relaxation(file_name: str, trial: xr.Dataset) -> None:
 
 
 def _take_parts(values: np.ndarray) -> np.ndarray:
-    """Medians of the later half's parts.
-
-    They are shares of the largest value.
-    """
+    """Medians of the later parts, over the largest."""
     parts = [np.median(part) for part in np.array_split(values[values.size // 2 :], PARTS)]
     return np.array(parts) / np.abs(values).max()
 

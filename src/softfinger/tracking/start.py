@@ -107,10 +107,7 @@ def start_at_points(picture: np.ndarray, places: np.ndarray, radius: float | np.
 
 
 def locate_discs(picture: np.ndarray, radius: float, colour: str | None = None) -> np.ndarray:
-    """Discs of a radius and colour in a picture.
-
-    See :func:`measure_discs`.
-    """
+    """Discs of a radius and colour (:func:`measure_discs`)."""
     return measure_discs(picture, radius, colour)[0]
 
 
@@ -192,10 +189,7 @@ def _list_scales(camera: Camera, discs: np.ndarray) -> Iterable[float]:
 def _choose(
     sightings: Sequence[Sighting], path: Path, camera: Camera, link_length: Sequence[float]
 ) -> Sighting:
-    """The sighting whose base does not move.
-
-    The geometry must allow it.
-    """
+    """The sighting whose base stays, as geometry allows."""
     best = sightings[0]
     radius = float(np.median(best.markers[:, RADIUS]))
     limit = _CLEARLY_WORSE * best.match.error + _ALMOST_EXACT * radius

@@ -1,7 +1,4 @@
-"""A video's markers in every frame.
-
-Each position has its standard deviation.
-"""
+"""Every frame's markers, with their sd."""
 
 from __future__ import annotations
 
@@ -74,10 +71,7 @@ def track_video(
 
 
 def cut_patches(picture: np.ndarray, discs: np.ndarray) -> list[np.ndarray]:
-    """Copies of the picture around each disc.
-
-    They are equal in two frames only where one repeats the other.
-    """
+    """Pixels around discs; equal only in repeated frames."""
     windows = []
     for disc in discs:
         reach = disc[RADIUS] + 2.0

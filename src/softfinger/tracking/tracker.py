@@ -1,7 +1,4 @@
-"""Follow markers from one picture to the next.
-
-Motion, appearance and rigid links predict their places.
-"""
+"""Follow markers from one picture to the next."""
 
 from __future__ import annotations
 

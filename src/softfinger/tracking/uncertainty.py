@@ -98,10 +98,7 @@ def measure_variance_factor_array(
 
 
 def _average_robustly(squares: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Number and mean of squared changes for each pair.
-
-    Only changes that are noise count; faults do not.
-    """
+    """Number and mean square of pairs' noisy changes."""
     counts, means = np.zeros(len(squares)), np.zeros(len(squares))
     for k, values in enumerate(squares):
         seen = values[np.isfinite(values)]
@@ -113,10 +110,7 @@ def _average_robustly(squares: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray
 
 
 def _smooth_noise(noise: np.ndarray) -> np.ndarray:
-    """Running mean of the light's noise (frame, marker).
-
-    It is a variance; single outliers are left out.
-    """
+    """Running variance of light (frame, marker), outliers aside."""
     smooth = np.full_like(noise, np.nan)
     for k, values in enumerate(noise.T):
         seen = np.isfinite(values)

@@ -1,7 +1,4 @@
-"""Frames of a video, one at a time.
-
-Every way in which a video can be broken has its message.
-"""
+"""Frames of a video, one at a time."""
 
 from __future__ import annotations
 
@@ -75,10 +72,7 @@ def read_frames(path: Path, fps: float) -> Iterator[Frame]:
 
 
 def peek_pictures(path: Path, shares: Sequence[float]) -> list[np.ndarray]:
-    """Pictures at some shares of a video's length.
-
-    Those that cannot be reached are left out.
-    """
+    """Reachable pictures at shares of a video."""
     capture = _open(path)
     pictures = []
     try:

@@ -1,7 +1,4 @@
-"""The campaign folder of a virtual rig.
-
-It has the same form as any rig's.
-"""
+"""The campaign folder of a virtual rig."""
 
 from collections.abc import Iterable
 from datetime import datetime, timedelta
@@ -106,10 +103,7 @@ def draw_angle_noise_array(
 
 
 def draw_temperature(room: np.random.Generator) -> float:
-    """Draw the room's temperature [°C] during a trial.
-
-    It is rounded to the tenth that is logged.
-    """
+    """Draw a trial's temperature [°C], to a tenth."""
     return round(room.normal(*ROOM_TEMPERATURE_C), 1)
 
 

@@ -1,7 +1,4 @@
-"""The knobs of the virtual rig.
-
-Each has its unit in its name.
-"""
+"""The knobs of the virtual rig."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
@@ -68,10 +65,7 @@ class RigConfig(SceneConfig):
 
 
 class VirtualRigConfig(RigConfig, FilmConfig):
-    """Every knob of the virtual rig.
-
-    An unknown or missing key is a fault.
-    """
+    """Every knob of the virtual rig."""
 
 
 def read_film_config(config: Mapping[str, Any]) -> FilmConfig:

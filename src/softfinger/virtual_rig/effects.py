@@ -1,7 +1,4 @@
-"""The virtual rig's finger with further physics.
-
-A model file gives the effects.
-"""
+"""The virtual finger with a model file's effects."""
 
 import numpy as np
 import xarray as xr

@@ -1,7 +1,4 @@
-"""The tiny campaign that shows the format.
-
-It is made here and committed under ``data/example``.
-"""
+"""The tiny campaign, committed under ``data/example``."""
 
 from pathlib import Path
 

@@ -1,7 +1,4 @@
-"""True motion of every trial's finger.
-
-The same load pulls each; inertia is included.
-"""
+"""True motion of every trial's finger, with inertia."""
 
 import numpy as np
 import xarray as xr

@@ -91,10 +91,7 @@ def build_light(unevenness: float) -> np.ndarray:
 
 
 def build_canvas(config: FilmConfig, base: np.ndarray) -> Canvas:
-    """Build what all pictures share.
-
-    The base (capsule, 5) [px] is drawn on it.
-    """
+    """Build all pictures' base (capsule, 5) [px]."""
     disc_radius = config.marker_diameter_m / config.metres_per_pixel / 2
     light = build_light(config.light_unevenness)
     canvas = Canvas(

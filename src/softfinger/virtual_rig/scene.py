@@ -87,10 +87,7 @@ def compute_place_array(
 
 
 def convert_to_pixels_array(position: np.ndarray, metres_per_pixel: float) -> np.ndarray:
-    """Convert positions (..., axis) to pixels.
-
-    They come in metres, y up; in pixels y is down.
-    """
+    """Positions (..., axis): metres, y up, to pixels."""
     return np.array(FIRST_JOINT_PX) + position * np.array([1.0, -1.0]) / metres_per_pixel
 
 
@@ -168,10 +165,7 @@ def compute_capsules(joint_angle: np.ndarray, config: SceneConfig) -> np.ndarray
 
 
 def compute_base_capsule(config: SceneConfig) -> np.ndarray:
-    """Compute the base's outline (1, 5) [px].
-
-    It is one capsule under the base's marks.
-    """
+    """The base's one capsule (1, 5) [px]."""
     ends = np.array([[[[place, 0.0] for place in BASE_BODY_M]]])
     half_thickness = BASE_HALF_WIDTH_M / config.metres_per_pixel
     return _build_capsules(ends, half_thickness, config.metres_per_pixel)[0]

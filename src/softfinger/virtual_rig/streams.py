@@ -1,7 +1,4 @@
-"""Random streams of the virtual rig.
-
-There is one per trial and purpose.
-"""
+"""Random streams, per trial and purpose."""
 
 from enum import IntEnum
 
@@ -9,10 +6,7 @@ import numpy as np
 
 
 class Purpose(IntEnum):
-    """What a stream is for.
-
-    The number is part of the stream's key, so never renumber.
-    """
+    """What a stream is for; never renumber."""
 
     PARAMETERS = 0
     CAMERA = 1

@@ -42,10 +42,7 @@ class Block(NamedTuple):
 
 
 def join_blocks(one: Block, other: Block) -> Block | None:
-    """Put two forms on top of one fitted model.
-
-    None where both claim a slot in another sense.
-    """
+    """Join forms on a fitted model, or None."""
     model = one.model.extend(other.model.pieces[-1])
     known = len(other.shared) - other.added
     shared = np.concatenate([one.shared, other.shared[known:]])

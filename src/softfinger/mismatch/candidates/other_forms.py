@@ -20,10 +20,7 @@ Start = tuple[EffectModel, NDArray[np.float64]]
 
 
 def find_other_form(found: Iterable[Candidate], best: Candidate) -> Candidate | None:
-    """Find the best fit of one effect's other form.
-
-    The model has the same effects.
-    """
+    """Find the best fit of one effect's other form."""
     others = [
         c
         for c in found
@@ -35,10 +32,7 @@ def find_other_form(found: Iterable[Candidate], best: Candidate) -> Candidate | 
 
 
 def keep_leading(pieces: Iterable[Piece], larger: list[Candidate], best: Candidate) -> list[Piece]:
-    """Keep the forms of the leading effects.
-
-    They are those that gained most on top of the best model.
-    """
+    """Keep the forms of effects that gained most."""
     leading: dict[str, None] = {}
     for candidate in sorted(larger, key=lambda c: -c.log_evidence):
         if best.model.ids < candidate.model.ids:
@@ -73,10 +67,7 @@ def _name_forms(model: EffectModel) -> dict[str, str]:
 
 
 def _list_swaps(candidate: Candidate, pieces: list[Piece]) -> Iterator[Start]:
-    """List models with one other form, by start.
-
-    What both forms name alike is kept.
-    """
+    """List models with one other form, by start."""
     for number, old in enumerate(candidate.model.pieces):
         for new in pieces:
             same = new.effect.id == old.effect.id and new.places == old.places
@@ -105,10 +96,7 @@ def _name_entries(model: EffectModel) -> list[tuple[str, str]]:
 
 
 def _fit_near(problem: Problem, best: Candidate, start: Start) -> Candidate | None:
-    """Fit a model that soon comes near the best.
-
-    None where it does not come to rest.
-    """
+    """Fit a model near the best, else None."""
     model, shared = start
     before = best.fit.own, shared, best.fit.omega
     fit = problem.fit(model, before, steps=BUDGET.first_steps, first=best.fit.first)

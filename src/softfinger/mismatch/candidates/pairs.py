@@ -53,10 +53,7 @@ def rank_pairs(
 
 
 def score_pairs(problem: Problem, origin: Candidate, columns: ScoreColumns) -> list[Score]:
-    """Score forms two by two, best first.
-
-    The score is the linearised gain of both over the fitted model.
-    """
+    """Score forms two by two over the fit."""
     scores = []
     for one, other in combinations(_choose_forms(problem, origin, columns), 2):
         distinct = one.model.pieces[-1].effect.id != other.model.pieces[-1].effect.id

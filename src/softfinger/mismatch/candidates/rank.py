@@ -24,10 +24,7 @@ Progress = Callable[[Iterable, str], Iterable]
 
 
 class Score(NamedTuple):
-    """Score of a model by one linearisation.
-
-    Gain [nats] from the best start, and that start.
-    """
+    """A linearised gain [nats], and its best start."""
 
     model: EffectModel
     gain: float
@@ -91,10 +88,7 @@ def score_pieces(problem: Problem, origin: Candidate, columns: ScoreColumns) -> 
 def choose_starts(
     problem: Problem, origin: Candidate, columns: ScoreColumns
 ) -> list[tuple[float, Block]]:
-    """Choose each form's best start.
-
-    Its linearised gain [nats], and its block.
-    """
+    """Choose each form's best start, gain [nats], block."""
     best: dict[Piece, tuple[float, Block]] = {}
     for block in columns.blocks:
         gain = score_block(problem, origin, columns, block)
@@ -105,10 +99,7 @@ def choose_starts(
 
 
 def score_block(problem: Problem, origin: Candidate, columns: ScoreColumns, block: Block) -> float:
-    """Linearised gain [nats] with all places kept.
-
-    It is over the fitted model.
-    """
+    """Linearised gain [nats] of all places over the fit."""
     there = _stand(origin, columns, block)
     return _evaluate(problem, block.model, there, 0) - origin.log_evidence
 
@@ -133,10 +124,7 @@ class Linearised(NamedTuple):
 def drop_places(
     problem: Problem, model: EffectModel, there: Linearised, *, rounds: int
 ) -> tuple[EffectModel, float]:
-    """Drop places of the last piece one by one.
-
-    It goes on while the linearised evidence rises.
-    """
+    """Drop the last piece's places while evidence rises."""
     now, evidence = model, _evaluate(problem, model, there, rounds)
     while True:
         last = len(now.pieces) - 1
@@ -271,18 +259,12 @@ def find_best(candidates: Iterable[Candidate]) -> float:
 
 
 def competing_nats(gain: float) -> float:
-    """Distance [nats] from the best that still competes.
-
-    It depends on the gain of the best model.
-    """
+    """Distance [nats] from a best that still competes."""
     return max(DECISIONS.rival_nats, DECISIONS.rival_share * gain)
 
 
 def go_on(problem: Problem, model: EffectModel, fit: Fit, rival: float = -np.inf) -> Fit | None:
-    """Fit on until it rests or cannot win.
-
-    It cannot where it clearly will not reach the log evidence of a rival.
-    """
+    """Fit on until at rest, or behind a rival."""
     if fit.converged:
         return fit
     return problem.fit(model, (fit.own, fit.shared, fit.omega), first=fit.first, rival=rival)

@@ -49,10 +49,7 @@ def weigh_driven(
 
 
 def list_driven(problem: Problem, series: WaveSeries, chosen: float) -> NDArray[np.complex128]:
-    """List what follows a trial's load, (frame, kind).
-
-    What has the chosen frequency [Hz] comes first.
-    """
+    """List what follows a load (frame, kind), [Hz] first."""
     known = problem.trials.load_time[series.trial], problem.trials.load_torque[series.trial]
     time, load = series.time, np.interp(series.time, *known)
     low, high = DECISIONS.wave_periods / problem.setting.duration, 0.45 / problem.trials.interval

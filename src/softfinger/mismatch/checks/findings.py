@@ -1,7 +1,4 @@
-"""What the best model leaves.
-
-The evidence of listed effects is apart.
-"""
+"""What the best model leaves."""
 
 from typing import NamedTuple
 
@@ -47,18 +44,12 @@ class Findings(NamedTuple):
 
     @property
     def left(self) -> float:
-        """Evidence [nats] for what two effects leave.
-
-        A third, a shape, a line, or slips.
-        """
+        """Evidence [nats] for what two effects leave."""
         free = 0.0 if self.free is None else self.free.gain
         return max(self.further, free, self.line.gain, self.slips.gain)
 
     def is_unlisted(self, needed: float) -> bool:
-        """Whether more is left than is allowed.
-
-        That is more than noise, or more than listed effects may leave to a shape.
-        """
+        """Whether more is left than is allowed."""
         return bool(self.p_value < DECISIONS.missing or self.left > allow_rest(self.gain, needed))
 
 

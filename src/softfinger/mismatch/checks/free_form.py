@@ -60,10 +60,7 @@ class TermScore(NamedTuple):
 
 
 def fit_free_form(problem: Problem, candidate: Candidate) -> FreeForm | None:
-    """Fit the best free-form term over a model.
-
-    Every argument is tried on top of the fitted model; the best must gain.
-    """
+    """Fit the free-form term that gains most, if any."""
     scores = [s for t in list_terms(problem, candidate) for s in score_term(problem, candidate, t)]
     best: FreeForm | None = None
     for score in sorted(scores, key=lambda s: -s.gain):
@@ -76,10 +73,7 @@ def fit_free_form(problem: Problem, candidate: Candidate) -> FreeForm | None:
 
 
 def score_term(problem: Problem, candidate: Candidate, term: Term) -> list[TermScore]:
-    """Score a term in each size.
-
-    The model is linearised at the candidate; Ω adapts.
-    """
+    """Score a term's sizes over the candidate, Ω adapting."""
     fit = candidate.fit
     shared = np.concatenate([fit.shared, np.zeros(term.count)])
     gram = term.linearise(fit.own, shared)
@@ -136,10 +130,7 @@ def settle_term(
 
 
 def _widen(problem: Problem, candidate: Candidate, term: Term, size: float) -> Prior:
-    """Prior of a model with coefficients of sd `size`.
-
-    They are the term's.
-    """
+    """Prior with a term's coefficients of sd `size`."""
     prior = problem.build_prior(candidate.model)
     return prior._replace(
         mean=np.concatenate([prior.mean, np.zeros(term.count)]),

@@ -63,10 +63,7 @@ class Term(NamedTuple):
 
 
 def list_terms(problem: Problem, candidate: Candidate) -> list[Term]:
-    """List the terms that the recordings allow.
-
-    They are on top of a fitted model.
-    """
+    """List the terms that the recordings allow."""
     angle, _ = problem.simulate(candidate.model, candidate.fit.own, candidate.fit.shared)
     terms = []
     arguments = list_arguments(problem, angle) | {RATE: compute_rate_array(problem, candidate)}
@@ -81,10 +78,7 @@ def list_terms(problem: Problem, candidate: Candidate) -> list[Term]:
 
 
 def list_arguments(problem: Problem, angle: Array) -> dict[str, Array]:
-    """List the arguments of a term within trials.
-
-    They are at the nodes: (trial, joint, node).
-    """
+    """List arguments at nodes (trial, joint, node)."""
     trials = problem.trials
     shape = (len(trials.name), trials.joints, trials.node.shape[1], 2)
     since, load = np.zeros(shape), np.zeros(shape)

@@ -58,10 +58,7 @@ class Hum(NamedTuple):
     amplitude: Wave
 
     def move(self, time: Array) -> Array:
-        """Compute angles (trial, joint, frame) [rad].
-
-        At times (trial, frame) [s].
-        """
+        """Angles (trial, joint, frame) [rad] at (trial, frame) [s]."""
         return (self.amplitude[:, :, None] * _sound(time, self.frequency_hz)[:, None]).real
 
 

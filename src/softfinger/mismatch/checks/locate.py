@@ -29,10 +29,7 @@ def whiten_all(problem: Problem, candidate: Candidate) -> list[NDArray[np.float6
 
 
 def time_since_change(problem: Problem, trial: int) -> NDArray[np.float64]:
-    """Time [s] (bin,) since the last load change.
-
-    Before any change it counts from the start.
-    """
+    """Time [s] (bin,) since load change or start."""
     trials = problem.trials
     time = trials.node[trial, : trials.bins[trial]].mean(axis=1)
     edges = np.concatenate([[min(time[0], 0.0)], trials.changes[trial]])
@@ -41,10 +38,7 @@ def time_since_change(problem: Problem, trial: int) -> NDArray[np.float64]:
 
 
 def label_phase(problem: Problem, trial: int) -> NDArray[np.int64]:
-    """Phase (bin,) as an index into PHASES.
-
-    It follows from the load and its last change.
-    """
+    """Phase (bin,) of the load, from PHASES."""
     load = load_at(problem.trials, trial)
     top = max(np.abs(load).max(), 1e-300)
     time = problem.trials.node[trial, : problem.trials.bins[trial]].mean(axis=1)
@@ -145,10 +139,7 @@ def locate_between(problem: Problem, candidate: Candidate) -> xr.Dataset:
 
 
 def list_trial_covariates(problem: Problem) -> dict[str, NDArray[np.float64]]:
-    """List what differs between trials.
-
-    Number, rest, load, load of the trial before, logged values.
-    """
+    """List what differs between trials."""
     setting = problem.setting
     largest = np.abs(problem.trials.load_torque).max(axis=1)
     before = np.concatenate([[np.nan], largest[:-1]])
@@ -171,10 +162,7 @@ def list_trial_covariates(problem: Problem) -> dict[str, NDArray[np.float64]]:
 def find_window(
     problem: Problem, base: Candidate, final: Candidate, share: float = 0.8
 ) -> tuple[float, float]:
-    """Time [s] since the change of load that matters.
-
-    It contains the middle share of what an effect changed.
-    """
+    """Times [s] since the change that an effect fills."""
     before, after = whiten_all(problem, base), whiten_all(problem, final)
     since = np.concatenate([time_since_change(problem, i) for i in range(len(before))])
     change = np.concatenate(

@@ -20,10 +20,7 @@ Array = NDArray[np.float64]
 
 
 def compute_rate_array(problem: Problem, candidate: Candidate) -> Array:
-    """Rates (trial, joint, node) [rad/s] of the joints.
-
-    They are those of a fitted model.
-    """
+    """A fitted model's joint rates (trial, joint, node) [rad/s]."""
     apart = APART * problem.trials.interval
     later = replace(problem, trials=problem.trials._replace(node=problem.trials.node + apart))
     fit, nothing = candidate.fit, np.zeros(0, np.int64)

@@ -32,10 +32,7 @@ Array = NDArray[np.float64]
 
 
 class Slips(NamedTuple):
-    """Evidence for slips [nats], and where they are.
-
-    The trials that slip, and the joints (from 1) that do.
-    """
+    """Slips' evidence [nats], trials, joints (from 1)."""
 
     gain: float
     trials: list[str]
@@ -60,10 +57,7 @@ class Series(NamedTuple):
 
 
 def find_slips(problem: Problem, candidate: Candidate, angles: xr.Dataset) -> Slips:
-    """Weigh slips in single trials over a model.
-
-    `angles` is the artifact; the model is fitted.
-    """
+    """Weigh slips in single trials of `angles`."""
     trials = problem.trials
     evidence = np.full((len(trials.name), trials.joints), -np.inf)
     rival = evidence.copy()
@@ -97,10 +91,7 @@ def project_steps(series: Series) -> tuple[Array, Array]:
 
 
 def project_outliers(series: Series) -> list[tuple[Array, Array]]:
-    """Project one wrong frame, and one large innovation.
-
-    The results are as those of `project_steps`.
-    """
+    """Project outliers and innovations, as `project_steps` does."""
     back = np.append(series.weight[1:] * series.carried[1:], 0.0)
     here = series.rows * series.weight[:, None]
     after = np.concatenate([series.rows[1:], np.zeros((1, series.rows.shape[1]))])
@@ -109,10 +100,7 @@ def project_outliers(series: Series) -> list[tuple[Array, Array]]:
 
 
 def weigh_shapes(series: Series, product: Array, square: Array, sizes: Array) -> float:
-    """Evidence [nats] for one of the shapes.
-
-    It is averaged over the quiet moments and sizes (of unit noise).
-    """
+    """Evidence [nats] of a shape, over moments, sizes."""
     own, left = series.rows[:, :-1], series.rows[:, -1]
     cross, pull = product[series.quiet, :-1], product[series.quiet, -1]
     inner = np.linalg.inv(series.precision + own.T @ own)
@@ -136,10 +124,7 @@ def _average(evidence: Array) -> Array:
 def _list_series(
     problem: Problem, candidate: Candidate, angles: xr.Dataset
 ) -> list[tuple[int, int, Series, float]]:
-    """Series where enough was seen.
-
-    Place of trial and joint, the series, and the noise's sd.
-    """
+    """Series with enough seen: place, values, sd."""
     trials, fit = problem.trials, candidate.fit
     noise = problem.noise[["noise_sd", "noise_autocorrelation"]].to_dataarray().values
     factor = problem.noise["noise_factor"].sel(trial=trials.name).transpose(*LAYOUT).values

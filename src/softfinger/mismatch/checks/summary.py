@@ -1,7 +1,4 @@
-"""Numbers of a verdict straight from two fits.
-
-Residuals, spread, elpd, bias.
-"""
+"""Residuals, spread, elpd and bias of two fits."""
 
 import numpy as np
 import xarray as xr
@@ -40,10 +37,7 @@ def compute_residual(
 
 
 def compute_elpd(problem: Problem, base: Candidate, final: Candidate) -> Elpd | None:
-    """Leave-one-trial-out elpd of two fits.
-
-    None for a single trial.
-    """
+    """Leave-one-trial-out elpd of two fits; one trial: None."""
     before, after = ((c.fit, problem.build_prior(c.model)) for c in (base, final))
     return compare_elpd(problem, before, after)
 
@@ -51,10 +45,7 @@ def compute_elpd(problem: Problem, base: Candidate, final: Candidate) -> Elpd | 
 def compare_elpd(
     problem: Problem, before: tuple[Fit, Prior], after: tuple[Fit, Prior]
 ) -> Elpd | None:
-    """Leave-one-trial-out elpd of two fits with their priors.
-
-    None for a single trial.
-    """
+    """Leave-one-trial-out elpd, with priors; one trial: None."""
     trials = problem.trials
     if len(trials.name) < 2:
         return None
@@ -77,10 +68,7 @@ def compute_spread(problem: Problem, candidate: Candidate) -> NDArray[np.float64
 def explain_spread(
     problem: Problem, base: Candidate, final: Candidate
 ) -> dict[str, dict[str, float]]:
-    """Share of the variance that the physics explains.
-
-    The variance is between trials; the physics is the final model's.
-    """
+    """Share of trials' variance that physics explains."""
     share = 1.0 - compute_spread(problem, final) / compute_spread(problem, base)
     return {
         name: {str(j + 1): float(share[j, k]) for j in range(len(share))}

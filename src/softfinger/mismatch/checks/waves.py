@@ -64,10 +64,7 @@ def weigh_wave(products: Products, sizes: Array) -> Array:
 
 
 def estimate_wave(products: Products, size: float) -> tuple[Wave, float]:
-    """Amplitudes a − ib (trial,) [rad], and their sd.
-
-    From a first sd.
-    """
+    """Amplitudes a − ib (trial,) [rad], and sd."""
     spread = np.linalg.inv(products.square + np.eye(2) / size**2)
     mean = np.einsum("tab,tb->ta", spread, products.pull)
     sd = np.sqrt(np.mean(mean**2) + np.einsum("taa->", spread) / mean.size)

@@ -74,9 +74,6 @@ def tabulate_masking(columns: ScoreColumns, problem: Problem, base: Candidate) -
 
 
 def list_invisible(table: xr.Dataset, needed: float) -> list[str]:
-    """Effects that could not gain `needed` nats.
-
-    They could not at any plausible strength.
-    """
+    """Effects that could not gain `needed` nats."""
     hidden = table["expected_gain"].values < needed
     return [str(name) for name in table["effect"].values[hidden]]

@@ -1,7 +1,4 @@
-"""What to record next.
-
-It would show what these recordings leave open.
-"""
+"""What to record next, for what is open."""
 
 from typing import Any
 
@@ -82,10 +79,7 @@ def list_open_questions(found: Diagnosis) -> list[str]:
 
 
 def choose_column(angles: xr.Dataset) -> tuple[str, float]:
-    """Column of a load log that this rig writes.
-
-    Also what a torque is multiplied by for it.
-    """
+    """Log column of this rig, and its factor."""
     kinds = angles["load_kind"].values.astype(str)
     if (kinds == "tension_n").all():
         return "tension_n", 1.0 / float(angles["wire_offset"])

@@ -1,7 +1,4 @@
-"""Which experiment would show an effect.
-
-Masking tables of protocols before data, and proposals after.
-"""
+"""Which experiment would show an effect."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -24,10 +21,7 @@ from softfinger.mismatch.experiment.masking import tabulate_masking
 
 
 class PlannedProtocol(NamedTuple):
-    """Load histories that trials have in turn.
-
-    Knots (history, knot) [s], [N m].
-    """
+    """Load knots (history, knot) [s], [N m], in turn."""
 
     load_time: NDArray[np.float64]
     load_torque: NDArray[np.float64]
@@ -123,10 +117,7 @@ def _describe(design: Problem, problem: Problem, own: NDArray, angles: xr.Datase
 def plan_experiment(
     problem: Problem, base: Candidate, protocols: dict[str, PlannedProtocol]
 ) -> dict[str, xr.Dataset]:
-    """Masking table of every protocol.
-
-    It shows what each could show of each effect.
-    """
+    """Table of what each protocol could show."""
     tables = {}
     for name, protocol in protocols.items():
         design, start = build_design(problem, base, protocol)

@@ -1,7 +1,4 @@
-"""What a search found, as tables.
-
-The ranking of all models, and where two models miss.
-"""
+"""What a search found, as tables."""
 
 import numpy as np
 import xarray as xr

@@ -1,7 +1,4 @@
-"""Artifacts of a diagnosis, and its repaired model.
-
-They contain everything behind a verdict.
-"""
+"""Artifacts of a diagnosis, and its repaired model."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -75,10 +72,7 @@ def tabulate_diagnosis(
 
 
 def tabulate_free_form(diagnosis: Diagnosis) -> xr.Dataset:
-    """Tabulate the shape of what no effect explains.
-
-    It has no quantity where none is needed.
-    """
+    """Tabulate the free shape, or no quantity."""
     free, nan = diagnosis.findings.free, float("nan")
     if free is not None and diagnosis.verdict.free_form is not None:
         shape = free.shape.assign_attrs(argument=free.argument, gain_nats=free.gain)

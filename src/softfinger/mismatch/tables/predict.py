@@ -26,10 +26,7 @@ from softfinger.mismatch.decisions import DECISIONS
 
 
 class Population(NamedTuple):
-    """What some trials show of new ones.
-
-    Mean and covariance of (μ, φ), and Ω.
-    """
+    """Mean, covariance of (μ, φ), and Ω."""
 
     mean: NDArray[np.float64]
     covariance: NDArray[np.float64]
@@ -39,10 +36,7 @@ class Population(NamedTuple):
 def learn_without(
     problem: Problem, candidate: Candidate, left_out: NDArray[np.bool_]
 ) -> Population:
-    """Learn the population from the other trials.
-
-    The model is linearised.
-    """
+    """Learn the population linearly from other trials."""
     fit = candidate.fit
     moved, near, centre = centre_gram(
         fit.gram, problem.build_prior(candidate.model), fit.own, fit.shared

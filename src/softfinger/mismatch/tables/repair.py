@@ -1,7 +1,4 @@
-"""Comparison of base and repaired model.
-
-Parameters, residuals and predictions of the two models.
-"""
+"""Comparison of base and repaired model."""
 
 import numpy as np
 import xarray as xr
@@ -76,10 +73,7 @@ def measure_repair(
 
 
 def label_unit(angles: xr.Dataset) -> str:
-    """Unit of the load.
-
-    N m, or `command` where the load is one or only assumed.
-    """
+    """Unit of the load: N m, else `command`."""
     kinds = set(angles["load_kind"].values.astype(str).tolist())
     return "N m" if kinds <= {"tension_n", "torque_nm"} else "command"
 
@@ -212,10 +206,7 @@ def measure_levels(
 
 
 def compute_bin_noise(trials: Trials) -> NDArray[np.float64]:
-    """Compute every bin's noise (trial, joint, bin) [rad].
-
-    It is an sd, NaN where none was seen.
-    """
+    """Noise sd (trial, joint, bin) [rad], NaN if unseen."""
     kinds = {}
     for kind in np.unique(trials.protocol):
         size = trials.size[kind]
@@ -246,10 +237,7 @@ def _describe_bins(problem: Problem) -> dict[str, tuple]:
 
 
 def _mask(trials: Trials, values: NDArray) -> NDArray:
-    """Values (trial, joint, bin), NaN where unseen.
-
-    So past the last bin, and for joints that were not seen.
-    """
+    """Values (trial, joint, bin), NaN where unseen."""
     real = np.arange(values.shape[2]) < trials.bins[:, None]
     return np.where(real[:, None] & trials.present[:, :, None], values, np.nan)
 

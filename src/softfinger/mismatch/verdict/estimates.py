@@ -1,7 +1,4 @@
-"""The effects of a verdict.
-
-Where each acts and how large it is, in figures and in words.
-"""
+"""A verdict's effects: where, how large, in words."""
 
 import numpy as np
 from scipy.stats import norm
@@ -26,10 +23,7 @@ from softfinger.mismatch.verdict.statements import state_effect
 def state_effects(
     problem: Problem, search: Search, posterior: Posterior, decision: str
 ) -> list[StatedEffect]:
-    """Effects of the best model.
-
-    Under `ambiguous` also every member of the set.
-    """
+    """Effects of the best model; if `ambiguous`, its set."""
     final = search.best
     given = search.base.model.ids
     chosen = [(final, k) for k, p in enumerate(final.model.pieces) if p.effect.id not in given]
@@ -72,10 +66,7 @@ def describe(
 
 
 def estimate_parameters(candidate: Candidate, number: int) -> dict[str, Estimate]:
-    """Posterior of each parameter of one piece.
-
-    The names are those of the verdict.
-    """
+    """Posterior of a piece's parameters, by name."""
     sd = np.sqrt(np.diag(candidate.fit.shared_covariance))
     estimates = {}
     for k, entry in enumerate(candidate.model.entries):
@@ -105,10 +96,7 @@ def estimate_entry(entry: Entry, mean: float, sd: float) -> dict[str, Estimate]:
 
 
 def locate_effect(problem: Problem, base: Candidate, candidate: Candidate, number: int) -> Location:
-    """Where one effect acts.
-
-    The p-value of each joint that its amplitudes have.
-    """
+    """Where an effect acts, by each joint's p-value."""
     piece = candidate.model.pieces[number]
     sd = np.sqrt(np.diag(candidate.fit.shared_covariance))
     joints = {str(j + 1): 1.0 for j in range(problem.trials.joints)}

@@ -42,10 +42,7 @@ def list_explained(
 
 
 def measure_left(problem: Problem, candidate: Candidate) -> float:
-    """Evidence [nats] that is missing under a model.
-
-    It is about half of its excess of χ².
-    """
+    """Missing evidence [nats]: half the excess of χ²."""
     rows = problem.trials.size[problem.trials.protocol]
     excess = compute_square_excess(candidate.fit, rows)
     return 0.5 * max(excess, 0.0) * float(rows.sum())
@@ -60,8 +57,5 @@ def covers_zero(candidate: Candidate) -> bool:
 
 
 def list_not_tried(refused: dict[str, str]) -> list[NotTried]:
-    """List the effects that the campaign cannot show.
-
-    Each has its reason.
-    """
+    """List effects that cannot show, and why."""
     return [NotTried(id=name, reason=reason) for name, reason in sorted(refused.items())]

@@ -1,7 +1,4 @@
-"""An effect's free law in a verdict.
-
-The evidence against the textbook's is part of it.
-"""
+"""An effect's free law in a verdict."""
 
 from collections.abc import Iterable
 

@@ -1,7 +1,4 @@
-"""Verdict with sampled parameters of the effects.
-
-They come from sampling the full model, not from its curvature.
-"""
+"""A verdict's parameters by sampling, not curvature."""
 
 from typing import Any, NamedTuple
 
@@ -30,10 +27,7 @@ SAMPLING: dict[str, Any] = {
 
 
 class Refined(NamedTuple):
-    """A verdict, and the largest R-hat of φ.
-
-    It is NaN where nothing was sampled.
-    """
+    """A verdict and φ's largest R-hat, maybe NaN."""
 
     verdict: Verdict
     r_hat: float

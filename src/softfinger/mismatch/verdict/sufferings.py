@@ -1,7 +1,4 @@
-"""What the recordings suffer from, in words.
-
-These findings never change the decision.
-"""
+"""What the recordings suffer from, in words."""
 
 from collections.abc import Callable
 from typing import NamedTuple
