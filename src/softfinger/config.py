@@ -1,7 +1,5 @@
 """Defaults and the user's file, by one schema."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

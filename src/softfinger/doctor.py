@@ -1,7 +1,5 @@
 """Checks of this installation, for `softfinger doctor`."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import sys

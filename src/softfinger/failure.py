@@ -1,7 +1,5 @@
 """The sentence that a failing program ends with."""
 
-from __future__ import annotations
-
 import errno
 import os
 import platform

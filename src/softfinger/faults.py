@@ -1,7 +1,5 @@
 """Errors that a user can cause and mend."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 MOST_LISTED = 100

@@ -7,8 +7,6 @@ reading end of a pipe whose writing end only the parent has: when that closes, h
 ended, the group is ended too.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import signal

@@ -1,7 +1,5 @@
 """Progress bars: seen on a terminal, silent elsewhere."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Iterable, Iterator, Sized
 from contextlib import contextmanager

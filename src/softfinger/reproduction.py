@@ -4,8 +4,6 @@
 folder, ``… compare FOLDER MANIFEST`` reports of each file whether it is the same, and why not.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math

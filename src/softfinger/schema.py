@@ -4,8 +4,6 @@
 workflow is checked before it starts, without importing the packages; a test finds drift.
 """
 
-from __future__ import annotations
-
 import io
 import sys
 from pathlib import Path

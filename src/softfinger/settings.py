@@ -1,7 +1,5 @@
 """Blocks of the configuration, with units and ranges."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

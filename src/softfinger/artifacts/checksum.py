@@ -7,8 +7,6 @@ structure. Whatever follows the end of an HDF5 file is ignored by all that read 
 checksum of all before it is appended there: `softfinger sha256 ` and 64 hexadecimal digits.
 """
 
-from __future__ import annotations
-
 import hashlib
 from pathlib import Path
 

@@ -4,8 +4,6 @@ Inside, a specimen's motion is an angle [rad] (`tracking.specimen`); the attribu
 `angles` state what one radian is. For a finger nothing changes.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """Declared content of an artifact, and a dataset's faults."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Literal

@@ -1,7 +1,5 @@
 """Save and open artifacts: the only NetCDF code."""
 
-from __future__ import annotations
-
 import glob
 import os
 from collections.abc import Callable, Iterator, Mapping

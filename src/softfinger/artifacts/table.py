@@ -3,8 +3,6 @@
 ``python -m softfinger.artifacts.table README.md`` renews it; a test finds drift.
 """
 
-from __future__ import annotations
-
 import re
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Keys, units and believed ranges of ``campaign.yaml``."""
 
-from __future__ import annotations
-
 import difflib
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self

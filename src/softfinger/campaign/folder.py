@@ -1,7 +1,5 @@
 """A campaign's description, trials and faults."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """CSV tables with a declared set of columns."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Sequence
 from pathlib import Path

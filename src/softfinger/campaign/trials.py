@@ -1,7 +1,5 @@
 """The table of trials: its rows and their covariates."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime

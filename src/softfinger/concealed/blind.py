@@ -1,7 +1,5 @@
 """A process that diagnoses a campaign, knowing nothing."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

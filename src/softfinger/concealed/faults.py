@@ -1,7 +1,5 @@
 """The oracle's evidence of each nuisance."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

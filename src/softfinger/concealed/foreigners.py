@@ -1,7 +1,5 @@
 """Campaigns whose effects follow foreign laws."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.effects import CATALOGUES

@@ -1,7 +1,5 @@
 """A trial as it would be recorded without noise."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

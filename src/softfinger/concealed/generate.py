@@ -1,7 +1,5 @@
 """Makes one concealed campaign, and beside it the truth."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from pathlib import Path

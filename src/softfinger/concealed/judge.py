@@ -1,7 +1,5 @@
 """One verdict against one truth."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import product
 

@@ -1,7 +1,5 @@
 """Whether a law's curve lies in its band."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

@@ -8,8 +8,6 @@ is. So others of the catalogue, in the generator's own forms, are fitted in plac
 concealed.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import product
 

@@ -1,7 +1,5 @@
 """What unkind recordings do to the answers."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

@@ -7,8 +7,6 @@ e ~ N(0, 1), η ~ N(μ, diag ω²) its own parameters and φ those of the effect
 φ ~ N(f, g²) are integrated exactly, log ω ~ N(l, d²) by Laplace.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Noise of the angles: colour, tails, gaps, clock."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal, get_args
 

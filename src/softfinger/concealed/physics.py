@@ -1,7 +1,5 @@
 """What moves one trial; zero switches it off."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 import numpy as np

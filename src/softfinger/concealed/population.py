@@ -1,7 +1,5 @@
 """A concealed campaign's trials, near the paper's."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

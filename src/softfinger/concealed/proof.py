@@ -1,7 +1,5 @@
 """What a proof consists of."""
 
-from __future__ import annotations
-
 from softfinger.concealed.foreigners import draw_foreign
 from softfinger.concealed.suite import (
     TRIALS,

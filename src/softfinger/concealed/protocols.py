@@ -1,7 +1,5 @@
 """The four load protocols of concealed campaigns."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Literal, get_args
 

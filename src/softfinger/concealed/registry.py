@@ -3,8 +3,6 @@
 The name is the id for the effect's own law, ``id/law`` for a foreign one.
 """
 
-from __future__ import annotations
-
 from softfinger.concealed.effects import OWN
 from softfinger.concealed.effects.effect import Effect
 from softfinger.concealed.foreign import FOREIGN

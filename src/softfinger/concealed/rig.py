@@ -1,7 +1,5 @@
 """Finger, wire and camera of a concealed campaign."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

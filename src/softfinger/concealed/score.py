@@ -1,7 +1,5 @@
 """The proof's score, with binomial intervals."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

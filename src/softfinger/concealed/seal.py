@@ -1,7 +1,5 @@
 """Seals an answer before the question is put."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import secrets

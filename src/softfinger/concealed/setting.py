@@ -1,7 +1,5 @@
 """All that is drawn before the finger moves."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Recordings with nuisances, and the oracle's own."""
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """Strengths by which the oracle gains some evidence."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.oracle import expect_gain

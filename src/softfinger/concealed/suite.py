@@ -1,7 +1,5 @@
 """A proof's campaigns: a seeded, balanced draw."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace

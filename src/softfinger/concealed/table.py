@@ -1,7 +1,5 @@
 """The proof's table: one row per campaign."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from softfinger.concealed.judge import judge

@@ -1,7 +1,5 @@
 """Campaigns that are recorded unkindly."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Writes a concealed campaign's folder."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from datetime import datetime, timedelta
 from pathlib import Path

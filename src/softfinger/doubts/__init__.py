@@ -6,8 +6,6 @@ Every kind of doubt is one small file. None of them changes a number: a doubt is
 its evidence, its likeliest cause and what to do.
 """
 
-from __future__ import annotations
-
 import xarray as xr
 
 from softfinger.doubts.camera import doubt_camera

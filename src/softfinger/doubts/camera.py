@@ -1,7 +1,5 @@
 """The camera's scale against the finger's size."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

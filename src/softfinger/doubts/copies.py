@@ -1,7 +1,5 @@
 """Recordings that copy a part of each other."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Covariates out of range."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Doubtful sizes: loads, stiffness, masses, lengths."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A doubt: finding, evidence, cause, and what to do."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Simple features of every trial, for doubts."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Recordings with the same name, link or content."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path

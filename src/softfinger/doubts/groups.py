@@ -1,7 +1,5 @@
 """Trials that lie apart in one number."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """Doubtful joints: against load, dead, exchanged, absolute."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from itertools import permutations
 

@@ -8,8 +8,6 @@ creeps monotonously moves so, whatever its parameters: what is far from every su
 something else in it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Doubtful angles at rest."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Trials of many times the others' gain."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Doubtful sensors: frozen, clipped, quantised, wrapped, repeating."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Doubts as the artifact `doubts`, and back."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Loads and motions that do not belong together."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What the paper's assumptions leave out, and where."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes

@@ -1,7 +1,5 @@
 """Predictive bands of the joint angle beside recordings."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes

@@ -1,7 +1,5 @@
 """Figures of the proof."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure

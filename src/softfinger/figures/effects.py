@@ -1,7 +1,5 @@
 """A small picture of what an effect does."""
 
-from __future__ import annotations
-
 import xarray as xr
 from matplotlib.figure import Figure
 

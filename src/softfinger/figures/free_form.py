@@ -1,7 +1,5 @@
 """The shape of what no listed effect explains."""
 
-from __future__ import annotations
-
 import xarray as xr
 from matplotlib.figure import Figure
 

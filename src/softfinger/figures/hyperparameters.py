@@ -1,7 +1,5 @@
 """Forest plot: where and how wide populations are."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes

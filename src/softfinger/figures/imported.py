@@ -1,7 +1,5 @@
 """Motion and load of a few imported trials."""
 
-from __future__ import annotations
-
 import xarray as xr
 from matplotlib.figure import Figure
 

@@ -1,7 +1,5 @@
 """The free laws that the recordings ask for."""
 
-from __future__ import annotations
-
 import xarray as xr
 from matplotlib.figure import Figure
 

@@ -1,7 +1,5 @@
 """Noise and useless frames of the recordings."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes

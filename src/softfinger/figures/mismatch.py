@@ -1,7 +1,5 @@
 """Figures of left-out physics."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes

@@ -1,7 +1,5 @@
 """The distribution of the parameters over trials."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes

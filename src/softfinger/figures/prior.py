@@ -1,7 +1,5 @@
 """The motion that the priors alone expect."""
 
-from __future__ import annotations
-
 import xarray as xr
 from matplotlib.figure import Figure
 

@@ -1,7 +1,5 @@
 """From the parameters' spread to the motion's."""
 
-from __future__ import annotations
-
 import matplotlib as mpl
 import numpy as np
 import xarray as xr

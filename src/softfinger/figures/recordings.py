@@ -1,7 +1,5 @@
 """Every trial's joint angles and loads over time."""
 
-from __future__ import annotations
-
 import matplotlib as mpl
 import numpy as np
 import xarray as xr

@@ -1,7 +1,5 @@
 """Residuals since the load changed; their spectrum."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes

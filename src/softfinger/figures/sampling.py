@@ -1,7 +1,5 @@
 """Agreement of chains and effective number of draws."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes

@@ -3,8 +3,6 @@
 They show what words mean, not data, so they carry no stamp.
 """
 
-from __future__ import annotations
-
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes

@@ -1,7 +1,5 @@
 """The style that every figure shares."""
 
-from __future__ import annotations
-
 import functools
 import io
 import re

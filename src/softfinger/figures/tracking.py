@@ -1,7 +1,5 @@
 """What the tracking saw: one frame with its markers."""
 
-from __future__ import annotations
-
 import re
 
 import xarray as xr

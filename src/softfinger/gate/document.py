@@ -1,7 +1,5 @@
 """Others' YAML: plain values, lines, limits."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator, Mapping

@@ -1,7 +1,5 @@
 """Whether a file can be read, and its text."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from softfinger.faults import Fault

@@ -1,7 +1,5 @@
 """Recordings of others, read into a campaign folder."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple

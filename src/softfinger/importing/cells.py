@@ -1,7 +1,5 @@
 """Cells: numbers, moments, gaps and words."""
 
-from __future__ import annotations
-
 import datetime as dt
 import re
 from collections.abc import Collection

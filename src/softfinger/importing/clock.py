@@ -1,7 +1,5 @@
 """Times of rows in seconds, from any clock."""
 
-from __future__ import annotations
-
 import datetime as dt
 from functools import lru_cache
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Guesses of what a description leaves open, listed."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any

@@ -1,7 +1,5 @@
 """Where a table begins in a sheet."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass

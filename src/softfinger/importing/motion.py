@@ -1,7 +1,5 @@
 """A run's motion: columns, or points of pictures."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.campaign.units import find_factor

@@ -1,7 +1,5 @@
 """Columns that are coordinates of points."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What was understood, as rows and curves."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

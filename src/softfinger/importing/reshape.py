@@ -1,7 +1,5 @@
 """Long tables made wide: a row per time."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """A sheet of cells, and its tables."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Trials side by side in one table."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 

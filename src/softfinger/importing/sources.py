@@ -1,7 +1,5 @@
 """Every table of a file or a folder."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from dataclasses import replace

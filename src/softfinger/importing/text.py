@@ -1,7 +1,5 @@
 """Delimited text, whatever its form."""
 
-from __future__ import annotations
-
 import csv
 import io
 import re

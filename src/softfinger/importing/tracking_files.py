@@ -1,7 +1,5 @@
 """SLEAP's analysis HDF5 and `movement`'s NetCDF."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import h5py

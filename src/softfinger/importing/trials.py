@@ -1,7 +1,5 @@
 """Which rows of which tables are one trial."""
 
-from __future__ import annotations
-
 import itertools
 import re
 from collections.abc import Callable, Sequence

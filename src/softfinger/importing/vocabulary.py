@@ -1,7 +1,5 @@
 """Words that laboratories use in column names."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping
 from functools import cache

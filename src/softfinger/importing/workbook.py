@@ -1,7 +1,5 @@
 """Workbooks: every visible sheet as cells."""
 
-from __future__ import annotations
-
 import datetime as dt
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """A new campaign folder out of imported trials."""
 
-from __future__ import annotations
-
 import io
 import re
 from collections.abc import Sequence

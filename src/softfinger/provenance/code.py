@@ -4,8 +4,6 @@ Snakemake does not see which modules a script imports, so :func:`code_hash` is p
 as a parameter: editing a module reruns the rules that use it, and no other.
 """
 
-from __future__ import annotations
-
 import ast
 import hashlib
 from collections.abc import Iterator

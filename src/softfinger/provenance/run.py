@@ -1,7 +1,5 @@
 """What is stamped on artifacts, and stages' seeds."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Mapping, Sequence

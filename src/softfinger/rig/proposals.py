@@ -1,7 +1,5 @@
 """Other protocols within the same rig's limits."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Rule `angles`: joint angles and loads of trials."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any

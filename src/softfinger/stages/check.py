@@ -1,7 +1,5 @@
 """Verb `check`: what is set aside, or doubtful."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

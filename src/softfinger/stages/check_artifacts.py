@@ -1,7 +1,5 @@
 """Rule `check_artifacts`: artifacts against declarations, a receipt."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Sequence
 from pathlib import Path

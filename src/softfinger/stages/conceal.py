@@ -1,7 +1,5 @@
 """Rule `conceal`: one sealed campaign of the proof."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path

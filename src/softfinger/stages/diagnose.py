@@ -1,7 +1,5 @@
 """Rule `diagnose`: which physics was left out."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Rule `diagnose_blind`: a process with the campaign alone."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from softfinger.concealed.blind import diagnose_blind as run_blind

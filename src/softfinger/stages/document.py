@@ -1,7 +1,5 @@
 """Rule `document`: figures and parameters as LaTeX."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

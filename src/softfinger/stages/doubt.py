@@ -1,7 +1,5 @@
 """Rule `doubt`: what looks wrong in a campaign."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from softfinger.artifacts import open_artifact, save_artifact

@@ -1,7 +1,5 @@
 """Rule `figure`: one figure, for a document."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The forward model that propagation moves new trials with."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Glue between a Snakemake job and a stage."""
 
-from __future__ import annotations
-
 import contextlib
 import inspect
 import signal

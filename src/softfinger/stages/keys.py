@@ -1,7 +1,5 @@
 """Which keys each stage reads, hence its reruns."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Rule `least_squares`: the paper's two stages."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

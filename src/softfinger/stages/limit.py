@@ -1,7 +1,5 @@
 """Rule `limit`: what the oracle could name, afterwards."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

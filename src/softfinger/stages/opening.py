@@ -1,7 +1,5 @@
 """The artifacts that `summarise`, `report` and the figures read."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Rule `overlay`: a trial's video with its markers."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from softfinger.artifacts import open_artifact, write_atomically

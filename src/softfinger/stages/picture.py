@@ -1,7 +1,5 @@
 """Rule `picture`: one frame for the report."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

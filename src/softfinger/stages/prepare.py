@@ -1,7 +1,5 @@
 """Bring any campaign to angles, nothing twice."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Rule `propagate`: from parameters' to angles' spread."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

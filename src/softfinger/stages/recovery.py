@@ -1,7 +1,5 @@
 """Rule `recovery`: how both fits recover the truth."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from softfinger.artifacts import open_artifact, open_tree, save_artifact

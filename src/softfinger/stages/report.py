@@ -1,7 +1,5 @@
 """Rule `report`: one page per campaign."""
 
-from __future__ import annotations
-
 import subprocess
 from collections.abc import Mapping, Sequence
 from pathlib import Path

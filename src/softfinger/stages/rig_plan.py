@@ -1,7 +1,5 @@
 """`softfinger rig plan`: choose a protocol for effects."""
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Rule `sampling`: whether the sampling can be trusted."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Rule `score`: open seals, score, write the page."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path

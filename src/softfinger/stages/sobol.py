@@ -1,7 +1,5 @@
 """Rule `sobol`: which parameter spreads the joint angles."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Rule `summarise`: what figures and report show."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Rule `track`: follow the markers through some videos."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Rule `tracking_quality`: how well each filmed trial was tracked."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

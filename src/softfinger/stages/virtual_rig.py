@@ -1,7 +1,5 @@
 """Rule `virtual_rig`: write a campaign, videos aside."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

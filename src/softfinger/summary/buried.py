@@ -1,7 +1,5 @@
 """Residual that trials share, before and after repair."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray

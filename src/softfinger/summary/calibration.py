@@ -1,7 +1,5 @@
 """Whether bands contain the share they claim."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 

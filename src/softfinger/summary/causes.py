@@ -1,7 +1,5 @@
 """Which parameter spreads the motion; which correlate."""
 
-from __future__ import annotations
-
 from itertools import combinations
 
 import numpy as np

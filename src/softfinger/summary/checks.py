@@ -1,7 +1,5 @@
 """The report's checks, each with a limit."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """What the diagnosis found, for figures and sentences."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

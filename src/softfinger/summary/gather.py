@@ -1,7 +1,5 @@
 """Everything that figures and report show."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What the fit took for granted."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 

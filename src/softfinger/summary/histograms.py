@@ -1,7 +1,5 @@
 """Bars of estimates and curves of fitted densities."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray

@@ -1,7 +1,5 @@
 """Motion of trials by the fitted model."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray

@@ -1,7 +1,5 @@
 """Population, effects and correlations of the posterior, as intervals."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

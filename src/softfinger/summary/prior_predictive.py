@@ -1,7 +1,5 @@
 """The priors carried to the joint angle over time."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray

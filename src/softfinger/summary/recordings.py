@@ -1,7 +1,5 @@
 """Number, resolution and tracking quality of recordings."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray

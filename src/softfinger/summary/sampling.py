@@ -1,7 +1,5 @@
 """The draws of the hyperparameter whose chains agree least."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 

@@ -1,7 +1,5 @@
 """Marker positions → relative joint angles, with their covariance."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from scipy.ndimage import median_filter

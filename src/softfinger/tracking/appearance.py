@@ -1,7 +1,5 @@
 """Polarity, colour and channel mix of markers."""
 
-from __future__ import annotations
-
 import cv2
 import numpy as np
 

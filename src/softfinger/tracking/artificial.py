@@ -4,8 +4,6 @@ For tests and benchmarks; no stage uses it. Discs are drawn by counting sub-pixe
 fine picture: nothing is shared with the profile that the fit believes in.
 """
 
-from __future__ import annotations
-
 import cv2
 import numpy as np
 

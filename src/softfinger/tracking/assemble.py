@@ -1,7 +1,5 @@
 """Angles, loads and covariates of a campaign."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

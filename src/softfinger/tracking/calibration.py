@@ -1,7 +1,5 @@
 """A camera's intrinsics from a board's pictures."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path

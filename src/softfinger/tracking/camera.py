@@ -1,7 +1,5 @@
 """The lens: distortion, and intrinsics from a board."""
 
-from __future__ import annotations
-
 import cv2
 import numpy as np
 

@@ -1,7 +1,5 @@
 """Find discs anywhere: tracking's start and restart."""
 
-from __future__ import annotations
-
 import cv2
 import numpy as np
 

@@ -1,7 +1,5 @@
 """Free dots: followed by place, found by colour."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 

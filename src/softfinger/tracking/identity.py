@@ -1,7 +1,5 @@
 """Which disc is which marker, by geometry."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Repeated frames, and samples outside the motion."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Pictures by which a person judges the tracking."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import cv2

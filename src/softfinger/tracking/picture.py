@@ -1,7 +1,5 @@
 """The report's picture of the finger, with markers."""
 
-from __future__ import annotations
-
 import cv2
 import numpy as np
 import xarray as xr

@@ -1,7 +1,5 @@
 """Marker positions that cannot be true."""
 
-from __future__ import annotations
-
 from itertools import combinations
 
 import numpy as np

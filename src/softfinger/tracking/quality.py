@@ -1,7 +1,5 @@
 """How well trials were tracked; when too little."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from itertools import combinations
 

@@ -1,7 +1,5 @@
 """Whether trials move with their load."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

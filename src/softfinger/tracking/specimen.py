@@ -1,7 +1,5 @@
 """Specimens: a motion of any unit becomes angles."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """First picture with every marker, and their discs."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path

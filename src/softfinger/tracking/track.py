@@ -1,7 +1,5 @@
 """Every frame's markers, with their sd."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import chain
 from pathlib import Path

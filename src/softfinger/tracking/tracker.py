@@ -1,7 +1,5 @@
 """Follow markers from one picture to the next."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

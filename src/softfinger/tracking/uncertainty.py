@@ -9,8 +9,6 @@ one rigid link show how much the centres really scatter, whatever the finger doe
 is the factor between actual and claimed variance of a link's markers.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.ndimage import median_filter, uniform_filter1d
 

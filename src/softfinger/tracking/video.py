@@ -1,7 +1,5 @@
 """Frames of a video, one at a time."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -134,7 +134,7 @@ def test_an_effect_counts_wherever_models_with_effects_are_run(copy, rehash, edi
     file = copy / "mechanics/effects/wire_friction.py"
     before, other = hash_stages(), code.code_hash("track")
     edit(file, "EFFECT = Effect(", "# a remark\nEFFECT = Effect(")
-    edit(file, '"""Friction along the wire:', '"""Friction of the wire:')
+    edit(file, '"""Friction along the wire.', '"""Friction of the wire.')
     assert hash_stages() == before
     edit(file, "middle - 3", "middle - 4")
     assert not set(hash_stages()) & set(before)

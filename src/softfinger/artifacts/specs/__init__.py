@@ -3,8 +3,6 @@
 A rule depends only on those that it reads or writes.
 """
 
-from __future__ import annotations
-
 import importlib
 import pkgutil
 

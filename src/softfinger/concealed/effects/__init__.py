@@ -3,8 +3,6 @@
 They have the catalogue's ids, and some are outside the catalogue.
 """
 
-from __future__ import annotations
-
 from softfinger.concealed.effects import (
     actuator_lag,
     ageing_with_recovery,

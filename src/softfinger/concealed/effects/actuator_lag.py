@@ -1,7 +1,5 @@
 """Three lags in a row, as 7:2:1."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect

@@ -1,7 +1,5 @@
 """Softening from trial to trial; a pause undoes some."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect, Shape

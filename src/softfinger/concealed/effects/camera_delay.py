@@ -3,8 +3,6 @@
 The delay differs a little in every trial.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.effects.effect import Array, Circumstances, Dose, Effect

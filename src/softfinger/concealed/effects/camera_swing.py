@@ -1,7 +1,5 @@
 """A camera that turns to and fro."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.effects.effect import Array, Circumstances, Dose, Effect, Shape

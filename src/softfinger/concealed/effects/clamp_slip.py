@@ -1,7 +1,5 @@
 """A wire that slips in every other trial."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect

@@ -1,7 +1,5 @@
 """A stop with a Hertzian contact."""
 
-from __future__ import annotations
-
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect, Shape
 from softfinger.concealed.physics import Physics
 

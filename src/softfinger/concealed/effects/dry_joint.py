@@ -1,7 +1,5 @@
 """A joint with dry friction on its support."""
 
-from __future__ import annotations
-
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect
 from softfinger.concealed.physics import Physics
 

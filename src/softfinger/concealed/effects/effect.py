@@ -1,7 +1,5 @@
 """An effect of the proof: a switch, own form."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Literal

@@ -1,7 +1,5 @@
 """Softening as a hyperbola of the trials done."""
 
-from __future__ import annotations
-
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect, Shape
 from softfinger.concealed.physics import Physics
 

@@ -1,7 +1,5 @@
 """Power-law creep as eight retardation times."""
 
-from __future__ import annotations
-
 from math import gamma
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Weight of the links in a tilted plane."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect, Shape

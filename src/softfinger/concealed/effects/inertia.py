@@ -1,7 +1,5 @@
 """Mass of the links, and of what they carry."""
 
-from __future__ import annotations
-
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect
 from softfinger.concealed.physics import Physics
 

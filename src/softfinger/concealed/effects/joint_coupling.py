@@ -1,7 +1,5 @@
 """An elastic skin over two neighbouring joints."""
 
-from __future__ import annotations
-
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect, Shape
 from softfinger.concealed.physics import Physics
 

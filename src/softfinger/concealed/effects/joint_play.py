@@ -1,7 +1,5 @@
 """Play of a joint, taken up by the wire."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.effects.effect import Array, Circumstances, Dose, Effect

@@ -1,7 +1,5 @@
 """A fisheye lens, through which the markers are seen."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

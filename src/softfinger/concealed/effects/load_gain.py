@@ -1,7 +1,5 @@
 """A load cell's gain that creeps between trials."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect

@@ -1,7 +1,5 @@
 """A link's markers slip in every other trial."""
 
-from __future__ import annotations
-
 from softfinger.concealed.effects.effect import Array, Circumstances, Dose, Effect
 from softfinger.concealed.rig import Rig
 

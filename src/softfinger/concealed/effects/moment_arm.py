@@ -1,7 +1,5 @@
 """The wire's own chord between its guides."""
 
-from __future__ import annotations
-
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect
 from softfinger.concealed.physics import Physics
 

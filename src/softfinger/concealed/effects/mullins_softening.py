@@ -1,7 +1,5 @@
 """Softening by the largest strain before (Mullins)."""
 
-from __future__ import annotations
-
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect
 from softfinger.concealed.physics import Physics
 

@@ -1,7 +1,5 @@
 """A damper that gives way more easily bending."""
 
-from __future__ import annotations
-
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect
 from softfinger.concealed.physics import Physics
 

@@ -1,7 +1,5 @@
 """A picture that stretches as its mount warms."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.effects.effect import Array, Circumstances, Dose, Effect

@@ -1,7 +1,5 @@
 """A joint that keeps a set once overbent."""
 
-from __future__ import annotations
-
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect, Shape
 from softfinger.concealed.physics import Physics
 

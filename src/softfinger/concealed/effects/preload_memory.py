@@ -1,7 +1,5 @@
 """Strain from the trial before, less after rest."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect

@@ -1,7 +1,5 @@
 """A narrow spectrum of longer retardation times."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect, Shape

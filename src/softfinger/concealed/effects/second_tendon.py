@@ -1,7 +1,5 @@
 """A second wire along the back, at first slack."""
 
-from __future__ import annotations
-
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect, Shape
 from softfinger.concealed.physics import Physics
 

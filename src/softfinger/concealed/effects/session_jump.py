@@ -1,7 +1,5 @@
 """A second session with other stiffness."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect, Shape

@@ -1,7 +1,5 @@
 """Stiffness or viscosity that falls within a trial."""
 
-from __future__ import annotations
-
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect, Shape
 from softfinger.concealed.physics import Physics
 

@@ -1,7 +1,5 @@
 """A joint that sticks until pulled off."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.effects.effect import Array, Circumstances, Dose, Effect

@@ -1,7 +1,5 @@
 """A spring by Gent's law, with finite strain."""
 
-from __future__ import annotations
-
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect
 from softfinger.concealed.physics import Physics
 

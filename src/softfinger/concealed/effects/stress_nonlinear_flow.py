@@ -1,7 +1,5 @@
 """Creep rate with an additional 1.5 power."""
 
-from __future__ import annotations
-
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect
 from softfinger.concealed.physics import Physics
 

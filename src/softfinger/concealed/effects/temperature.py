@@ -1,7 +1,5 @@
 """Viscosities or stiffness by Williams, Landel and Ferry."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect, Shape

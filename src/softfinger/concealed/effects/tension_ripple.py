@@ -1,7 +1,5 @@
 """A drive whose tension swings around the log."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect, Shape

@@ -1,7 +1,5 @@
 """A dashpot whose structure breaks, and heals at rest."""
 
-from __future__ import annotations
-
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect, Shape
 from softfinger.concealed.physics import Physics
 

@@ -8,8 +8,6 @@ coefficient is the larger, the less the wire is pulled.
 Howell (1953), J. Text. Inst. 44, T359.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect, Shape

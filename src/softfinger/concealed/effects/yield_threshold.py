@@ -1,7 +1,5 @@
 """A dashpot that yields at a soft corner."""
 
-from __future__ import annotations
-
 from softfinger.concealed.effects.effect import Circumstances, Dose, Effect
 from softfinger.concealed.physics import Physics
 

@@ -1,7 +1,5 @@
 """Foreign laws, which no textbook form contains."""
 
-from __future__ import annotations
-
 from softfinger.concealed.effects.effect import Effect
 from softfinger.concealed.foreign import (
     chains,

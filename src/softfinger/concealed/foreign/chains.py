@@ -1,7 +1,5 @@
 """Foreign laws of weight and mass."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from softfinger.concealed.effects import gravity, inertia

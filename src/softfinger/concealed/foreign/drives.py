@@ -1,7 +1,5 @@
 """Foreign laws of the load and the clock."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

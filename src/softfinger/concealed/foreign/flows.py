@@ -1,7 +1,5 @@
 """Foreign laws of flow and of the damper."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.effects import (

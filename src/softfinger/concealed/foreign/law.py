@@ -1,7 +1,5 @@
 """A foreign law: an effect by another curve."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Foreign laws of lenses and of play."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

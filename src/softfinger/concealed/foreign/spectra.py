@@ -1,7 +1,5 @@
 """Foreign spectra: creep compliance over time."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.effects import fractional_creep, second_retardation

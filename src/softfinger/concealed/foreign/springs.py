@@ -1,7 +1,5 @@
 """Foreign laws of spring torque: stiffening and stops."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.effects import contact_stop, strain_stiffening

@@ -1,7 +1,5 @@
 """Foreign laws between trials, or within one."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Foreign laws along the wire."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.effects import joint_coupling, moment_arm, wire_friction

@@ -1,7 +1,5 @@
 """The nuisances of the proof."""
 
-from __future__ import annotations
-
 from softfinger.concealed.nuisances import (
     camera_drift,
     clock_rate,

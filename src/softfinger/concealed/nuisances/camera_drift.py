@@ -1,7 +1,5 @@
 """A camera that turns slowly and without aim."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.nuisances.nuisance import Fault, Mark, Nuisance, Random, Scene, Shape

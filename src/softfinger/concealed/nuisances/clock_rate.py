@@ -1,7 +1,5 @@
 """A camera whose clock has another rate."""
 
-from __future__ import annotations
-
 from softfinger.concealed.nuisances.nuisance import Array, Circumstances, Fault, Nuisance, Random
 
 

@@ -1,7 +1,5 @@
 """A camera that stalls and repeats frames."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.nuisances.nuisance import (

@@ -1,7 +1,5 @@
 """A mount that hums at one frequency."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.nuisances.nuisance import Fault, Mark, Nuisance, Random, Scene, Shape

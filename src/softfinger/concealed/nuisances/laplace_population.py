@@ -1,7 +1,5 @@
 """Trials whose parameters scatter as Laplace's law."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.nuisances.nuisance import Array, Fault, Nuisance, Random

@@ -5,8 +5,6 @@ It drifts while a trial runs, anew in every trial.
 No measurement model of the diagnosis has a gain that runs with the time of a trial.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.nuisances.nuisance import (

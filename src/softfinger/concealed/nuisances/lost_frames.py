@@ -1,7 +1,5 @@
 """Bursts of frames that show nothing."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.nuisances.nuisance import (

@@ -1,7 +1,5 @@
 """A load log whose rows scatter."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.nuisances.nuisance import (

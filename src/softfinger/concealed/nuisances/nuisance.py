@@ -1,7 +1,5 @@
 """A nuisance of the proof: a measurement's fault."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 

@@ -6,8 +6,6 @@ What it saw is shifted by a constant angle, which no measurement model of the di
 of the finger's own parameters would be the effect `session_jump`.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.nuisances.nuisance import Fault, Mark, Nuisance, Random, Scene, Shape

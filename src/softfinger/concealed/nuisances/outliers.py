@@ -1,7 +1,5 @@
 """Frames with wrong markers."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.stats import norm
 

@@ -1,7 +1,5 @@
 """Angles that were rounded before they were written."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.nuisances.nuisance import Array, Fault, Mark, Nuisance, Random, Scene

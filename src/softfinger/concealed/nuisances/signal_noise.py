@@ -1,7 +1,5 @@
 """Noise that grows as the finger bends."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.nuisances.nuisance import Fault, Mark, Nuisance, Random, Scene

@@ -1,7 +1,5 @@
 """Noise whose innovations have heavy tails."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.nuisances.nuisance import Fault, Mark, Nuisance, Random, Scene

@@ -6,8 +6,6 @@ The light is one for all trials, slow, and leaves each joint by its own amount: 
 of the diagnosis has an error that follows the time since the trial began.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.nuisances.nuisance import Fault, Mark, Nuisance, Random, Scene, Shape

@@ -1,7 +1,5 @@
 """Frames a little before or after their time."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.concealed.nuisances.nuisance import (

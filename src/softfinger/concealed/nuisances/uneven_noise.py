@@ -1,7 +1,5 @@
 """Noise of another size in every trial."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.stats import norm
 
