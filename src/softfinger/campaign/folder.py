@@ -102,8 +102,6 @@ def _refuse_no_folder(folder: Path) -> None:
 def check_campaign(folder: Path | str) -> dict[str, str]:
     """List unusable trials of a campaign: trial → reason.
 
-    It reads every table.
-
     Videos are only looked for; whether they decode is found out by tracking them.
 
     Raises

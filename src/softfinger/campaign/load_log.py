@@ -30,8 +30,6 @@ def read_load(
 ) -> tuple[np.ndarray, np.ndarray, str]:
     """Read a trial's generalised torque on every joint.
 
-    It is the one that the base model applies.
-
     A ``tension_n`` becomes the torque tension × wire offset; ``torque_nm`` and ``command`` act as
     they are, and so does a specimen's ``load``, in its own unit. Without a log a unit command
     from the first frame is assumed.

@@ -31,8 +31,6 @@ PYTHON = f"py{sys.version_info.major}{sys.version_info.minor}{getattr(sys, 'abif
 class SourceCache(_Cache):
     """Machine code of one function, for numba.
 
-    It is what numba asks for.
-
     The folder is the first that can be written to of: the one that NUMBA_CACHE_DIR names,
     ``__pycache__`` beside the source, the user's cache folder. Where none can, nothing is kept.
     """

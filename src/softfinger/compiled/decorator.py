@@ -20,8 +20,6 @@ def compiled(
 ) -> Callable:
     """Compile a function with numba and keep it.
 
-    The machine code is kept on disk.
-
     It is compiled anew if its own code changes, or that of a function that it calls, or a constant
     or class that it uses. Comments, docstrings and other functions of the same file do not count.
     It runs without Python's lock, so trials can run side by side.

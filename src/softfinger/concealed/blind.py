@@ -27,8 +27,6 @@ def diagnose_blind(
 ) -> dict:
     """Diagnose a copy of a campaign, isolated.
 
-    The copy lies in a folder that leads nowhere.
-
     Parameters
     ----------
     campaign

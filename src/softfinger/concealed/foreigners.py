@@ -19,8 +19,6 @@ def draw_foreign(
 ) -> list[CaseSpec]:
     """Draw campaigns with foreign laws of listed effects.
 
-    The effects are those that the catalogue lists.
-
     Laws take turns. Half of the campaigns have one, a quarter one whose strength varies between
     trials, a quarter two, whose smaller reach counts for both.
 

@@ -34,8 +34,6 @@ def generate_campaign(
 ) -> dict:
     """Write a campaign folder, and its truth beside it.
 
-    The truth is returned.
-
     Parameters
     ----------
     spec : CaseSpec

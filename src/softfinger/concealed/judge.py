@@ -123,8 +123,6 @@ def _at_noise(truth: dict) -> bool:
 def _list_answers(verdict: dict) -> list[set[str]]:
     """Sets of effects that the verdict leaves possible.
 
-    There is one per choice among equivalents.
-
     A member ``none`` leaves the base model possible.
     """
     groups = [

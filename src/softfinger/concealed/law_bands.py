@@ -51,8 +51,6 @@ def _acts(effect: Mapping, joint: int) -> bool:
 def collect_laws(judged: Sequence[tuple], shares: Sequence[float]) -> dict[str, float]:
     """Keys of ``results/benchmarks.json`` about foreign laws.
 
-    A key is absent where it was not measured.
-
     Parameters
     ----------
     judged

@@ -40,8 +40,6 @@ FIRST_TRY = 0.3  # of the typical strength, at which an effect's size is measure
 def weigh_stand_ins(truth: dict) -> dict[str, dict[str, float]]:
     """Evidence [nats] expected for an effect over stand-ins.
 
-    The oracle expects it, with others of the catalogue in the effect's place.
-
     Parameters
     ----------
     truth : dict

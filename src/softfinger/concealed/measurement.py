@@ -22,8 +22,6 @@ def describe_condition(truth: Mapping) -> str:
 def is_alarm(verdict: Mapping) -> bool:
     """Whether an answer claims missing physics.
 
-    It claims that physics was left out, or is missing.
-
     An ambiguous one does not, where the base model is among what it leaves possible.
 
     >>> is_alarm({"decision": "ambiguous", "equivalent": [["none", "gravity"]]})
@@ -60,8 +58,6 @@ def pair_twins(cases: Sequence[Case]) -> list[tuple[bool, bool]]:
 
 def check_findings(cases: Sequence[Case]) -> tuple[list[bool], list[bool]]:
     """Whether faults were found, and findings are false.
-
-    Each visible fault of the measurement and each finding is checked.
 
     Only verdicts that have findings at all take part. A finding is false where neither a nuisance
     nor the kind of noise gives rise to it.

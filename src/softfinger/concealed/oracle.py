@@ -161,8 +161,6 @@ class Line:
     def advance(self, step: Array, solution: Solution) -> None:
         """Move by a share of a step, as trusted.
 
-        A line that bends on the way is drawn anew.
-
         Where even a small part of it runs away, the point stays.
         """
 

@@ -44,8 +44,6 @@ def score(
 ) -> xr.Dataset:
     """Score verdicts against truths, case by case.
 
-    Both are in the same order.
-
     Parameters
     ----------
     verdicts, truths

@@ -106,8 +106,6 @@ def recall(
 ) -> list[Recording]:
     """Recordings as the oracle gets them.
 
-    The oracle knows some of the nuisances, or all.
-
     Frames that show nothing, or are of no use, are left out; the load is the one of the log.
     """
     names = list(setting.faults) if knowing is None else [n for n in setting.faults if n in knowing]

@@ -42,8 +42,6 @@ def find_reach(effect: str, setting: Setting) -> float:
 def calibrate_strength(effect: str, setting: Setting, target: float, reach: float) -> float:
     """Strength at which the oracle gains `target` nats.
 
-    The gain is the expected one. The strength is at most the largest believable.
-
     The gain grows about as the square of the strength, so a secant on doubly logarithmic scales
     closes in within a few steps.
 

@@ -96,8 +96,6 @@ def draw_catalogue(
 ) -> list[CaseSpec]:
     """Draw effects under every protocol, then pairs.
 
-    The effects are all those of the catalogue under test.
-
     Each as strong as the upper quarter of what the oracle can reach with it, on a logarithmic
     scale; what the protocol hides stays hidden. In a pair the weaker one's reach counts for both,
     for beside an effect of thousands of nats one of twenty is not plainly visible.

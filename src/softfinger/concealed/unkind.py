@@ -21,8 +21,6 @@ TWIN_PLACES = (0.5, 1.0)  # on the scale of strengths, so that most are visible
 def draw_clean(seed: int, n: int) -> list[CaseSpec]:
     """Draw short clean campaigns with nuisances.
 
-    Each nuisance acts alone, and several act at once.
-
     Conditions, protocols, kinds of noise and lengths take turns.
 
     Examples
@@ -59,8 +57,6 @@ def draw_clean(seed: int, n: int) -> list[CaseSpec]:
 
 def draw_twins(seed: int, n: int, catalogue: Catalogue = "first") -> list[CaseSpec]:
     """Draw pairs of campaigns, without and with nuisances.
-
-    The two of a pair follow each other and have the same effect.
 
     A pair has one seed, so the same finger, trials, noise and strength; two of three pairs have
     one nuisance, the others several.

@@ -33,8 +33,6 @@ def write_campaign(
 ) -> None:
     """Write all files of a campaign folder.
 
-    They are campaign.yaml, trials.csv, the load logs, and the angles or the videos.
-
     Parameters
     ----------
     logs

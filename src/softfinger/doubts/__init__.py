@@ -1,7 +1,5 @@
 """What looks wrong in a campaign.
 
-Physics and the campaign's own trials show it.
-
 Every kind of doubt is one small file. None of them changes a number: a doubt is a sentence with
 its evidence, its likeliest cause and what to do.
 """

@@ -39,8 +39,6 @@ class Doubt:
 def name_factor(ratio: float, spread: float = NEAR) -> str:
     """Clause on the slip that makes a ratio.
 
-    It is the middle of a sentence.
-
     >>> name_factor(58.0)
     'a factor of 58, near 57.3 (degrees for radians)'
     >>> name_factor(7e4)
@@ -56,8 +54,6 @@ def name_factor(ratio: float, spread: float = NEAR) -> str:
 
 def name_trials(names: Sequence[str], of: int) -> str:
     """Trials as the subject of a sentence.
-
-    They are named, or counted where they are many.
 
     >>> name_trials(["a"], 8), name_trials(["a", "b"], 2)
     ('trial a', 'all trials')

@@ -48,8 +48,6 @@ def choose_times(span: float, interval: float) -> Array:
 def compute_terms(time: Array, load_time: Array, load: Array, times: Array) -> Array:
     """Response (frame, term) to a piecewise-linear load.
 
-    The load begins at 0; each term has its column.
-
     A jump ΔL at s adds ΔL (1 − exp(−(t − s)/τ)), a change Δm of slope adds
     Δm (t − s − τ (1 − exp(−(t − s)/τ))); flow is ∫ L dt over the span of the frames.
     """

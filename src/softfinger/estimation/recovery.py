@@ -1,7 +1,5 @@
 """How both ways of fitting recover a known truth.
 
-Errors of μ and σ are given, and whether intervals contain the truth.
-
 Two references, since a campaign of n trials is itself a draw: the population that the trials were
 drawn from, which the intervals should contain, and the mean and sd of the true parameters of the
 very trials, against which the luck of the draw cancels and what is left is the fit's own doing.

@@ -26,8 +26,6 @@ EARLIEST = 1e-4
 def draw_assumptions(assumptions: xr.Dataset, changes: xr.Dataset) -> Figure:
     """Draw the gaps over time and the torque's growth.
 
-    Below, the growth is drawn with what the fit makes of it.
-
     Parameters
     ----------
     assumptions

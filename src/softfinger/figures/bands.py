@@ -23,8 +23,6 @@ COLUMNS = 3
 def draw_bands(bands: xr.Dataset, end: float | None = None) -> Figure:
     """Draw predictive bands of the model and the recordings.
 
-    Each protocol and joint has its panel.
-
     Filled: the posterior predictive interval of a new recording between the outermost quantiles,
     and its median. Dashed: the same limits of the two-stage estimate. Black: the recordings' median
     and limits.

@@ -25,8 +25,6 @@ WEAKEST, STRONGEST = 0.5, 3e4
 def draw_right_by_evidence(score: xr.Dataset) -> Figure:
     """Draw right names against the oracle's evidence.
 
-    The line is a share; every campaign is a dot.
-
     Parameters
     ----------
     score

@@ -12,8 +12,6 @@ SIZE_INCH = (2.3, 1.5)
 def plot_effect(shown: xr.Dataset) -> Figure:
     """Plot the joint that an effect moves most.
 
-    It is shown with the effect and without.
-
     Parameters
     ----------
     shown

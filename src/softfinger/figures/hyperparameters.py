@@ -28,8 +28,6 @@ MARKERS = {
 def draw_hyperparameters(hyperparameters: xr.Dataset) -> Figure:
     """Draw intervals of the population's centre and spread.
 
-    Each parameter and joint has its own.
-
     Thin line: interval of the stated probability; thick line: 50 %; dot: posterior median. Beside
     it whatever else is known: the two-stage estimate, the paper's table.
 

@@ -23,8 +23,6 @@ NULL = {"factor": 1.0, "exponential": 1.0, "sum": 0.0}
 def draw_laws(laws: xr.Dataset) -> Figure:
     """Draw every free law with its band.
 
-    Each effect has a panel, each joint a line.
-
     Parameters
     ----------
     laws

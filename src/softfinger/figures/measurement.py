@@ -14,8 +14,6 @@ JOINT_STYLES = ((BLUE, "o", "-"), (RED, "s", "--"), (GREEN, "^", "-."), (ORANGE,
 def draw_measurement(noise: xr.Dataset, unit: str) -> Figure:
     """Draw noise and useless frames of every trial.
 
-    The noise is also drawn against the deflection.
-
     Parameters
     ----------
     noise

@@ -32,8 +32,6 @@ SMALLEST_Q = 1e-6
 def draw_repair(repair: xr.Dataset, misfit: xr.Dataset, trial: str) -> Figure:
     """Draw one trial with its models.
 
-    The squared residuals of all trials are below.
-
     Columns are joints. Top: the recording and its models at the trial's own mode. Middle: what
     each leaves of that trial; grey is twice the noise of a bin. Bottom: mean square of what each
     leaves of all trials over that of the noise, against the time since the load changed; 1 is
@@ -106,8 +104,6 @@ def draw_misfit(ax: Axes, misfit: xr.Dataset) -> None:
 def draw_ranking(ranking: xr.Dataset, evidence: xr.Dataset) -> Figure:
     """Draw every effect's gain over the base model.
 
-    What chance gains is drawn beside it.
-
     Parameters
     ----------
     ranking
@@ -140,8 +136,6 @@ def draw_ranking(ranking: xr.Dataset, evidence: xr.Dataset) -> Figure:
 @styled
 def draw_location(location: xr.Dataset) -> Figure:
     """Draw where the base and the final model miss.
-
-    The cells show false-discovery rates.
 
     Each row is a joint; colour is the rate at which a cell counts as missed, 1e-6 or less darkest;
     empty cells contain too few angles.
@@ -177,8 +171,6 @@ def draw_location(location: xr.Dataset) -> Figure:
 @styled
 def draw_masking(masking: xr.Dataset) -> Figure:
     """Draw what is left of every effect's signal.
-
-    It also shows which effects look alike.
 
     Parameters
     ----------

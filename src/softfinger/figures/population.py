@@ -26,8 +26,6 @@ VISCOELASTIC = ("k_v", "c_v", "c_p")
 def draw_parameter_histograms(population: xr.Dataset, load_unit: str) -> Figure:
     """Draw the trials' estimates and the fitted densities.
 
-    The estimates are least squares; the panels are parameter × joint.
-
     The axis is logarithmic, so a log-normal looks normal; densities are per unit of the natural
     logarithm. Open bars are the estimates that the paper's rule drops.
 

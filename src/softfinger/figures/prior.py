@@ -19,8 +19,6 @@ from softfinger.figures.style import (
 def draw_prior_predictive(prior: xr.Dataset) -> Figure:
     """Draw the joint angle that the priors expect.
 
-    The recorded angle is drawn beside it.
-
     Parameters
     ----------
     prior

@@ -25,8 +25,6 @@ EARLY = 1.0
 def draw_sobol(sobol: xr.Dataset) -> Figure:
     """Draw first-order Sobol indices over time.
 
-    The whole time is above, the first second below.
-
     Lines: the share of the angle's variance that each parameter causes alone. Bands: the interval
     that the posterior leaves, where the artifact has one. Thin lines: the total effect.
 
@@ -67,8 +65,6 @@ def draw_indices(ax: Axes, sobol: xr.Dataset) -> None:
 def draw_shapley(shapley: xr.Dataset) -> Figure:
     """Draw Shapley effects of correlated parameters over time.
 
-    The posterior gives their intervals.
-
     Parameters
     ----------
     shapley
@@ -102,8 +98,6 @@ def take_middle(values: xr.DataArray) -> xr.DataArray:
 @styled
 def draw_densities(densities: xr.Dataset) -> Figure:
     """Draw the joint angle's density at several times.
-
-    Each time has one ridge.
 
     Each density is scaled to its own peak and drawn on the line of its time, so that its peak is
     seen to move and widen, from a needle at the start to a hill at the end.

@@ -27,8 +27,6 @@ JUMP = 4
 def draw_recordings(angles: xr.Dataset) -> Figure:
     """Draw every trial's joint angle over time.
 
-    Each joint has a row; the load is below.
-
     Lines are coloured by the trial's largest load and rasterised, so that a hundred trials stay
     small in a vector file. Missing and masked frames leave gaps.
 

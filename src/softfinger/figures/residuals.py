@@ -27,8 +27,6 @@ CHANGE_STYLES = {"rise": (BLUE, "after the load rose"), "fall": (RED, "after the
 def draw_residuals(residuals: xr.Dataset) -> Figure:
     """Draw the mean residual and the residual's spectrum.
 
-    The mean is over the time since the load changed.
-
     Left: recording minus model, the mean over trials, all of it and the first second; the band is
     what chance leaves of it, two standard errors. Whatever leaves the band is motion that
     most trials share and the model does not have. Right: the residual's power times frequency, so

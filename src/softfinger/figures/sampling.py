@@ -25,8 +25,6 @@ CHAIN_COLOURS = (BLUE, ORANGE, GREEN, PINK)
 def draw_sampling(sampling: xr.Dataset, worst: xr.Dataset) -> Figure:
     """Draw R-hat and effective draws of every quantity.
 
-    The draws of the worst one are added.
-
     Parameters
     ----------
     sampling

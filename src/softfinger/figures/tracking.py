@@ -27,8 +27,6 @@ LINK_COLOURS = (ORANGE, SKY, PINK, GREEN, BLUE)
 def draw_tracking(trial: xr.Dataset, frame: int, image: xr.DataArray | None = None) -> Figure:
     """Draw the markers of one frame.
 
-    They are drawn on the picture itself where it is given.
-
     Rings are found markers, crosses are flagged ones; thin lines are the paths that the markers
     take over the whole trial. Each link has its colour.
 

@@ -8,8 +8,6 @@ from softfinger.faults import Fault
 def find_obstacle(path: Path) -> str | None:
     """What prevents reading a file, or None.
 
-    It is the end of a sentence.
-
     A folder, a pipe or a device is no file: reading one may never end.
     """
     try:

@@ -48,8 +48,6 @@ def classify(cell: Any) -> str:  # noqa: ANN401 (a cell of a workbook is anythin
 def find_decimal(cells: Collection[str]) -> str:
     """Decimal mark of numbers that are text.
 
-    It is a comma or a point.
-
     Where both occur in a number the last one counts; groups of three digits alone are thousands
     beside numbers that have a point.
 
@@ -135,8 +133,6 @@ def _read_with_unit(text: str, unit: str, decimal: str) -> float:
 
 def find_cell_unit(cells: pd.Series) -> str:
     """Unit that a column's numbers bear themselves.
-
-    It is the first one that occurs; empty if none does.
 
     >>> find_cell_unit(pd.Series(["12 mm", "1.3 cm"]))
     'mm'

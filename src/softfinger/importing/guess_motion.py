@@ -74,8 +74,6 @@ def list_candidates(
 def guess_motion(runs: Sequence[Run], guesses: Guesses) -> None:
     """Guess the columns or points of the motion.
 
-    Its quantity and unit are guessed too.
-
     Raises
     ------
     ImportFault

@@ -39,8 +39,6 @@ class Layout:
 def find_layout(rows: Sequence[Row], headings: Sequence[int] | None = None) -> Layout | None:
     """Find the headings and the first data row.
 
-    They are sought among the first rows of a sheet.
-
     A column is one of numbers where most rows of the later half are numbers. Data begin at the
     first row that has no text in such columns and is followed by such rows.
 
@@ -146,8 +144,6 @@ def _is_upper_heading(
 
 def split_heading(text: str) -> tuple[str, str]:
     """Split a heading into a name and unit.
-
-    The unit is empty where there is none.
 
     >>> split_heading("Time [h]"), split_heading("Creep Compliance (1/Pa)"), split_heading("q1_deg")
     (('Time', 'h'), ('Creep Compliance', '1/Pa'), ('q1', 'deg'))

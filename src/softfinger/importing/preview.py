@@ -109,8 +109,6 @@ def sketch_curve(time: np.ndarray, value: np.ndarray) -> str:
 def gather_curves(description: ImportDescription, trials: Sequence[ImportedTrial]) -> xr.Dataset:
     """Motion and load of the first three trials.
 
-    They are for a figure.
-
     Returns
     -------
     Dataset

@@ -16,8 +16,6 @@ MOST_POINTS, MOST_SIGNALS = 200, 60
 def widen(table: RawTable) -> RawTable:
     """Give every point or signal its own columns.
 
-    This is done where rows distinguish points or signals.
-
     A table of points has an id and coordinates, and several ids at one time; a table of signals
     has a name and a value. Any other table stays as it is, but for stamps in two columns (seconds
     and nanoseconds), which become one.

@@ -139,8 +139,6 @@ def _split_by_column(table: RawTable, column: str, several: bool) -> list[Run]:
 def find_restarts(seconds: np.ndarray) -> np.ndarray:
     """Rows at which a clock starts anew.
 
-    There it falls back by more than half of what it had run.
-
     >>> find_restarts(np.array([0.0, 1, 2, 3, 0, 1, 2, 1.9, 3]))
     array([4])
     """

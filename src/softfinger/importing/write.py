@@ -45,8 +45,6 @@ def write_campaign(
 ) -> None:
     """Write a campaign folder and its import description.
 
-    The description, beside the folder's files, states how it was read.
-
     Raises
     ------
     ImportFault
@@ -69,8 +67,6 @@ def write_campaign(
 
 def name_files(names: Sequence[str]) -> list[str]:
     """Names of files for a file system.
-
-    Characters that a file system or a path reads differently are replaced.
 
     >>> name_files(["a/b", "a b", "a_b"])
     ['a_b', 'a_b_2', 'a_b_3']

@@ -1,7 +1,5 @@
 """Test what the fit took for granted.
 
-These are two assumptions: independent parameters, and priors that matter little.
-
 Independence. With z = (η − μ)/σ of a trial, the slope of log p(y_i) by the correlation of two
 parameters, at none, is s_i = E[z_a z_b | y_i] (Fisher's identity), with mean 0 if they are
 independent; Σ s_i / √(Σ s_i²) is then about standard normal. No fit with correlations is needed.

@@ -23,8 +23,6 @@ Covariance = Literal["independent", "joint", "full"]
 def mark_free_partials(joints: int, covariance: Covariance) -> NDArray[np.bool_]:
     """Mark the partial correlations (pair,) that are free.
 
-    All others are 0.
-
     >>> [int(mark_free_partials(3, kind).sum()) for kind in ("independent", "joint", "full")]
     [0, 18, 66]
     """

@@ -62,8 +62,6 @@ class Given(NamedTuple):
 class WhitenedSpace(Transform):
     """The trials' parameters as standard normals (`whitening`).
 
-    The population is given.
-
     The inputs of the distribution end in mean (p,), root (p, p) of the precision, curvature
     (p, p, trial), pull (p, trial).
     """

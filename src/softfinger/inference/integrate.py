@@ -24,8 +24,6 @@ def compute_integrated_log_likelihood(
 ) -> xr.DataArray:
     """Compute log p(y_i | population, effects, noise) [nats].
 
-    Of every draw and trial.
-
     Parameters
     ----------
     expansion
@@ -72,8 +70,6 @@ def integrate_trials_array(
     points: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """Integrate out the trials' parameters: (trial,) [nats].
-
-    It serves one draw of all else.
 
     Parameters
     ----------

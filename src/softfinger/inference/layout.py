@@ -138,8 +138,6 @@ def build_tree(
 def describe_limits(present: NDArray[np.bool_]) -> str:
     """State in a sentence what few trials leave open.
 
-    It is empty where there are enough trials.
-
     >>> describe_limits(np.ones((2, 3), bool))
     '2 trials hardly tell how parameters spread over trials: sigma is mostly its prior.'
     """

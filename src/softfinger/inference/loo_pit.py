@@ -29,8 +29,6 @@ def compute_loo_pit(
 ) -> xr.Dataset:
     """Compute the PIT of every trial at some moments.
 
-    It also tests whether they are uniform.
-
     Parameters
     ----------
     recorded

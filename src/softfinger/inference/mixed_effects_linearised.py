@@ -82,8 +82,6 @@ def centre_gram(
 ) -> tuple[NDArray[np.float64], Prior, NDArray[np.float64]]:
     """State a linearised model in differences.
 
-    They are from the mean mode and from φ.
-
     Only differences keep the digits of very precise recordings.
 
     Parameters

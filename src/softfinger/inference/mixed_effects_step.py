@@ -37,8 +37,6 @@ class Taken(NamedTuple):
 class Relaxation(NamedTuple):
     """How much of a wanted change may be taken.
 
-    It depends on how the last change turned out.
-
     Attributes
     ----------
     most

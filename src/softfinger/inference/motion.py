@@ -33,8 +33,6 @@ def move_paper_joint(
 ) -> NDArray[np.float64]:
     """Move fingers of the paper's joints: a `Move`.
 
-    Each finger has its own parameters.
-
     Without the gradient of `compute_joint_angle_array`, which would need four times the memory.
 
     >>> own = np.log([[[0.1, 0.01, 20.0, np.exp(0.03)]]])
@@ -99,8 +97,6 @@ def move_trials(
     load: tuple[NDArray[np.float64], NDArray[np.float64]],
 ) -> NDArray[np.float64]:
     """Compute the angles (m, joint, n) [rad] of trials.
-
-    Each of the m trials has its own draw of everything.
 
     Parameters
     ----------

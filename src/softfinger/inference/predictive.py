@@ -25,8 +25,6 @@ LARGEST_LOG = 300.0  # a prior draw beyond it would leave the floating-point ran
 class Recorded(NamedTuple):
     """The trials whose recordings are predicted.
 
-    Their times, loads, and the model that moves them.
-
     `frames` is what `measure` makes of `angles`, both of the problem's trials.
     """
 

@@ -67,8 +67,6 @@ class Density(NamedTuple):
 def compile_density(model: pm.Model) -> Density:
     """Compile a log density and its slope.
 
-    The model's variables are compiled as well; all are functions of one vector.
-
     Parameters
     ----------
     model
@@ -274,8 +272,6 @@ def sample_density(
 
 def wait_for_draws(sampler: Any) -> xr.DataTree:  # noqa: ANN401 (nutpie names no class)
     """Wait until a sampler has drawn all.
-
-    Ctrl-C ends it.
 
     nutpie's own waiting takes Ctrl-C for a wish to go on with the draws so far.
     """

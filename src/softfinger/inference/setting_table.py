@@ -71,8 +71,6 @@ def tabulate_setting(setting: Setting, finger: Finger, trial: Sequence[str]) -> 
 def read_setting(constant: xr.Dataset) -> tuple[Setting, Finger, xr.DataArray]:
     """Read the setting that `tabulate_setting` made.
 
-    Returns setting, finger and trials.
-
     Raises
     ------
     Fault

@@ -23,8 +23,6 @@ def build_recording(
 ) -> xr.Dataset:
     """Build the `angles` of a campaign without angles.
 
-    It has times and loads already.
-
     Its geometry is not declared.
 
     Parameters
@@ -133,8 +131,6 @@ def draw_angles(
 ) -> xr.Dataset:
     """Draw what a camera would record.
 
-    The trials have known parameters.
-
     Parameters
     ----------
     angles
@@ -175,8 +171,6 @@ def draw_noise_array(
     time: NDArray[np.float64], noise: xr.Dataset, trials: int, rng: np.random.Generator
 ) -> NDArray[np.float64]:
     """Draw the noise (trial, joint, frame) [rad].
-
-    The trials have the same times.
 
     Parameters
     ----------

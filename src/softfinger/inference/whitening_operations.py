@@ -78,8 +78,6 @@ def _run_colours(  # noqa: ANN202
 class ColourTrials(CompiledOperation):
     """The trials' parameters from standard normals (`whitening`).
 
-    The population is given.
-
     Inputs: z (p, trial), curvature, pull, mean (p,), precision (p, p). Outputs: eta (p, trial),
     log_volume (trial,), and the Cholesky factors for the way back.
     """

@@ -34,8 +34,6 @@ def check_assumptions(
 ) -> xr.Dataset:
     """Compare the step solution with the full motion.
 
-    It is compared over fingers of a population.
-
     Parameters
     ----------
     parameters
@@ -153,8 +151,6 @@ def summarise_gaps(gap: xr.DataArray) -> xr.Dataset:
 def measure_arm(geometry: FingerGeometry, angle: xr.DataArray) -> xr.Dataset:
     """Measure how the moment arm grows with bending.
 
-    The torque grows with it.
-
     Parameters
     ----------
     angle
@@ -184,8 +180,6 @@ def fit_step_solution(
     parameters: xr.Dataset, geometry: FingerGeometry, tension: float, frame_rate: float
 ) -> xr.Dataset:
     """Fit the step solution to the full motion.
-
-    The wires are the paper's own.
 
     Returns
     -------

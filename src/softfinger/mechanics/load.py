@@ -1,7 +1,5 @@
 """The load history: straight lines between knots.
 
-It steps where a knot's time is repeated.
-
 Before the first knot the load is 0 and the finger at rest, so a first knot with load is a step at
 its time; after the last knot the last value holds. Arrays of several trials are padded by repeating
 the last knot.

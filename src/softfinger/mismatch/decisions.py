@@ -1,7 +1,5 @@
 """Numbers that change a verdict or a finding.
 
-Some change what a diagnosis shows.
-
 The user's own are in the configuration: `bootstrap_replicates`, `false_alarm_probability`. The
 rest are rules of thumb: each one here would be needless if the model had a size for what it judges.
 """

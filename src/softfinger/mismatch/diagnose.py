@@ -73,8 +73,6 @@ class Survey(NamedTuple):
 class Posed(NamedTuple):
     """Recordings with the base model fitted to them.
 
-    Every effect alone is fitted as well.
-
     `known` has what was found to be wrong with log and clock, and was mended: component → size
     and evidence [nats].
     """

@@ -60,8 +60,6 @@ def read_config[Part: SpreadConfig](
 ) -> Part:
     """Validate the propagation's block, or a part.
 
-    It is a block of the configuration.
-
     Raises
     ------
     ListedFault

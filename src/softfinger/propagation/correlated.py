@@ -28,8 +28,6 @@ LOG_RATE = np.array([1.0, -1.0, 0.0, 0.0])  # log(k_v/c_v) = LOG_RATE · x
 class Joint(NamedTuple):
     """One joint, with its elastic part tabulated.
 
-    The table is on a lattice of log-rates.
-
     mu (4,); covariance (4, 4); lattice (m,); table (m, n); impulse (n,) [N m s].
     """
 

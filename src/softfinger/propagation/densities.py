@@ -35,8 +35,6 @@ def compute_densities(
 ) -> xr.Dataset:
     """Compute densities of a new trial's angles.
 
-    They are taken at chosen times.
-
     Parameters
     ----------
     angles, least_squares, posterior

@@ -146,8 +146,6 @@ def refine_density_array(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Compute the density with refined quadratures.
 
-    They become ever finer until the error is small.
-
     Parameters
     ----------
     mu, sigma, time, load_time, load_torque, angle, c_p_truncation_sd
@@ -193,8 +191,6 @@ def convolve_parts(
 ) -> Iterator[Distribution]:
     """Yield the distribution of the angle at times.
 
-    It is good for angles within a window.
-
     `window` contains the least and the largest angle (n,) [rad] at each time; the other arguments
     are those of `compute_density_array`. Nothing is yielded for a population that is not known.
     """
@@ -223,8 +219,6 @@ def _limit_parts(
     low: float, high: float, flow: float, mixture: NamedTuple, row: int
 ) -> tuple[float, float]:
     """Bounds beyond which a part cannot count.
-
-    Beyond them it cannot reach the window, whatever the other part does.
 
     ASSUME: where E and C have opposite signs, values beyond twice the window do not cancel.
     """

@@ -1,7 +1,5 @@
 """For design: whose spread to reduce.
 
-It also gives what that brings.
-
 The spread is the standard deviation of the angle when the running time ends. It is computed again
 with one parameter's log-sd (q_ini: sd) halved about its median, and with that parameter taken as
 its median; correlations stay as they are.

@@ -1,7 +1,5 @@
 """Predictions for a trial from the others.
 
-They use importance weights.
-
 Bands that a trial helped to make flatter it. For the two-stage estimate, new trials drawn from the
 population N(μ, σ) weigh N(x; μ_−i, σ_−i)/N(x; μ, σ), with μ_−i, σ_−i from the other trials' kept
 estimates. For the posterior, a draw weighs 1/p(η_i | μ, Ω), η_i being the trial's own parameters of
@@ -35,8 +33,6 @@ Weigh = Callable[[int, int, NewTrials], NDArray[np.float64]]
 
 def build_two_stage_weights(least_squares: xr.Dataset, trial: xr.DataArray) -> Weigh:
     """Build a trial's weights for the two-stage estimate.
-
-    They take the trial out of it.
 
     Parameters
     ----------
@@ -72,8 +68,6 @@ def build_posterior_weights(
     posterior: xr.DataTree, population: xr.Dataset, trial: xr.DataArray
 ) -> Weigh:
     """Build a trial's weights for the posterior.
-
-    They take the trial out of the posterior of the hyperparameters.
 
     Parameters
     ----------

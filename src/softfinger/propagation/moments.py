@@ -1,7 +1,5 @@
 """Mean and variance of the joint angle.
 
-They are taken over the population, for any load history.
-
     q(t) = e(t; k_v/c_v)/k_v + I(t)/c_p + q_ini,   I = ∫u dt
 
 Weighing a log-normal k_v by k_v^(−p) only shifts its log-mean, by −p σ²; so with x = log(k_v/c_v)
@@ -33,8 +31,6 @@ def compute_moments_array(
     c_p_truncation_sd: float | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Compute mean and variance of the joint angle.
-
-    They are taken over populations.
 
     Parameters
     ----------

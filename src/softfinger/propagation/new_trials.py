@@ -22,8 +22,6 @@ QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 class Source(NamedTuple):
     """Where new trials come from.
 
-    It has populations, and the forward model that moves the fingers.
-
     `population` as `select_posterior` gives it; `seed` of the random numbers, which are the same
     at each use, so that two answers differ by what was asked and not by chance.
     """

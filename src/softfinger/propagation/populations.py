@@ -44,8 +44,6 @@ def select_two_stage(least_squares: xr.Dataset) -> xr.Dataset:
 def select_posterior(posterior: xr.DataTree, draws: int) -> xr.Dataset:
     """Select populations from the posterior.
 
-    They are spread evenly over chains and draws.
-
     Parameters
     ----------
     posterior

@@ -24,8 +24,6 @@ class Protocol(NamedTuple):
 def group_protocols(angles: xr.Dataset) -> list[Protocol]:
     """Group trials by load history.
 
-    Groups are in the order of their first trials.
-
     Two loads are the same if they differ by at most 2 % of the larger peak, as a mean over the
     time that both were recorded: so much as logging and starting jitter make.
 

@@ -25,8 +25,6 @@ def compute_quantiles_array(
 ) -> NDArray[np.float64]:
     """Compute quantiles of the joint angle.
 
-    They are those of one population at each time.
-
     Parameters
     ----------
     mu, sigma, time, load_time, load_torque, c_p_truncation_sd

@@ -17,8 +17,6 @@ LONGEST_GAP = 3.0  # median intervals across which a recording is interpolated
 def build_time_grid(angles: xr.Dataset, most: int) -> NDArray[np.float64]:
     """Build an even grid of times.
 
-    It is at most as fine as the frames.
-
     Parameters
     ----------
     angles
@@ -90,8 +88,6 @@ def average_recordings(
     grid: NDArray[np.float64],
 ) -> xr.Dataset:
     """Summarise the recordings of a protocol.
-
-    The summary is over its trials, on the grid.
 
     Returns
     -------

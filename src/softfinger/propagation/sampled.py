@@ -30,8 +30,6 @@ WHOLE = np.ones(OWN)
 class DrawnFingers(NamedTuple):
     """A draw of the posterior, with its fingers.
 
-    The fingers are given by standard normal numbers.
-
     place of the draw; correlation (4 · joint, 4 · joint); normal (n, copy · 4 · joint).
     """
 

@@ -103,8 +103,6 @@ def score_recordings(
 ) -> xr.Dataset:
     """Score predictions of a protocol.
 
-    They are compared with its recordings frame by frame, and averaged per trial.
-
     Parameters
     ----------
     time, angle

@@ -1,7 +1,5 @@
 """Whether parameters go together.
 
-It also gives what that does to shares.
-
 Where the hierarchical model has correlations, they are its own. Where it takes the parameters as
 independent, then given a draw of its trials' parameters, standardised by their population, the
 correlation has an inverse-Wishart posterior under a prior that makes each correlation uniform on

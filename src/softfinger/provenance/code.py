@@ -24,8 +24,6 @@ SOURCES = {"softfinger": PACKAGE.parent, "benchmarks": PROJECT}
 def code_hash(*programs: str) -> str:
     """SHA-256 of the code that stages use.
 
-    They use it directly or through other modules.
-
     Effects that other packages add by entry points count where the catalogue is used. Docstrings
     and comments do not, so a change of wording does not sample again.
 

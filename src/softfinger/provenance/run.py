@@ -82,8 +82,6 @@ def hash_files(files: Path | str | Sequence[Path | str]) -> str:
 def derive_seed(seed: int, stage: str) -> int:
     """Seed of a stage's own random stream.
 
-    It depends on the root seed and the stage's name.
-
     Examples
     --------
     >>> derive_seed(1, "fit") != derive_seed(1, "track")

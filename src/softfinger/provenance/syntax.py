@@ -22,8 +22,6 @@ class Import(NamedTuple):
 class Syntax:
     """A file's code, and what it uses.
 
-    What it uses of other files counts at run time.
-
     Attributes
     ----------
     tree

@@ -118,8 +118,6 @@ def estimate_clock_offset(
 def fit_frame_clock(stamp: NDArray[np.float64], fps: float) -> FrameClock:
     """Fit a regular beat to the stamps of frames.
 
-    Some frames may have been dropped.
-
     Gaps are counted in whole frames of the declared rate; then stamp = start + slot / rate by least
     squares.
 

@@ -1,7 +1,5 @@
 """The motor controller without port or clock.
 
-The simulator runs it; a firmware does the same.
-
 Two times come from outside: `now` [s], which the motor, the samples and the sync light follow (it
 may be accelerated), and `wall` [s], real time, which the watchdog follows: a silent recorder is as
 dangerous to an accelerated finger as to a real one.

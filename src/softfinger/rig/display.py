@@ -19,8 +19,6 @@ _RATE_OVER_FRAMES = 30
 class Display:
     """A line on standard error, and a preview picture.
 
-    The line follows the recording; the picture lies beside the campaign.
-
     Off a terminal only finished trials are reported.
     """
 

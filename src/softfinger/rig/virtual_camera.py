@@ -1,7 +1,5 @@
 """A camera that films the simulated finger.
 
-The simulator sends it the finger's state, frame by frame.
-
 The simulator sends one small record per exposure, on a TCP port of this machine; the picture is
 made where it is wanted, by the virtual rig's renderer. Exposures are at exact camera times however
 late the record is sent, so a busy machine delays pictures but does not spoil them.

@@ -18,8 +18,6 @@ FINGERS = 100
 def assumptions(*, assumptions: Path, config: Mapping[str, Any], seed: int) -> None:
     """Compare the step solution with the full motion.
 
-    The fingers are those of the paper's table.
-
     Parameters
     ----------
     config

@@ -30,8 +30,6 @@ def conceal(
 ) -> None:
     """Write a campaign, its truth and the seal.
 
-    The truth is beside the campaign.
-
     Parameters
     ----------
     place

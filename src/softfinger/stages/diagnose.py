@@ -56,8 +56,6 @@ def diagnose(
 ) -> None:
     """Write a campaign's verdict and repaired model.
 
-    Everything behind them is written too.
-
     Parameters
     ----------
     angles

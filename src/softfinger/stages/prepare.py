@@ -19,8 +19,6 @@ from softfinger.stages.track import track
 def prepare_angles(folder: Path, out: Path, settings: Mapping[str, Any]) -> Path:
     """Make OUT/angles.nc, unless it is current.
 
-    The markers that it needs are made too.
-
     Current is what came from the same recordings, settings and code.
 
     Parameters

@@ -32,8 +32,6 @@ def propagate(
 ) -> None:
     """Write bands and densities of the joint angles.
 
-    They are those of new trials.
-
     Parameters
     ----------
     model

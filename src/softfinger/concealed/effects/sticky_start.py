@@ -9,8 +9,6 @@ from softfinger.concealed.rig import Rig
 def _record(angle: Array, time: Array, dose: Dose, trial: Circumstances, rig: Rig) -> Array:
     """No bend is shown below the strength [rad].
 
-    The joint shows all of its bend from the first time beyond.
-
     What it lacked fades within a tenth of a second after it came off.
     """
     stuck = angle.copy()

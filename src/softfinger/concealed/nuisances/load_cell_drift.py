@@ -1,7 +1,5 @@
 """A load cell whose gain drifts.
 
-It drifts while a trial runs, anew in every trial.
-
 No measurement model of the diagnosis has a gain that runs with the time of a trial.
 """
 

@@ -18,8 +18,6 @@ from softfinger.concealed.protocols import read_rows, refine_rows
 def _log(rows: Array, fault: Fault, trial: Circumstances, rng: Random) -> Array:
     """Scale every row's tension by 1 + s z.
 
-    z is normal and s the size.
-
     Where the log is dense, it has rows every second; else only where the load changes.
     """
     if fault.shape["dense"]:

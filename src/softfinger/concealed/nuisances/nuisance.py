@@ -55,8 +55,6 @@ class Scene:
 class Mark:
     """What a nuisance leaves in one trial's angles.
 
-    It also contains what the oracle knows of the nuisance.
-
     Attributes
     ----------
     offset

@@ -1,7 +1,5 @@
 """A marker whose centre swims with the light.
 
-The light comes and goes as clouds pass.
-
 The light is one for all trials, slow, and leaves each joint by its own amount: no measurement model
 of the diagnosis has an error that follows the time since the trial began.
 """

@@ -107,8 +107,6 @@ def fill_coefficients(
 ) -> None:
     """Write c(x) and dc/dx into `value` and `slope`.
 
-    Outside of the table they take its limits.
-
     The table's nodes are those from `first` to `last`; the first lies at `place[0]`.
     """
     step = place[1]

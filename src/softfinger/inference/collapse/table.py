@@ -1,7 +1,5 @@
 """Small matrices from which the likelihood is computed.
 
-Every trial is reduced to them once and exactly.
-
 With the basis U of `basis`, the residual of joint j at frame i is linear in known rows,
 
     r_j(i) = w_jᵀ ψ(i),   ψ = [U_1 … U_M, ∫u, 1, y_1 … y_J] / scale,

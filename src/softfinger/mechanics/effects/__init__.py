@@ -67,8 +67,6 @@ MODULES = (
 def list_effects() -> dict[str, Effect]:
     """List every known effect by its id.
 
-    The built-in ones come first.
-
     >>> list(list_effects())[:2]
     ['second_retardation', 'fractional_creep']
     """

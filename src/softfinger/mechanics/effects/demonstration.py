@@ -27,8 +27,6 @@ SEEN = 0.1  # of the largest angle: a change that a small picture shows
 def demonstrate_effect(effect: Effect) -> xr.Dataset:
     """Move a finger with an effect and without.
 
-    The effect has its first form.
-
     Its amplitudes are one sd of their priors, or as many of `STRENGTHS` as it takes to be seen; all
     else is at its prior mean.
 

@@ -1,7 +1,5 @@
 """A free law in an effect's own place.
 
-It is a smooth curve.
-
 A textbook form is one curve that nature may have. A free law is any smooth curve of the same
 argument: Chebyshev terms that vanish at x = 0, higher ones shrunk more by their prior,
 
@@ -31,8 +29,6 @@ _PLACES = np.linspace(0.0, 1.0, KNOTS)  # of the reach: values there determine a
 @dataclass(frozen=True, eq=False)
 class Law:
     """What a free law depends on.
-
-    Also how far it goes, and how large it may be.
 
     Attributes
     ----------
@@ -133,8 +129,6 @@ def free_form(
     law: Law, constants: Mapping[str, ArrayLike], form: Form | None = None, *, local: bool = False
 ) -> Form:
     """Build the free form of an effect.
-
-    Its law has a slot.
 
     Parameters
     ----------

@@ -50,8 +50,6 @@ def compute_law_curves(
 ) -> xr.Dataset:
     """Compute the curves of free laws.
 
-    They are over the recorded range.
-
     Parameters
     ----------
     mean, covariance

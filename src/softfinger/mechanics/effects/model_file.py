@@ -152,8 +152,6 @@ def build_model(content: ModelFile, setting: Setting, *, priors: bool = True) ->
 def read_strength(model: EffectModel) -> NDArray[np.float64]:
     """Middle of φ's priors (p,), internal.
 
-    It is the strength that a simulation has.
-
     Raises
     ------
     Fault

@@ -96,8 +96,6 @@ _CURVED = _FEEDBACK | {"log", "follow", "limit", "spring", "damper", "flow"}
 class Hook:
     """A compiled function that the kernel calls.
 
-    It states where, and when.
-
     Attributes
     ----------
     kind

@@ -15,8 +15,6 @@ from softfinger.mechanics.forward.work import START, YES, Model, Work
 def fill_rest(model: Model, work: Work, now: float) -> None:
     """Write the modes and their first state.
 
-    It is that of the start of a trial.
-
     q = q_ini there. The elastic elements balance what acts without load (weight, stop); the dashpot
     has not flowed. Hooks change what else there was.
     """

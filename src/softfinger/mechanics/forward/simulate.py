@@ -88,8 +88,6 @@ def describe_finger(
 def describe_unknown_finger(joints: int) -> Finger:
     """Build a finger of declared joints alone.
 
-    It takes the place of one of which no more is known.
-
     Slots that need more (moment arm, gravity, inertia, radial lens) are refused.
     """
     unknown = np.full(joints, np.nan)
@@ -107,8 +105,6 @@ def simulate_joint_angle(
     directions: Sequence[Mapping[str, ArrayLike]] | None = None,
 ) -> xr.Dataset:
     """Compute the joint angles of trials.
-
-    They are under the trials' loads; the function also computes how they move with what.
 
     Parameters
     ----------

@@ -42,8 +42,6 @@ class SlotArrays(NamedTuple):
 def build_slots(trials: int, joints: int, values: Mapping[str, ArrayLike]) -> SlotArrays:
     """Fill the slots from the given values.
 
-    The others have their null value.
-
     Parameters
     ----------
     values

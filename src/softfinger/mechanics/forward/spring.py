@@ -86,8 +86,6 @@ def voigt_torque(
 ) -> tuple[float, float, float, float]:
     """What the Voigt element takes of its drive.
 
-    The drive is a linear one's.
-
     τ − k_v q_v − F φ(F), where F = τ − spring torque is the damper's torque and φ its factor; the
     rate is F φ(F)/c_v. Returns it and its derivatives by torque, q_v and q.
     """

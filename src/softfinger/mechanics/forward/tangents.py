@@ -1,7 +1,5 @@
 """Tangents of all modes of a joint.
 
-They are along all columns at once.
-
 Plain arrays, rows of columns last: only so does the compiler take several columns in one
 instruction. Columns that cannot move a joint hold zeros.
 """

@@ -193,8 +193,6 @@ def allocate_model(
 ) -> Model:
     """Make room for a trial's slots.
 
-    They have the shapes of all trials' slots.
-
     Parameters
     ----------
     by_own

@@ -143,8 +143,6 @@ NAMED = {
 def build_network(description: str | Mapping, values: Sequence[float]) -> Element:
     """Build a network from a model file's `joint`.
 
-    The values of its elements are given.
-
     Parameters
     ----------
     description

@@ -33,8 +33,6 @@ from softfinger.mechanics.viscoelastic.prony import expand_compliance, expand_st
 def compute_creep_compliance(element: Element, time: xr.DataArray) -> xr.DataArray:
     """Compute the creep compliance J(t).
 
-    It is the angle under a unit step of torque.
-
     Parameters
     ----------
     time
@@ -50,8 +48,6 @@ def compute_creep_compliance(element: Element, time: xr.DataArray) -> xr.DataArr
 
 def compute_relaxation_modulus(element: Element, time: xr.DataArray) -> tuple[float, xr.DataArray]:
     """Compute the relaxation modulus G(t).
-
-    It is the torque under a unit step of angle.
 
     Parameters
     ----------

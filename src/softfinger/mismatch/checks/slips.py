@@ -42,8 +42,6 @@ class Slips(NamedTuple):
 class Series(NamedTuple):
     """One joint in one trial.
 
-    Its whitened rows, and the joint's own parameters.
-
     rows (n, OWN + 1) of [∂F/∂η | residual]; weight, carried (n,): row i is weight · (x_i −
     carried · x_{i−1}); pull (OWN,) = Ω⁻¹(μ − η) and precision Ω⁻¹ of η; quiet (n,).
     """

@@ -79,8 +79,6 @@ def explain_spread(
 def compare_parameters(problem: Problem, base: Candidate, final: Candidate) -> xr.Dataset:
     """Population means before and after, and the bias.
 
-    The omission caused the bias.
-
     Returns
     -------
     Dataset

@@ -21,8 +21,6 @@ from softfinger.mismatch.search.calibrate import project_columns_array
 def tabulate_masking(columns: ScoreColumns, problem: Problem, base: Candidate) -> xr.Dataset:
     """Tabulate every effect under one protocol.
 
-    Each is in the form that shows best.
-
     Parameters
     ----------
     columns

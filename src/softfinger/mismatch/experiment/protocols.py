@@ -129,8 +129,6 @@ def plan_experiment(
 def measure_separation(table: xr.Dataset, wanted: Sequence[str]) -> xr.DataArray:
     """Expected gain [nats] of each wanted effect.
 
-    It is under one protocol, apart from the other effects.
-
     What looks like one of the others has been taken out of it; 0 where the protocol cannot have it.
 
     Examples
@@ -160,8 +158,6 @@ def choose_protocol(
     tables: Mapping[str, xr.Dataset], wanted: Sequence[str], needed: float
 ) -> tuple[str, xr.DataArray] | None:
     """Choose the protocol that shows most wanted effects.
-
-    Among equals it is the one that shows the faintest best.
 
     Parameters
     ----------

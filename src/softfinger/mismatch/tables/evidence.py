@@ -19,8 +19,6 @@ def tabulate_ranking(
 ) -> xr.Dataset:
     """Tabulate every model that was fitted, best first.
 
-    What follows for effects is tabulated too.
-
     Returns
     -------
     Dataset
@@ -69,8 +67,6 @@ def tabulate_location(
     problem: Problem, base: Candidate, final: Candidate, line: Line
 ) -> xr.Dataset:
     """Tabulate where the base and final model miss.
-
-    The strongest line that is left is tabulated too.
 
     Returns
     -------

@@ -89,8 +89,6 @@ def tabulate_free_form(diagnosis: Diagnosis) -> xr.Dataset:
 def measure_free_form(diagnosis: Diagnosis, free: FreeForm) -> dict[str, float]:
     """Measure what a free-form term does.
 
-    To the fit, and to the prediction of left-out trials.
-
     Returns
     -------
     dict

@@ -149,8 +149,6 @@ def rank_recordings(
 def list_folds(trials: int) -> list[NDArray[np.bool_]]:
     """List the trials to leave out together.
 
-    Every fifth in turn.
-
     >>> [int(fold.sum()) for fold in list_folds(7)]
     [2, 2, 1, 1, 1]
     """

@@ -35,8 +35,6 @@ def measure_repair(
 ) -> xr.Dataset:
     """Measure what a repair changes.
 
-    Parameters, residuals, scores and predictions of the base and the final model.
-
     Parameters
     ----------
     angles
@@ -140,8 +138,6 @@ def measure_coverage(
     rng: np.random.Generator,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Share of recorded angles inside left-out trials' bands.
-
-    Its 90 % bounds are measured too.
 
     Returns
     -------

@@ -38,8 +38,6 @@ def refine_verdict(
 ) -> Refined:
     """Sample the best model for its effects' parameters.
 
-    The verdict then gives them by their draws.
-
     The verdict stays as it is where nothing was left out, or where the chains do not agree.
 
     Parameters
