@@ -108,13 +108,15 @@ def fit_linear(
     array([[1.]])
     """
     gram = np.ascontiguousarray(gram, float)
-    omega, _ = _climb(gram, *prior, np.ascontiguousarray(omega, float), rounds, tolerance)
-    return LinearFit(*_solve(gram, *prior, omega)[:-1])
+    omega, _ = climb_omega(gram, prior, np.ascontiguousarray(omega, float), rounds, tolerance)
+    return LinearFit(*solve_gram(gram, prior, omega)[:-1])
 
 
 def hold_omega(gram: NDArray[np.float64], prior: Prior, omega: NDArray[np.float64]) -> LinearFit:
     """Solve the linear mixed-effects model for a given Ω."""
-    solved = _solve(np.ascontiguousarray(gram, float), *prior, np.ascontiguousarray(omega, float))
+    solved = solve_gram(
+        np.ascontiguousarray(gram, float), prior, np.ascontiguousarray(omega, float)
+    )
     return LinearFit(*solved[:-1])
 
 
@@ -137,16 +139,11 @@ def add_omega(omega: NDArray[np.float64], change: NDArray[np.float64]) -> NDArra
 
 
 @compiled
-def _solve(
-    gram: NDArray,
-    mean: NDArray,
-    precision: NDArray,
-    spread: NDArray,
-    weight: float,
-    block: int,
-    omega: NDArray,
+def solve_gram(
+    gram: NDArray, prior: Prior, omega: NDArray
 ) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray, float, NDArray]:
     """Solution for a given Ω, and EM's next Ω."""
+    mean, precision, spread, weight, block = prior
     trials, size = gram.shape[0], gram.shape[1]
     d, m = omega.shape[0], size - 1
     inverse = np.linalg.inv(omega)
@@ -186,22 +183,14 @@ def _solve(
 
 
 @compiled
-def _climb(
-    gram: NDArray,
-    mean: NDArray,
-    precision: NDArray,
-    spread: NDArray,
-    weight: float,
-    block: int,
-    omega: NDArray,
-    rounds: int,
-    tolerance: float,
+def climb_omega(
+    gram: NDArray, prior: Prior, omega: NDArray, rounds: int, tolerance: float
 ) -> tuple[NDArray, float]:
     """SQUAREM: two EM steps, one extrapolation if it gains."""
     best = -np.inf
     for _ in range(rounds):
-        one = _solve(gram, mean, precision, spread, weight, block, omega)
-        two = _solve(gram, mean, precision, spread, weight, block, one[6])
+        one = solve_gram(gram, prior, omega)
+        two = solve_gram(gram, prior, one[6])
         x0, x1, x2 = _pack(omega), _pack(one[6]), _pack(two[6])
         step, bend = x1 - x0, x2 - 2.0 * x1 + x0
         length = np.sqrt(np.sum(step**2) / max(np.sum(bend**2), 1e-300))
@@ -211,8 +200,8 @@ def _climb(
         most = np.max(np.abs(away[:: omega.shape[0] + 1]))  # of logarithms of sds
         trial = _unpack(x2 + away * FARTHEST / max(most, FARTHEST), omega.shape[0])
         if np.all(np.isfinite(trial)):
-            far = _solve(gram, mean, precision, spread, weight, block, trial)
-            near = _solve(gram, mean, precision, spread, weight, block, omega)
+            far = solve_gram(gram, prior, trial)
+            near = solve_gram(gram, prior, omega)
             omega, value = (far[6], far[5]) if far[5] > near[5] else (near[6], near[5])
         if value - best < tolerance:
             return omega, value

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
 from softfinger.inference.budget import BUDGET
-from softfinger.inference.mixed_effects import LOG_TWO_PI, Prior, _solve
+from softfinger.inference.mixed_effects import LOG_TWO_PI, Prior, solve_gram
 from softfinger.inference.mixed_effects_laplace import Fit
 from softfinger.inference.mixed_effects_linearised import centre_gram
 
@@ -35,21 +35,12 @@ def compute_left_out(
     """
     moved, near, _ = centre_gram(fit.gram, prior, fit.own, fit.shared)
     moved = np.ascontiguousarray(moved)
-    square = _leave_out(moved, *near, fit.omega, len(moved) <= BUDGET.omega_moves)
+    square = _leave_out(moved, near, fit.omega, len(moved) <= BUDGET.omega_moves)
     return square - 0.5 * rows * LOG_TWO_PI - 0.5 * logdet
 
 
 @compiled(parallel=True)
-def _leave_out(
-    gram: NDArray,
-    mean: NDArray,
-    precision: NDArray,
-    spread: NDArray,
-    weight: float,
-    block: int,
-    omega: NDArray,
-    moves: bool,
-) -> NDArray:
+def _leave_out(gram: NDArray, prior: Prior, omega: NDArray, moves: bool) -> NDArray:
     trials = gram.shape[0]
     density = np.empty(trials)
     for i in prange(trials):
@@ -58,7 +49,7 @@ def _leave_out(
         others[i:] = gram[i + 1 :]
         left = omega
         if moves:
-            left = _solve(others, mean, precision, spread, weight, block, omega)[6]
-        whole = _solve(gram, mean, precision, spread, weight, block, left)[5]
-        density[i] = whole - _solve(others, mean, precision, spread, weight, block, left)[5]
+            left = solve_gram(others, prior, omega)[6]
+        whole = solve_gram(gram, prior, left)[5]
+        density[i] = whole - solve_gram(others, prior, left)[5]
     return density

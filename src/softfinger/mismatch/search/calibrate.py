@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from softfinger.compiled import compiled
-from softfinger.inference.mixed_effects import Prior, _climb, _solve, fit_linear
+from softfinger.inference.mixed_effects import Prior, climb_omega, fit_linear, solve_gram
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mismatch.candidates.columns import ScoreColumns
 from softfinger.mismatch.decisions import DECISIONS
@@ -120,7 +120,7 @@ def score_columns_array(
     columns: ScoreColumns,
     gram: NDArray[np.float64],
     product: NDArray[np.float64],
-    prior: tuple,
+    prior: Prior,
     omega: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """Gain [nats] of each form (form,).
@@ -132,7 +132,7 @@ def score_columns_array(
     gram, product
         CᵀC (trial, d + c, d + c) of the columns alone, and Cᵀz (trial, d + c).
     """
-    gain, mean, sd = _score(gram, product, columns.first, columns.count, columns.sd, *prior, omega)
+    gain, mean, sd = _score(gram, product, columns.first, columns.count, columns.sd, prior, omega)
     inside = norm.logcdf(mean / sd) + np.log(2.0)
     cut = np.where(columns.positive, inside, 0.0)
     add = np.add.reduceat(cut, columns.first) if len(columns.first) else np.zeros(0)
@@ -160,11 +160,7 @@ def _score(
     first: NDArray,
     count: NDArray,
     amplitude_sd: NDArray,
-    mean: NDArray,
-    precision: NDArray,
-    spread: NDArray,
-    weight: float,
-    block: int,
+    prior: Prior,
     omega: NDArray,
 ) -> tuple[NDArray, NDArray, NDArray]:
     """Gain of each form, and its amplitudes.
@@ -176,8 +172,8 @@ def _score(
     own[:, :d, :d] = gram[:, :d, :d]
     own[:, :d, d] = product[:, :d]
     own[:, d, :d] = product[:, :d]
-    omega, _ = _climb(own, mean, precision, spread, weight, block, omega, 3, 1e-1)
-    shared, covariance = _solve(own, mean, precision, spread, weight, block, omega)[:2]
+    omega, _ = climb_omega(own, prior, omega, 3, 1e-1)
+    shared, covariance = solve_gram(own, prior, omega)[:2]
     inverse = np.linalg.inv(omega)
     size = amplitude_sd.size
     cross, direct = np.zeros((size, d)), np.zeros(size)
