@@ -1,39 +1,57 @@
 """Keys, units and believed ranges of ``campaign.yaml``."""
 
 import difflib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import BaseModel, Field, ValidationError, model_validator
 
-from softfinger.campaign.section import DeclaredSection
+from softfinger.campaign.camera import Camera, Dot, Intrinsics
+from softfinger.campaign.section import DeclaredSection, Length
 from softfinger.campaign.specimen import Motion, Quantity, Specimen
 from softfinger.faults import CampaignFault, Fault, show
 from softfinger.gate import Document, read_document
 
 FILE_NAME = "campaign.yaml"
-DISTORTIONS = (0, 4, 5, 8, 12, 14)
-MARKER_PX = (1.0, 2000.0)
 
-# Bounds far outside any soft finger: what they refuse is a slip of the unit.
-Length = Annotated[float, Field(gt=1e-5, lt=2.0)]
 Mass = Annotated[float, Field(gt=1e-7, lt=20.0)]
 Inertia = Annotated[float, Field(gt=1e-14, lt=10.0)]
-Place = Annotated[float, Field(gt=-2.0, lt=2.0)]
+Place = tuple[str | int, ...]
 
 
 class DeclaredFinger(DeclaredSection):
     """The finger: joints and, for dynamics, geometry."""
 
-    joints: int = Field(ge=1, le=32)
-    link_length_m: tuple[Length, ...] | None = None
-    link_mass_kg: tuple[Mass, ...] | None = None
-    link_centre_m: tuple[Length, ...] | None = None
-    link_inertia_kgm2: tuple[Inertia, ...] | None = None
-    joint_length_m: Length | None = None
-    wire_offset_m: Length | None = None
-    bends: Literal["counter-clockwise", "clockwise"] = "counter-clockwise"
+    joints: int = Field(ge=1, le=32, description="the number of joints, base to tip", examples=[3])
+    link_length_m: tuple[Length, ...] | None = Field(
+        None, description="the length of each link, base to tip", examples=[[0.025, 0.025, 0.025]]
+    )
+    link_mass_kg: tuple[Mass, ...] | None = Field(
+        None, description="the mass of each link", examples=[[0.005, 0.005, 0.005]]
+    )
+    link_centre_m: tuple[Length, ...] | None = Field(
+        None,
+        description="the way from each link's joint to its centre of mass; else the middle",
+        examples=[[0.0125, 0.0125, 0.0125]],
+    )
+    link_inertia_kgm2: tuple[Inertia, ...] | None = Field(
+        None,
+        description="the inertia of each link about its centre of mass; else that of a rod",
+        examples=[[2.6e-7, 2.6e-7, 2.6e-7]],
+    )
+    joint_length_m: Length | None = Field(
+        None, description="the length of the soft part of a joint", examples=[0.008]
+    )
+    wire_offset_m: Length | None = Field(
+        None, description="the way from the joint's middle line to the wire", examples=[0.005]
+    )
+    bends: Literal["counter-clockwise", "clockwise"] = Field(
+        "counter-clockwise",
+        description="which way a pull bends it in the picture; clockwise or counter-clockwise",
+        examples=["counter-clockwise"],
+    )
 
     @property
     def bends_sign(self) -> int:
@@ -52,97 +70,29 @@ class DeclaredFinger(DeclaredSection):
         return self
 
 
-class Intrinsics(DeclaredSection):
-    """Pinhole matrix [px] and OpenCV distortion coefficients."""
-
-    matrix: tuple[
-        tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]
-    ]
-    distortion: tuple[float, ...] = Field(default=(), max_length=14)
-
-    @model_validator(mode="after")
-    def _pinhole(self) -> Self:
-        focal = (self.matrix[0][0], self.matrix[1][1])
-        below = (self.matrix[1][0], self.matrix[2][0], self.matrix[2][1], self.matrix[2][2] - 1.0)
-        if min(focal) < 1.0 or any(below):
-            raise ValueError(
-                "matrix must be [[fx, s, cx], [0, fy, cy], [0, 0, 1]] with focal lengths fx and fy "
-                "of at least 1 px"
-            )
-        if len(self.distortion) not in DISTORTIONS:
-            raise ValueError(
-                f"distortion has {len(self.distortion)} coefficients; OpenCV knows "
-                f"{', '.join(map(str, DISTORTIONS))}"
-            )
-        return self
-
-
-Colour = Annotated[str, Field(pattern=r"^(dark|light|#[0-9a-fA-F]{6})$")]
-HexColour = Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
-
-
-class Dot(DeclaredSection):
-    """A dot, found by place or own colour."""
-
-    diameter_px: float = Field(gt=1.0, lt=1e4)
-    at_px: tuple[float, float] | None = None
-    colour: HexColour | None = None
-
-    @model_validator(mode="after")
-    def _one_way_to_know_it(self) -> Self:
-        if (self.at_px is None) == (self.colour is None):
-            raise ValueError("give either at_px or colour (#rrggbb), and not both")
-        return self
-
-
-class Camera(DeclaredSection):
-    """The camera, and the markers or dots it sees."""
-
-    fps: float = Field(gt=0.01, lt=1e5)
-    metres_per_pixel: float | None = Field(default=None, gt=1e-8, lt=0.1)
-    intrinsics: Intrinsics | None = None
-    markers: dict[str, tuple[Place, ...]] = Field(default_factory=dict)
-    marker_diameter_m: Length | None = None
-    marker_colour: Colour | None = None
-    dots: dict[Annotated[str, Field(pattern=r"^[a-z][a-z0-9]*$")], Dot] | None = None
-
-    @model_validator(mode="after")
-    def _markers_or_dots(self) -> Self:
-        if bool(self.markers) == bool(self.dots):
-            raise ValueError("give either markers (on links) or dots, and not both")
-        if self.markers and self.marker_diameter_m is None:
-            raise ValueError("marker_diameter_m is missing; markers need it")
-        if self.dots and len({dot.at_px is None for dot in self.dots.values()}) > 1:
-            raise ValueError("give at_px of every dot, or the colour of every dot")
-        return self
-
-    @model_validator(mode="after")
-    def _one_scale(self) -> Self:
-        if self.dots:
-            return self
-        if (self.metres_per_pixel is None) == (self.intrinsics is None):
-            raise ValueError("give either metres_per_pixel or intrinsics, and not both")
-        if self.metres_per_pixel is not None and self.marker_diameter_m is not None:
-            size = self.marker_diameter_m / self.metres_per_pixel
-            if not MARKER_PX[0] <= size <= MARKER_PX[1]:
-                raise ValueError(
-                    f"a marker of {self.marker_diameter_m:g} m at {self.metres_per_pixel:g} m per "
-                    f"pixel would have {size:.3g} px; expected {MARKER_PX[0]:g} to "
-                    f"{MARKER_PX[1]:g} px"
-                )
-        return self
-
-
 class Description(DeclaredSection):
     """The whole of ``campaign.yaml``."""
 
-    version: Literal[1]
-    name: str = Field(min_length=1, max_length=200)
-    source: Literal["measured", "synthetic"]
+    version: Literal[1] = Field(description="the version of this format", examples=[1])
+    name: str = Field(
+        min_length=1,
+        max_length=200,
+        description="what was recorded, in a few words",
+        examples=["index finger, first pulls"],
+    )
+    source: Literal["measured", "synthetic"] = Field(
+        description="measured, or synthetic for a simulation"
+    )
     finger: DeclaredFinger | None = None
     specimen: Specimen | None = None
     camera: Camera | None = None
-    noise_sd_rad: float | None = Field(default=None, gt=1e-7, lt=1.0)
+    noise_sd_rad: float | None = Field(
+        default=None,
+        gt=1e-7,
+        lt=1.0,
+        description="the sd of the angles' noise; estimated where it is not given",
+        examples=[0.003],
+    )
 
     @model_validator(mode="after")
     def _finger_or_specimen(self) -> Self:
@@ -201,17 +151,39 @@ def read_description(folder: Path) -> Description:
         document = read_document(path)
     except Fault as fault:
         raise CampaignFault(str(folder), [str(fault).removeprefix(f"{folder}/")]) from None
+    empty = list(_find_empty(document.content))
+    faults = [f"{_locate(place, document)}: {describe_empty(place)}" for place in empty]
     try:
-        return Description.model_validate(document.content)
+        description = Description.model_validate(document.content)
     except ValidationError as error:
-        faults = [_describe(fault, document) for fault in error.errors()]
-        raise CampaignFault(str(path), faults) from None
+        # what concerns an empty key, or keys together of which one is empty, is no fault of its own
+        faults += [
+            _describe(fault, document)
+            for fault in error.errors()
+            if not any(place[: len(fault["loc"])] == fault["loc"] for place in empty)
+        ]
+    if faults:
+        raise CampaignFault(str(path), faults)
+    return description
+
+
+def _find_empty(content: Any, place: Place = ()) -> Iterator[Place]:  # noqa: ANN401 (YAML)
+    """Places of keys that have no value."""
+    if isinstance(content, dict):
+        for key, value in content.items():
+            yield from _find_empty(value, (*place, key))
+    elif content is None:
+        yield place
+
+
+def _locate(place: Place, document: Document) -> str:
+    key = ".".join(str(part + 1) if isinstance(part, int) else part for part in place)
+    return f"line {document.find_line(place)}" + (f", {key}" if key else "")
 
 
 def _describe(fault: Any, document: Document) -> str:  # noqa: ANN401 (pydantic's error record)
     place = tuple(fault["loc"])
-    key = ".".join(str(part + 1) if isinstance(part, int) else part for part in place)
-    where = f"line {document.find_line(place)}" + (f", {key}" if key else "")
+    where = _locate(place, document)
     if fault["type"] == "extra_forbidden":
         known = _known_keys(place[:-1])
         near = difflib.get_close_matches(str(place[-1]), known, n=1)
@@ -227,8 +199,25 @@ def _describe(fault: Any, document: Document) -> str:  # noqa: ANN401 (pydantic'
     return f"{where}: is {found}; {message}; mind the unit in the key's name"
 
 
-def _known_keys(place: tuple[str | int, ...]) -> list[str]:
+def _known_keys(place: Place) -> list[str]:
+    return sorted(_find_section(place).model_fields)
+
+
+def describe_empty(place: Place) -> str:
+    """Say with what an empty key is to be filled.
+
+    >>> describe_empty(("finger", "joints"))
+    'is still empty; fill in the number of joints, base to tip, as in 3'
+    """
+    field = _find_section(place[:-1]).model_fields.get(str(place[-1]))
+    if field is None or field.description is None:
+        return "is still empty; fill it in, or remove the line"
+    example = f", as in {field.examples[0]!r}" if field.examples else ""
+    return f"is still empty; fill in {field.description}{example}"
+
+
+def _find_section(place: Place) -> type[BaseModel]:
     section: type[BaseModel] = Description
     for part in place:
         section = SECTIONS.get(str(part), section)
-    return sorted(section.model_fields)
+    return section

@@ -3,16 +3,17 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, cast
+from typing import Any, Literal, cast
 
 import numpy as np
+import pandas as pd
 
-from softfinger.campaign.description import FILE_NAME, Camera, DeclaredFinger, read_description
+from softfinger.campaign.camera import Camera
+from softfinger.campaign.description import FILE_NAME, DeclaredFinger, Description, read_description
 from softfinger.campaign.load_log import read_load, refuse_mixed_loads
 from softfinger.campaign.recordings import read_angle_table, read_marker_table
 from softfinger.campaign.specimen import Specimen
-from softfinger.campaign.tables import read_text_table
-from softfinger.campaign.trials import TABLE_NAME, Trial, is_name, read_covariates, read_row
+from softfinger.campaign.trials import TABLE_NAME, Trial, is_name, read_row, read_trials_table
 from softfinger.faults import CampaignFault, TrialFault, show
 
 
@@ -51,12 +52,7 @@ def read_campaign(folder: Path | str) -> Campaign:
     """
     folder = Path(folder)
     _refuse_no_folder(folder)
-    description = read_description(folder)
-    try:
-        table = read_text_table(folder / TABLE_NAME)
-    except TrialFault as fault:
-        raise CampaignFault(str(folder), [str(fault)]) from None
-    covariates = read_covariates(folder, table)
+    description, (table, covariates) = _read_both(folder)
     trials, set_aside = [], {}
     for row, cells in enumerate(table.to_dict("records")):
         name = cells["trial"].strip()
@@ -87,6 +83,25 @@ def read_campaign(folder: Path | str) -> Campaign:
         trials=tuple(trials),
         set_aside=set_aside,
     )
+
+
+def _read_both(
+    folder: Path,
+) -> tuple[Description, tuple[pd.DataFrame, dict[str, np.ndarray]]]:
+    """Read description and table, and list the faults of both."""
+    faults: list[CampaignFault] = []
+    read: list[Any] = []
+    for reader in (read_description, read_trials_table):
+        try:
+            read.append(reader(folder))
+        except CampaignFault as fault:
+            faults.append(fault)
+    if len(faults) == 1:
+        raise faults[0]
+    if faults:
+        said = [f"{Path(fault.place).name}, {line}" for fault in faults for line in fault.faults]
+        raise CampaignFault(str(folder), said)
+    return read[0], read[1]
 
 
 def _refuse_no_folder(folder: Path) -> None:

@@ -18,7 +18,7 @@ from softfinger.campaign.tables import (
 from softfinger.faults import TrialFault, show
 
 if TYPE_CHECKING:
-    from softfinger.campaign.description import Camera
+    from softfinger.campaign.camera import Camera
     from softfinger.campaign.folder import Campaign
     from softfinger.campaign.trials import Trial
 

@@ -1,6 +1,11 @@
 """Sections of ``campaign.yaml`` that refuse unknown keys."""
 
-from pydantic import BaseModel, ConfigDict
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+# Bounds far outside any soft finger: what they refuse is a slip of the unit.
+Length = Annotated[float, Field(gt=1e-5, lt=2.0)]
 
 
 class DeclaredSection(BaseModel):

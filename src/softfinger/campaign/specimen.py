@@ -24,14 +24,19 @@ Words = Annotated[str, Field(min_length=1, max_length=60)]
 class Quantity(DeclaredSection):
     """A measured quantity and its unit, maybe "1"."""
 
-    quantity: Words
-    unit: Unit
+    quantity: Words = Field(description="what is measured, in a word or two", examples=["force"])
+    unit: Unit = Field(description="its unit, or 1 where it has none", examples=["N"])
 
 
 class Motion(Quantity):
     """The motion, and its noise [its unit]."""
 
-    noise_sd: float | None = Field(default=None, gt=0.0)
+    noise_sd: float | None = Field(
+        default=None,
+        gt=0.0,
+        description="the sd of its noise, in its unit; estimated where it is not given",
+        examples=[0.01],
+    )
 
 
 class Specimen(DeclaredSection):

@@ -9,6 +9,7 @@ from typing import Literal, cast
 import numpy as np
 import pandas as pd
 
+from softfinger.campaign.tables import read_text_table
 from softfinger.faults import CampaignFault, TrialFault, show
 from softfinger.gate import find_obstacle
 
@@ -32,21 +33,32 @@ class Trial:
     covariates: Mapping[str, float] = field(default_factory=dict)
 
 
-def read_covariates(folder: Path, table: pd.DataFrame) -> dict[str, np.ndarray]:
-    """Numbers in the columns with names of their own.
+def read_trials_table(folder: Path) -> tuple[pd.DataFrame, dict[str, np.ndarray]]:
+    """Read the table's text, and the numbers in other columns.
 
     Raises
     ------
     CampaignFault
         A cell is no number, a name is there twice, or the table has no rows or too many.
     """
+    try:
+        table = read_text_table(folder / TABLE_NAME)
+    except TrialFault as fault:
+        raise CampaignFault(str(folder), [str(fault)]) from None
+    return table, _read_covariates(folder, table)
+
+
+def _read_covariates(folder: Path, table: pd.DataFrame) -> dict[str, np.ndarray]:
     faults = []
     if "trial" not in table.columns:
         faults.append("column 'trial' is missing")
     if not any(level in table.columns for level in LEVELS):
         faults.append(f"none of the columns {', '.join(LEVELS)} is there")
     if table.empty:
-        faults.append("it has no rows")
+        faults.append(
+            "it has no rows; fill in one for each recording: its name in the column 'trial', its "
+            f"file in one of the columns {', '.join(LEVELS)}"
+        )
     if len(table) > MOST_TRIALS or len(table.columns) > MOST_COLUMNS:
         faults.append(
             f"it has {len(table)} rows and {len(table.columns)} columns; expected at most "

@@ -6,12 +6,25 @@ Other verbs go before and around the stages.
 import os
 import sys
 
-from softfinger.cli import campaign, diagnose, importing, recordings, results, rig
+from softfinger.cli import (
+    campaign,
+    demo,
+    diagnose,
+    effects,
+    importing,
+    new,
+    recordings,
+    results,
+    rig,
+)
 from softfinger.cli.application import app
 from softfinger.failure import describe_failure
 from softfinger.faults import Interruption
 
-__all__ = ["app", "campaign", "diagnose", "importing", "main", "recordings", "results", "rig"]
+VERBS = (new, importing, recordings, campaign, results, diagnose, effects, demo, rig)
+"""Modules that add their verbs to the application."""
+
+__all__ = ["VERBS", "app", "main"]
 
 INTERRUPTED = 130  # what shells expect of a program that Ctrl-C ended
 

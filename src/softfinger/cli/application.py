@@ -6,6 +6,7 @@ Arguments, the model, artifacts as inputs.
 from __future__ import annotations
 
 import json
+from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -37,17 +38,44 @@ PhysicsFile = Annotated[
 ]
 
 
+def show_version(wanted: bool) -> None:
+    """Print the version of the installed package."""
+    if wanted:
+        typer.echo(f"softfinger {version('softfinger')}")
+        raise typer.Exit
+
+
+def show_example(command: str) -> str:
+    """Last line of a verb's help."""
+    return f"Example: `{command}`"
+
+
+def dump_json(content: object) -> str:
+    """A JSON document, for programs."""
+    return json.dumps(content, indent=2, default=str, ensure_ascii=False)
+
+
 @app.callback()
 def options(
     quiet: Annotated[
         bool,
         typer.Option("--quiet", "-q", help="No progress bars; of `run`, only what goes wrong."),
     ] = False,
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", help="Show the version and exit.", callback=show_version, is_eager=True
+        ),
+    ] = False,
 ) -> None:
     """From videos of a soft finger to its posterior.
 
     The finger is driven by wires; its spread and a report are made too.
+
+    Exit status of every command: 0, done and well; 1, refused or not well, with what to do; 2, the
+    command line is wrong; 130, interrupted.
     """
+    del version
     if quiet:
         silence_progress()
 

@@ -5,21 +5,29 @@ from __future__ import annotations
 import os
 import sys
 from dataclasses import asdict
-from json import dumps
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from softfinger.campaign import read_campaign
-from softfinger.cli.application import CampaignFolder, ConfigFile, Json, Out, app
+from softfinger.cli.application import (
+    CampaignFolder,
+    ConfigFile,
+    Json,
+    Out,
+    app,
+    dump_json,
+    show_example,
+)
 from softfinger.cli.supervision import run_to_end
 from softfinger.config import read_config
+from softfinger.faults import CampaignFault
 from softfinger.progress import QUIET
 from softfinger.provenance import PROJECT
 
 
-@app.command()
+@app.command(epilog=show_example("softfinger doctor"))
 def doctor(
     out: Annotated[Path, typer.Option(help="Folder that would hold results.")] = Path("results"),
     json: Json = False,
@@ -34,7 +42,7 @@ def doctor(
 
     findings = list(check_setup(out))
     if json:
-        typer.echo(_dump_json([finding._asdict() for finding in findings]))
+        typer.echo(dump_json([finding._asdict() for finding in findings]))
     else:
         for what, well, said, advice in findings:
             typer.echo(f"{'ok  ' if well else 'BAD '} {what}: {said}")
@@ -43,29 +51,35 @@ def doctor(
     raise typer.Exit(code=0 if all(finding.well for finding in findings) else 1)
 
 
-@app.command()
+@app.command(epilog=show_example("softfinger check my_campaign"))
 def check(
     campaign: CampaignFolder,
     json: Json = False,
     strict: Annotated[
-        bool, typer.Option("--strict", help="Exit status 2 where something looks wrong.")
+        bool, typer.Option("--strict", help="Exit status 1 where something looks wrong, too.")
     ] = False,
 ) -> None:
     """Validate a campaign folder, without writing anything.
 
     Lists every fault, and what looks wrong.
 
-    Exit status 0: every trial can be used. 1: some are set aside, or the campaign is refused. 2:
-    every trial can be used, but something looks wrong, and `--strict` was given.
+    Exit status 0: every trial can be used. 1: some are set aside, or the campaign is refused; or
+    something looks wrong, and `--strict` was given.
     """
     from softfinger.stages.check import check
 
-    described, reasons, doubts = check(campaign)
-    status = 1 if reasons else 2 if strict and doubts else 0
+    try:
+        described, reasons, doubts = check(campaign)
+    except CampaignFault as fault:
+        if json:
+            typer.echo(dump_json({"usable": [], "place": fault.place, "faults": fault.faults}))
+            raise typer.Exit(code=1) from None
+        raise
+    status = 1 if reasons or (strict and doubts) else 0
     if json:
         names = [trial.name for trial in described.trials if trial.name not in reasons]
-        said = {"name": described.name, "usable": names, "set_aside": reasons}
-        typer.echo(_dump_json(said | {"warnings": [asdict(doubt) for doubt in doubts]}))
+        said = {"name": described.name, "usable": names, "set_aside": reasons, "faults": []}
+        typer.echo(dump_json(said | {"warnings": [asdict(doubt) for doubt in doubts]}))
         raise typer.Exit(code=status)
     for name, reason in reasons.items():
         typer.echo(f"set aside {name}: {reason}")
@@ -76,7 +90,7 @@ def check(
     raise typer.Exit(code=status)
 
 
-@app.command()
+@app.command(epilog=show_example("softfinger run my_campaign --out my_results"))
 def run(
     campaign: CampaignFolder,
     out: Out,
@@ -98,7 +112,3 @@ def run(
     command += ["--nolock"]  # we have our own, which ends with its process
     command += [*files, "--config", *settings]
     raise typer.Exit(code=run_to_end(command))
-
-
-def _dump_json(content: object) -> str:
-    return dumps(content, indent=2, default=str, ensure_ascii=False)

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
+import sys
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -9,16 +13,18 @@ import typer
 from softfinger.cli.application import (
     CampaignFolder,
     ConfigFile,
+    Json,
     Out,
     PhysicsFile,
     app,
     choose_model,
+    show_example,
 )
 from softfinger.config import read_config
 from softfinger.stages.keys import choose_settings
 
 
-@app.command()
+@app.command(epilog=show_example("softfinger diagnose my_campaign --out my_results"))
 def diagnose(
     campaign: CampaignFolder,
     out: Out,
@@ -27,6 +33,7 @@ def diagnose(
     mcmc: Annotated[
         bool | None, typer.Option("--mcmc/--no-mcmc", help="Sample the repaired model.")
     ] = None,
+    json: Json = False,
 ) -> None:
     """Find out which physics was left out.
 
@@ -35,27 +42,52 @@ def diagnose(
     Writes OUT/verdict.json, OUT/model.yaml (the repaired model) and the artifacts behind them.
     Exit status 0: there is a verdict, whatever it is. 1: the campaign is refused.
     """
-    from softfinger.mismatch.verdict.schema import read_verdict
+    file = write_verdict(campaign, out, config, model, mcmc)
+    if json:
+        typer.echo(file.read_text(encoding="utf-8"), nl=False)
+        return
+    for line in describe_verdict(file):
+        typer.echo(line)
+
+
+def write_verdict(
+    campaign: Path,
+    out: Path,
+    config: Path | None = None,
+    model: Path | None = None,
+    mcmc: bool | None = None,
+) -> Path:
+    """Diagnose a campaign; the file of the verdict.
+
+    What is said on the way goes to standard error.
+    """
     from softfinger.stages.diagnose import SPECS, diagnose
     from softfinger.stages.prepare import prepare_angles
 
-    settings = read_config(config)
+    settings, verdict = read_config(config), out / "verdict.json"
     if mcmc is not None:
         settings["mismatch"]["sample_repaired"] = mcmc
-    diagnose(
-        angles=prepare_angles(campaign, out, settings),
-        verdict=out / "verdict.json",
-        repaired=out / "model.yaml",
-        next_experiment=out / "next_experiment",
-        config=choose_settings(settings, "diagnose"),
-        r_hat_max=settings["estimation"]["r_hat_max"],
-        seed=settings["seed"],
-        model=choose_model(settings, model),
-        **{name: out / f"{name}.nc" for name in SPECS},
-    )
-    verdict = read_verdict(out / "verdict.json")
-    typer.echo(f"{verdict.campaign}: {verdict.decision}")
-    for effect in verdict.effects:
-        typer.echo(effect.statement)
+    with contextlib.redirect_stdout(sys.stderr):
+        diagnose(
+            angles=prepare_angles(campaign, out, settings),
+            verdict=verdict,
+            repaired=out / "model.yaml",
+            next_experiment=out / "next_experiment",
+            config=choose_settings(settings, "diagnose"),
+            r_hat_max=settings["estimation"]["r_hat_max"],
+            seed=settings["seed"],
+            model=choose_model(settings, model),
+            **{name: out / f"{name}.nc" for name in SPECS},
+        )
+    return verdict
+
+
+def describe_verdict(file: Path) -> Iterator[str]:
+    """Sentences of a verdict: the decision, the effects, what to record next."""
+    from softfinger.mismatch.verdict.schema import read_verdict
+
+    verdict = read_verdict(file)
+    yield f"{verdict.campaign}: {verdict.decision}"
+    yield from (effect.statement for effect in verdict.effects)
     if verdict.next_experiment:
-        typer.echo(verdict.next_experiment["statement"])
+        yield str(verdict.next_experiment["statement"])

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from softfinger.cli.application import app
+from softfinger.cli.application import app, show_example
 
 if TYPE_CHECKING:
     from softfinger.importing import Found
 
 
-@app.command("import")
+@app.command("import", epilog=show_example("softfinger import my_files --out my_campaign"))
 def import_recordings(
     source: Annotated[Path, typer.Argument(help="File or folder with recordings.")],
     out: Annotated[Path, typer.Option(help="Campaign folder to write.", metavar="CAMPAIGN")],

@@ -18,13 +18,14 @@ from softfinger.cli.application import (
     PhysicsFile,
     app,
     choose_model,
+    show_example,
 )
 from softfinger.config import read_config
 from softfinger.faults import Fault
 from softfinger.stages.keys import choose_settings
 
 
-@app.command()
+@app.command(epilog=show_example("softfinger virtual-rig --out simulated"))
 def virtual_rig(
     out: Out,
     config: ConfigFile = None,
@@ -60,7 +61,7 @@ def virtual_rig(
         film(truth=truth, videos=videos, config=knobs, seed=seed)
 
 
-@app.command()
+@app.command(epilog=show_example("softfinger track my_campaign --out my_results --overlays"))
 def track(
     campaign: CampaignFolder,
     out: Out,
@@ -105,7 +106,9 @@ def track(
             )
 
 
-@app.command()
+@app.command(
+    epilog=show_example("softfinger calibrate pictures --columns 9 --rows 6 --square-m 0.010")
+)
 def calibrate(
     pictures: Annotated[Path, typer.Argument(help="Folder of pictures of the board.")],
     columns: Annotated[int, typer.Option(help="Squares side by side.", min=3)],
@@ -136,7 +139,7 @@ def calibrate(
     typer.echo(found.to_yaml(), nl=False)
 
 
-@app.command()
+@app.command(epilog=show_example("softfinger angles my_campaign --out my_results"))
 def angles(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None:
     """Gather joint angles and loads of all trials.
 

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import csv
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +15,15 @@ from softfinger.campaign import read_campaign
 from softfinger.cli.application import (
     CampaignFolder,
     ConfigFile,
+    Json,
     Out,
     PhysicsFile,
     app,
     choose_model,
+    dump_json,
     open_inputs,
     refuse_foreign,
+    show_example,
 )
 from softfinger.config import read_config
 from softfinger.faults import Fault
@@ -28,7 +32,7 @@ from softfinger.stages.keys import choose_settings
 FITTED = ["angles", "least_squares", "posterior"]
 
 
-@app.command()
+@app.command(epilog=show_example("softfinger fit my_campaign --out my_results"))
 def fit(
     campaign: CampaignFolder, out: Out, config: ConfigFile = None, model: PhysicsFile = None
 ) -> None:
@@ -55,8 +59,8 @@ def fit(
     sampling(sampling=out / "sampling.nc", **inputs)
 
 
-@app.command()
-def recovery(out: Out) -> None:
+@app.command(epilog=show_example("softfinger recovery --out my_results"))
+def recovery(out: Out, json: Json = False) -> None:
     """Compare both fits with a simulated campaign's truth.
 
     The truth is that of OUT's campaign (after `fit`).
@@ -70,10 +74,11 @@ def recovery(out: Out) -> None:
         raise Fault(f"{inputs['truth']} is not there: only a simulated campaign has a known truth")
     table = out / "recovery.csv"
     recovery(**inputs, recovery=out / "recovery.nc", table=table)
-    typer.echo(table.read_text(encoding="utf-8"), nl=False)
+    text = table.read_text(encoding="utf-8")
+    typer.echo(dump_json(list(csv.DictReader(text.splitlines()))) if json else text, nl=json)
 
 
-@app.command()
+@app.command(epilog=show_example("softfinger propagate my_campaign --out my_results"))
 def propagate(
     campaign: CampaignFolder, out: Out, config: ConfigFile = None, model: PhysicsFile = None
 ) -> None:
@@ -89,7 +94,7 @@ def propagate(
     propagate(bands=out / "bands.nc", densities=out / "densities.nc", **inputs)
 
 
-@app.command()
+@app.command(epilog=show_example("softfinger sobol my_campaign --out my_results"))
 def sobol(
     campaign: CampaignFolder, out: Out, config: ConfigFile = None, model: PhysicsFile = None
 ) -> None:
@@ -108,8 +113,8 @@ def sobol(
     shapley(shapley=out / "shapley.nc", **own, **inputs)
 
 
-@app.command()
-def assumptions(out: Out, config: ConfigFile = None) -> None:
+@app.command(epilog=show_example("softfinger assumptions --out my_results"))
+def assumptions(out: Out, config: ConfigFile = None, json: Json = False) -> None:
     """Check what the paper takes for granted.
 
     On simulated fingers: OUT/assumptions.nc.
@@ -122,11 +127,11 @@ def assumptions(out: Out, config: ConfigFile = None) -> None:
     path = out / "assumptions.nc"
     knobs = choose_settings(settings, "assumptions")
     assumptions(assumptions=path, config=knobs, seed=settings["seed"])
-    for sentence in open_artifact(path, SPEC)["statement"].values:
-        typer.echo(str(sentence))
+    sentences = [str(sentence) for sentence in open_artifact(path, SPEC)["statement"].values]
+    typer.echo(dump_json({"statements": sentences}) if json else "\n".join(sentences))
 
 
-@app.command()
+@app.command(epilog=show_example("softfinger summarise my_campaign --out my_results"))
 def summarise(
     campaign: CampaignFolder, out: Out, config: ConfigFile = None, model: PhysicsFile = None
 ) -> None:
@@ -147,7 +152,7 @@ def summarise(
     )
 
 
-@app.command()
+@app.command(epilog=show_example("softfinger report my_campaign --out my_results"))
 def report(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None:
     """Write OUT/report.html from the artifacts in OUT (after `summarise`)."""
     from softfinger.stages.opening import SUMMED

@@ -10,14 +10,16 @@ from typing import Annotated
 
 import typer
 
-from softfinger.cli.application import ConfigFile, Out, app
+from softfinger.cli.application import ConfigFile, Json, Out, app, dump_json, show_example
 from softfinger.config import read_config
 from softfinger.rig.cli import app as rig_app
 
 app.add_typer(rig_app, name="rig")
 
 
-@rig_app.command("plan")
+@rig_app.command(
+    "plan", epilog=show_example("softfinger rig plan plan.yaml --out my_plan --tell-apart inertia")
+)
 def plan_rig(
     plan: Annotated[Path, typer.Argument(help="The rig's plan; docs/rig/plan.yaml is an example.")],
     out: Out,
@@ -29,6 +31,7 @@ def plan_rig(
         Path | None, typer.Option(help="Earlier campaign of the same finger. None: the paper's.")
     ] = None,
     config: ConfigFile = None,
+    json: Json = False,
 ) -> None:
     """Propose profiles that show what to tell apart.
 
@@ -50,6 +53,10 @@ def plan_rig(
         config=choose_settings(settings, "virtual_rig"),
         seed=settings["seed"],
     )
+    if json:
+        said = {} if found is None else {"protocol": found[0], "plan": out / "plan.yaml"}
+        typer.echo(dump_json(said | {"visibility": out / "visibility.nc"}))
+        raise typer.Exit(code=1 if found is None else 0)
     if found is None:
         typer.echo("no protocol within the plan's limits would show any of them")
         raise typer.Exit(code=1)
@@ -57,4 +64,4 @@ def plan_rig(
     gains = table["expected_gain"].transpose("effect", "protocol").to_pandas()
     typer.echo("evidence to expect [nats] of an effect of usual strength, in a dozen trials:")
     typer.echo(gains.to_string(na_rep="-", float_format="{:.3g}".format))
-    typer.echo(f"proposed: {best}; its profiles stand in {out / 'plan.yaml'}")
+    typer.echo(f"proposed: {best}; its profiles are in {out / 'plan.yaml'}")

@@ -15,7 +15,9 @@ from pathlib import Path
 from softfinger.provenance.syntax import Syntax, read_syntax
 
 PACKAGE = Path(__file__).resolve().parents[1]
-PROJECT = PACKAGE.parents[1]
+INSTALLED = PACKAGE / "project"  # where a wheel contains them (pyproject.toml)
+PROJECT = INSTALLED if INSTALLED.is_dir() else PACKAGE.parents[1]
+"""Folder of workflow, configuration, profiles and lock: the checkout, or the wheel's own."""
 SOURCES = {"softfinger": PACKAGE.parent, "benchmarks": PROJECT}
 """Top-level package → folder that contains it. Code of others changes with the environment."""
 

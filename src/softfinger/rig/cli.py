@@ -16,7 +16,7 @@ app = typer.Typer(
 )
 
 
-@app.command()
+@app.command(epilog="Example: `softfinger rig simulate --time-scale 10`")
 def simulate(
     time_scale: Annotated[float, typer.Option(help="Simulated seconds per second.", min=0.1)] = 1.0,
     fps: Annotated[float, typer.Option(help="Frame rate of the virtual camera.", min=1.0)] = 30.0,
@@ -39,7 +39,9 @@ def simulate(
         serve(settings, fps, seed, transcript)
 
 
-@app.command()
+@app.command(
+    epilog="Example: `softfinger rig record plan.yaml --out my_campaign --port /dev/ttyACM0`"
+)
 def record(
     plan: Annotated[Path, typer.Argument(help="What to pull; docs/rig/plan.yaml is an example.")],
     out: Annotated[Path, typer.Option(help="Campaign folder, new or to go on with.")],

@@ -33,7 +33,12 @@ def report(
 
 
 def _find_commit() -> str | None:
-    """Commit of the code, from a git checkout."""
+    """Commit of the code, from a git checkout.
+
+    An installed package may lie within a checkout of something else.
+    """
+    if not (PROJECT / ".git").exists():
+        return None
     command = ["git", "-C", str(PROJECT), "describe", "--always", "--dirty", "--abbrev=12"]
     try:
         return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()

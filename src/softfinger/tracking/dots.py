@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from softfinger.campaign import Campaign
-from softfinger.campaign.description import Dot
+from softfinger.campaign.camera import Dot
 from softfinger.campaign.units import find_factor
 from softfinger.faults import Fault
 from softfinger.tracking.angles import unwrap_array
