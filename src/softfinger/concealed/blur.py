@@ -7,13 +7,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import gammaln
 
+from softfinger.concealed.arrays import Array, Flags
 from softfinger.concealed.noise import Noise, measure_whitening, whiten
 from softfinger.concealed.nuisances import Mark
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -123,7 +121,7 @@ def _round(noise: Noise, rounding: float) -> Noise:
     return replace(noise, rounding=rounding, memory=noise.autocorrelation / (1.0 + rounding**2))
 
 
-def keep_frames(blur: Blur, kept: NDArray[np.bool_]) -> Blur:
+def keep_frames(blur: Blur, kept: Flags) -> Blur:
     """Keep some of the frames."""
     return replace(
         blur,

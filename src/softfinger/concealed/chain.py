@@ -6,13 +6,11 @@ Its weight and inertia, and those of a payload, for the proof's integrator.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
+from softfinger.concealed.arrays import Array
 from softfinger.concealed.linear import factor_in_place, solve_in_place
 from softfinger.concealed.physics import Physics
-
-Array = NDArray[np.float64]
 
 
 @compiled

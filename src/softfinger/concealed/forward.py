@@ -3,17 +3,15 @@
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtri
 
+from softfinger.concealed.arrays import Array
 from softfinger.concealed.effects import Circumstances, Dose
 from softfinger.concealed.kernel import simulate_angles
 from softfinger.concealed.physics import build_plain_physics
 from softfinger.concealed.population import to_parameters
 from softfinger.concealed.registry import EFFECTS
 from softfinger.concealed.rig import Rig
-
-Array = NDArray[np.float64]
 
 GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)  # parts a circle most evenly
 

@@ -5,7 +5,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from softfinger.concealed.effects import CATALOGUES, Dose
 from softfinger.concealed.faults import weigh_faults
@@ -25,8 +24,6 @@ from softfinger.concealed.spoil import Sight, recall, spoil
 from softfinger.concealed.strength import place_strengths
 from softfinger.concealed.suite import CaseSpec
 from softfinger.concealed.writer import Film, write_campaign
-
-Array = NDArray[np.float64]
 
 
 def generate_campaign(

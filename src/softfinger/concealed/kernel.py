@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
+from softfinger.concealed.arrays import Array
 from softfinger.concealed.laws import Place
 from softfinger.concealed.linear import factor_in_place, solve_in_place
 from softfinger.concealed.motion import Ramp, bend, change_in_place, find_rest, lay_out
 from softfinger.concealed.physics import Physics
-
-Array = NDArray[np.float64]
 
 LONGEST_STEP_S = 0.25
 COLUMNS = 4  # of the extrapolation table, hence its order

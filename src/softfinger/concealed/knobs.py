@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softfinger.concealed.arrays import Array, Flags
 from softfinger.concealed.effects import Dose, Shape
 from softfinger.concealed.registry import EFFECTS
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -26,7 +24,7 @@ class Knobs:
     doses: dict[str, Dose]
     centre: Array
     sd: Array
-    is_strength: NDArray[np.bool_]
+    is_strength: Flags
 
     @property
     def floor(self) -> Array:

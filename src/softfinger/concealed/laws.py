@@ -8,12 +8,11 @@ The state that they depend on is laid out in `motion`.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
+from softfinger.concealed.arrays import Array
 from softfinger.concealed.physics import Physics
 
-Array = NDArray[np.float64]
 Place = tuple[int, int, int, int, int, int, int, int]
 
 FRICTION_TENSION_N = 6.0  # at which the coefficient of friction has its stated value

@@ -12,7 +12,6 @@ from dataclasses import replace
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
 from softfinger.concealed.effects import CATALOGUES, Dose, Effect
 from softfinger.concealed.judge import VISIBLE_NATS
@@ -26,8 +25,6 @@ from softfinger.concealed.setting import (
     set_strengths,
 )
 from softfinger.concealed.suite import CaseSpec
-
-Array = NDArray[np.float64]
 
 SCREENED, FEW, MORE = 2, 4, 10  # trials that represent the whole campaign
 LARGEST_SCALE = 2.0  # of the whole gain over that of a few trials, before more are taken

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
-
-Array = NDArray[np.float64]
+from softfinger.concealed.arrays import Array
 
 
 @compiled

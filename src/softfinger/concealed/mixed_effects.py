@@ -10,12 +10,10 @@ e ~ N(0, 1), η ~ N(μ, diag ω²) its own parameters and φ those of the effect
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize
 
+from softfinger.concealed.arrays import Array
 from softfinger.concealed.population import PAPER_MEAN, PAPER_SD
-
-Array = NDArray[np.float64]
 
 MEAN_CENTRE = PAPER_MEAN.ravel()
 MEAN_SD = np.repeat([1.0, 1.0, 1.0, 0.05], PAPER_MEAN.shape[1])

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-Array = NDArray[np.float64]
+from softfinger.concealed.arrays import Array, Flags
+
 NoiseKind = Literal["white", "ar_0.3", "ar_0.9", "ar_0.98", "heavy_tailed", "gappy", "uneven"]
 NOISE_KINDS: tuple[NoiseKind, ...] = get_args(NoiseKind)
 CORRELATION = {"ar_0.3": 0.3, "ar_0.9": 0.9, "ar_0.98": 0.98, "uneven": 0.5}
@@ -85,7 +85,7 @@ def draw_noise(
     return noise.sd / np.sqrt(2.0) * np.diff(direction, axis=1)
 
 
-def draw_missing(noise: Noise, frames: int, rng: np.random.Generator) -> NDArray[np.bool_]:
+def draw_missing(noise: Noise, frames: int, rng: np.random.Generator) -> Flags:
     """Draw scattered gaps and two longer ones."""
     missing = np.zeros(frames, bool)
     if noise.kind == "gappy":

@@ -9,9 +9,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import norm
 
+from softfinger.concealed.arrays import Array
 from softfinger.concealed.blur import Blur
 from softfinger.concealed.effects import Circumstances, Dose
 from softfinger.concealed.forward import compute_plain_angles, simulate_trial
@@ -21,8 +21,6 @@ from softfinger.concealed.mixed_effects import Linearised, Solution, solve_mixed
 from softfinger.concealed.noise import Noise, whiten
 from softfinger.concealed.population import PAPER_MEAN
 from softfinger.concealed.rig import Rig
-
-Array = NDArray[np.float64]
 
 LONGEST_MOVE = np.repeat([0.7, 0.7, 1.0, 0.05], PAPER_MEAN.shape[1])  # of η in one iteration
 NUDGE = 1e-3

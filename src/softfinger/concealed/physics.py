@@ -3,9 +3,8 @@
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from softfinger.concealed.arrays import Array
 
 
 class Physics(NamedTuple):

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from softfinger.concealed.arrays import Array
+
 Protocol = Literal["single_step", "levels", "staircase", "triangle"]
 PROTOCOLS: tuple[Protocol, ...] = get_args(Protocol)
 LOGGED_WITHIN_S = 1e-5  # rows this close show when the load jumped

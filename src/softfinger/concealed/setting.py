@@ -3,8 +3,8 @@
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softfinger.concealed.arrays import Array
 from softfinger.concealed.effects import Circumstances, Dose
 from softfinger.concealed.forward import simulate_trial
 from softfinger.concealed.noise import Noise, draw_frame_times, draw_missing, draw_noise
@@ -15,8 +15,6 @@ from softfinger.concealed.protocols import Load, draw_loads
 from softfinger.concealed.registry import EFFECTS
 from softfinger.concealed.rig import Rig, draw_rig
 from softfinger.concealed.suite import CaseSpec
-
-Array = NDArray[np.float64]
 
 # What a filmed campaign's oracle takes for the tracker's error; the film itself has camera noise.
 TRACKED_SD_RAD = 0.001

@@ -4,8 +4,8 @@ from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softfinger.concealed.arrays import Array
 from softfinger.concealed.blur import build_blur, keep_frames
 from softfinger.concealed.effects import Dose
 from softfinger.concealed.forward import compute_plain_angles, simulate_trial
@@ -14,8 +14,6 @@ from softfinger.concealed.nuisances import NUISANCES, Mark, Scene
 from softfinger.concealed.oracle import TOLERANCE_RAD, Recording
 from softfinger.concealed.protocols import Load, read_rows, write_rows
 from softfinger.concealed.setting import Setting, disturb
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -4,15 +4,12 @@ from collections.abc import Callable
 from datetime import datetime, timedelta
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
+from softfinger.concealed.arrays import Array
 from softfinger.concealed.oracle import Recording
 from softfinger.concealed.rig import Rig
 from softfinger.concealed.setting import Setting
-
-Array = NDArray[np.float64]
 
 # Films a motion (frame, joint) [rad] at the rig's frame rate: (angle, rig, path, seed).
 Film = Callable[[Array, Rig, Path, int], None]

@@ -84,25 +84,8 @@ OWN: dict[str, Effect] = {
         sticky_start,
     )
 }
-_FIRST = (
-    "second_retardation",
-    "fractional_creep",
-    "strain_stiffening",
-    "wire_friction",
-    "moment_arm",
-    "actuator_lag",
-    "fatigue_softening",
-    "temperature",
-    "preload_memory",
-    "contact_stop",
-    "yield_threshold",
-    "stress_nonlinear_flow",
-    "joint_coupling",
-    "gravity",
-    "inertia",
-    "camera_delay",
-    "lens_distortion",
-)
+_IDS = tuple(OWN)
+_FIRST, _LATER = _IDS[: _IDS.index("tension_ripple")], _IDS[_IDS.index("tension_ripple") :]
 _MOVED = (  # into the second catalogue
     "session_jump",
     "load_limit",
@@ -114,31 +97,9 @@ _MOVED = (  # into the second catalogue
 # The ids that a catalogue under test has, and what is outside it.
 CATALOGUES = {"first": _FIRST, "second": (*_FIRST, *_MOVED)}
 OUTSIDERS = {
-    "first": (
-        "tension_ripple",
-        "camera_swing",
-        "session_jump",
-        "joint_play",
-        "thinning_damper",
-        "mullins_softening",
-        "picture_stretch",
-        "marker_slip",
-    ),
+    "first": _LATER[: _LATER.index("load_limit")],
     # no swing of the camera: the measurement model of that catalogue has slow drifts
-    "second": (
-        "tension_ripple",
-        "mullins_softening",
-        "picture_stretch",
-        "marker_slip",
-        "plastic_set",
-        "clamp_slip",
-        "thixotropic_dashpot",
-        "second_tendon",
-        "ageing_with_recovery",
-        "dry_joint",
-        "one_way_damper",
-        "sticky_start",
-    ),
+    "second": tuple(name for name in _LATER if name not in (*_MOVED, "camera_swing")),
 }
 
 __all__ = ["CATALOGUES", "OUTSIDERS", "OWN", "Circumstances", "Dose", "Effect", "Shape"]

@@ -1,16 +1,9 @@
-"""A joint with dry friction on its support."""
+"""A joint with dry friction on its support.
 
-from softfinger.concealed.effects.effect import Circumstances, Dose, Effect
-from softfinger.concealed.physics import Physics
+At most s [N m] acts against the joint's motion. It is turned round over 5 mrad.
+"""
 
-
-def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """Dry friction of at most s [N m].
-
-    The torque acts against the joint's motion and is turned round over 5 mrad.
-    """
-    return physics._replace(dry=dose.spread(physics.k_v.size))
-
+from softfinger.concealed.effects.effect import Effect, set_amount
 
 EFFECT = Effect(
     id="dry_joint",
@@ -19,5 +12,5 @@ EFFECT = Effect(
     joints="any",
     typical=0.002,
     largest=0.01,
-    move=_move,
+    move=set_amount("dry"),
 )

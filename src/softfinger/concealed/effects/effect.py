@@ -5,13 +5,11 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from softfinger.concealed.arrays import Array
 from softfinger.concealed.physics import Physics
 from softfinger.concealed.protocols import Load
 from softfinger.concealed.rig import Rig
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -115,3 +113,8 @@ class Effect:
     why: str = ""
     argument: str = ""
     curve: Callable[[Array, int], Array] | None = None
+
+
+def set_amount(field: str) -> Move:
+    """Build the change that sets an amount of each joint to the strength."""
+    return lambda physics, dose, trial: physics._replace(**{field: dose.spread(physics.k_v.size)})

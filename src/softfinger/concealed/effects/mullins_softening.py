@@ -1,12 +1,6 @@
 """Softening by the largest strain before (Mullins)."""
 
-from softfinger.concealed.effects.effect import Circumstances, Dose, Effect
-from softfinger.concealed.physics import Physics
-
-
-def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    return physics._replace(mullins=dose.spread(physics.k_v.size))
-
+from softfinger.concealed.effects.effect import Effect, set_amount
 
 EFFECT = Effect(
     id="mullins_softening",
@@ -15,5 +9,5 @@ EFFECT = Effect(
     joints="any",
     typical=0.1,
     largest=0.5,
-    move=_move,
+    move=set_amount("mullins"),
 )

@@ -1,16 +1,10 @@
-"""A damper that gives way more easily bending."""
+"""A damper that gives way more easily bending.
 
-from softfinger.concealed.effects.effect import Circumstances, Dose, Effect
-from softfinger.concealed.physics import Physics
+The Voigt element's rate is 1 + s times as large while it bends. No law of the rate's size
+distinguishes the two directions.
+"""
 
-
-def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """The Voigt element's rate, larger while it bends.
-
-    The factor is 1 + s. No law of the rate's size distinguishes the two directions.
-    """
-    return physics._replace(one_way=dose.spread(physics.k_v.size))
-
+from softfinger.concealed.effects.effect import Effect, set_amount
 
 EFFECT = Effect(
     id="one_way_damper",
@@ -19,5 +13,5 @@ EFFECT = Effect(
     joints="any",
     typical=0.3,
     largest=2.0,
-    move=_move,
+    move=set_amount("one_way"),
 )

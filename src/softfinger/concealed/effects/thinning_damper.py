@@ -1,16 +1,9 @@
-"""A damper that resists less when fast."""
+"""A damper that resists less when fast.
 
-from softfinger.concealed.effects.effect import Circumstances, Dose, Effect
-from softfinger.concealed.physics import Physics
+The rate is r (1 + s |r|): r is that of the linear element, and s is in s/rad.
+"""
 
-
-def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    """Rate r (1 + s |r|).
-
-    r is the rate of the linear element, and s is in s/rad.
-    """
-    return physics._replace(thinning=dose.spread(physics.k_v.size))
-
+from softfinger.concealed.effects.effect import Effect, set_amount
 
 EFFECT = Effect(
     id="thinning_damper",
@@ -19,5 +12,5 @@ EFFECT = Effect(
     joints="any",
     typical=0.3,
     largest=3.0,
-    move=_move,
+    move=set_amount("thinning"),
 )

@@ -1,12 +1,6 @@
 """A dashpot that yields at a soft corner."""
 
-from softfinger.concealed.effects.effect import Circumstances, Dose, Effect
-from softfinger.concealed.physics import Physics
-
-
-def _move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
-    return physics._replace(yield_torque=dose.spread(physics.k_v.size))
-
+from softfinger.concealed.effects.effect import Effect, set_amount
 
 EFFECT = Effect(
     id="yield_threshold",
@@ -15,6 +9,6 @@ EFFECT = Effect(
     joints="any",
     typical=0.01,
     largest=0.03,
-    move=_move,
+    move=set_amount("yield_torque"),
     tell=lambda dose, trials: {"threshold_nm": dose.strength},
 )

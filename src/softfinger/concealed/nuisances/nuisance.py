@@ -4,14 +4,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-from softfinger.concealed.effects.effect import Array, Circumstances, Shape
+from softfinger.concealed.arrays import Array, Flags
+from softfinger.concealed.effects.effect import Circumstances, Shape
 from softfinger.concealed.noise import Noise
 from softfinger.concealed.population import Population
 from softfinger.concealed.protocols import Load
-
-Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
