@@ -60,3 +60,16 @@ def parameters():
         {name: (("trial", "joint"), value) for name, value in zip(names, values, strict=True)},
         coords={"trial": [f"trial_{i}" for i in range(5)], "joint": [1, 2, 3]},
     )
+
+
+@pytest.fixture
+def evaluate_chain():
+    """M(q) and h(q, q̇) of one configuration."""
+    from softfinger.mechanics.chain import fill_inertia_and_nonlinear_term
+
+    def evaluate(angle, velocity, coefficients):
+        matrix, term = np.empty((angle.size, angle.size)), np.empty(angle.size)
+        fill_inertia_and_nonlinear_term(angle, velocity, coefficients, matrix, term)
+        return matrix, term
+
+    return evaluate

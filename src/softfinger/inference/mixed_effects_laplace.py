@@ -69,11 +69,6 @@ class Fit(NamedTuple):
     converged: bool
     first: float = -np.inf
 
-    @property
-    def chi_square(self) -> NDArray[np.float64]:
-        """Squared whitened residual at each mode (trial,)."""
-        return self.gram[:, -1, -1]
-
 
 def fit_nonlinear(
     linearise: Linearise,

@@ -202,15 +202,6 @@ def pull_colours_back(
 
 
 @compiled(error_model="numpy")
-def whiten_trials(
-    eta: NDArray, curvature: NDArray, pull: NDArray, mean: NDArray, precision: NDArray
-) -> NDArray:
-    """Turn parameters (p, trial) back into z (p, trial)."""
-    centre, _, factor = colour_trials(np.zeros(eta.shape), curvature, pull, mean, precision)
-    return whiten_about(eta, centre, factor)
-
-
-@compiled(error_model="numpy")
 def whiten_about(eta: NDArray, centre: NDArray, factor: NDArray) -> NDArray:
     """Turn parameters (p, trial) into Rᵀ(η − centre)."""
     z = np.zeros(eta.shape)

@@ -14,7 +14,7 @@ finger moves in the horizontal plane: no gravity.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
 from softfinger.mechanics.geometry import FingerGeometry
@@ -34,70 +34,6 @@ def compute_inertia_coefficients(geometry: FingerGeometry) -> NDArray[np.float64
     return np.einsum("i,ij,ik->jk", geometry.link_mass, reach, reach) + np.diag(
         geometry.link_inertia
     )
-
-
-def compute_inertia_matrix_array(
-    joint_angle: ArrayLike, coefficients: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Compute M(q).
-
-    Parameters
-    ----------
-    joint_angle
-        (…, joint) [rad].
-    coefficients
-        (joint, joint) [kg m²] of `compute_inertia_coefficients`.
-
-    Returns
-    -------
-    (…, joint, joint) [kg m²], symmetric, positive definite.
-    """
-    return _evaluate(joint_angle, np.zeros_like(joint_angle, dtype=float), coefficients)[0]
-
-
-def compute_nonlinear_term_array(
-    joint_angle: ArrayLike, joint_velocity: ArrayLike, coefficients: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Compute h(q, q̇), the Coriolis and centrifugal torques.
-
-    Parameters
-    ----------
-    joint_angle, joint_velocity
-        (…, joint) [rad], [rad/s].
-    coefficients
-        (joint, joint) [kg m²] of `compute_inertia_coefficients`.
-
-    Returns
-    -------
-    (…, joint) [N m].
-    """
-    return _evaluate(joint_angle, joint_velocity, coefficients)[1]
-
-
-def _evaluate(
-    joint_angle: ArrayLike, joint_velocity: ArrayLike, coefficients: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    angle, velocity = np.broadcast_arrays(
-        np.asarray(joint_angle, float), np.asarray(joint_velocity, float)
-    )
-    joints = angle.shape[-1]
-    matrix, term = _fill_rows(
-        np.ascontiguousarray(angle).reshape(-1, joints),
-        np.ascontiguousarray(velocity).reshape(-1, joints),
-        coefficients,
-    )
-    return matrix.reshape(*angle.shape, joints), term.reshape(angle.shape)
-
-
-@compiled
-def _fill_rows(angle: NDArray, velocity: NDArray, coefficients: NDArray) -> tuple[NDArray, NDArray]:
-    rows, joints = angle.shape
-    matrix, term = np.empty((rows, joints, joints)), np.empty((rows, joints))
-    for row in range(rows):
-        fill_inertia_and_nonlinear_term(
-            angle[row], velocity[row], coefficients, matrix[row], term[row]
-        )
-    return matrix, term
 
 
 @compiled

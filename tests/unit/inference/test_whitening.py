@@ -5,7 +5,7 @@ from softfinger.inference.whitening import (
     colour_trials,
     pull_colours_back,
     shift_pull,
-    whiten_trials,
+    whiten_about,
 )
 
 TRIALS, SIZE = 3, 5
@@ -41,7 +41,8 @@ def test_without_data_parameters_are_the_populations(parts):
 
 def test_whitening_undoes_colouring(parts):
     z, *rest = parts
-    assert whiten_trials(colour_trials(z, *rest)[0], *rest) == pytest.approx(z)
+    centre, _, factor = colour_trials(np.zeros_like(z), *rest)
+    assert whiten_about(colour_trials(z, *rest)[0], centre, factor) == pytest.approx(z)
 
 
 def test_slopes_are_those_of_differences(parts, rng):

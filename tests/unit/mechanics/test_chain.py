@@ -1,12 +1,7 @@
 import numpy as np
 import pytest
 
-from softfinger.mechanics.chain import (
-    compute_inertia_coefficients,
-    compute_inertia_matrix_array,
-    compute_nonlinear_term_array,
-    fill_slopes,
-)
+from softfinger.mechanics.chain import compute_inertia_coefficients, fill_slopes
 from softfinger.mechanics.geometry import FingerGeometry
 
 
@@ -35,17 +30,17 @@ def kinetic_energy(geometry, angle, velocity):
     return 0.5 * (geometry.link_mass * (x**2 + y**2) + geometry.link_inertia * spin**2).sum()
 
 
-def test_inertia_matrix_gives_the_kinetic_energy(finger):
+def test_inertia_matrix_gives_the_kinetic_energy(finger, evaluate_chain):
     geometry, coefficients, angle, velocity = finger
-    matrix = compute_inertia_matrix_array(angle, coefficients)
+    matrix = evaluate_chain(angle, velocity, coefficients)[0]
     np.testing.assert_allclose(
         0.5 * velocity @ matrix @ velocity, kinetic_energy(geometry, angle, velocity), rtol=1e-13
     )
 
 
-def test_inertia_matrix_is_symmetric_and_positive(finger):
-    _, coefficients, angle, _ = finger
-    matrix = compute_inertia_matrix_array(angle, coefficients)
+def test_inertia_matrix_is_symmetric_and_positive(finger, evaluate_chain):
+    _, coefficients, angle, velocity = finger
+    matrix = evaluate_chain(angle, velocity, coefficients)[0]
     np.testing.assert_allclose(matrix, matrix.T, rtol=1e-14)
     assert (np.linalg.eigvalsh(matrix) > 0.0).all()
 
@@ -61,14 +56,14 @@ def derivative(function, angle):
     return np.stack(columns, axis=-1)
 
 
-def test_nonlinear_term_is_that_of_christoffel_and_makes_no_energy(finger):
+def test_nonlinear_term_is_that_of_christoffel_and_makes_no_energy(finger, evaluate_chain):
     _, coefficients, angle, velocity = finger
-    slope = derivative(lambda q: compute_inertia_matrix_array(q, coefficients), angle)
+    slope = derivative(lambda q: evaluate_chain(q, velocity, coefficients)[0], angle)
     rate = slope @ velocity
     coriolis = 0.5 * (
         rate + np.einsum("ikj,k->ij", slope, velocity) - np.einsum("jki,k->ij", slope, velocity)
     )
-    term = compute_nonlinear_term_array(angle, velocity, coefficients)
+    term = evaluate_chain(angle, velocity, coefficients)[1]
     scale = np.abs(coefficients).max()
     np.testing.assert_allclose(term, coriolis @ velocity, atol=1e-10 * scale)
     skew = rate - 2 * coriolis
@@ -76,28 +71,17 @@ def test_nonlinear_term_is_that_of_christoffel_and_makes_no_energy(finger):
     assert abs(velocity @ (0.5 * rate @ velocity - term)) < 1e-10 * scale
 
 
-def test_slopes_are_the_limits_of_differences(finger):
+def test_slopes_are_the_limits_of_differences(finger, evaluate_chain):
     _, coefficients, angle, velocity = finger
     acceleration = np.random.default_rng(9).normal(size=angle.size)
     by_angle, by_velocity = np.empty((2, angle.size, angle.size))
     fill_slopes(angle, velocity, acceleration, coefficients, by_angle, by_velocity)
 
     def torque(q):
-        matrix = compute_inertia_matrix_array(q, coefficients)
-        return matrix @ acceleration + compute_nonlinear_term_array(q, velocity, coefficients)
+        matrix, term = evaluate_chain(q, velocity, coefficients)
+        return matrix @ acceleration + term
 
     scale = np.abs(coefficients).max()
     np.testing.assert_allclose(by_angle, derivative(torque, angle), atol=1e-9 * scale)
-    expected = derivative(lambda w: compute_nonlinear_term_array(angle, w, coefficients), velocity)
+    expected = derivative(lambda w: evaluate_chain(angle, w, coefficients)[1], velocity)
     np.testing.assert_allclose(by_velocity, expected, atol=1e-9 * scale)
-
-
-def test_many_configurations_at_once():
-    geometry = FingerGeometry.uniform([0.02, 0.03, 0.025], [0.005, 0.004, 0.003], 0.008, 0.005)
-    coefficients = compute_inertia_coefficients(geometry)
-    angle, velocity = np.random.default_rng(3).normal(size=(2, 5, 7, 3))
-    matrix = compute_inertia_matrix_array(angle, coefficients)
-    term = compute_nonlinear_term_array(angle, velocity, coefficients)
-    assert matrix.shape == (5, 7, 3, 3)
-    one = compute_nonlinear_term_array(angle[4, 6], velocity[4, 6], coefficients)
-    np.testing.assert_array_equal(term[4, 6], one)

@@ -117,8 +117,6 @@ def _hyperbola(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
     return soften(physics, dose, (1.0 / dose.shape["softening_time_s"], 3.0, 0.0, 0.0))
 
 
-_SHARE = {"tell": fatigue_softening.EFFECT.tell}
-
 LAWS = (
     build_law(
         fatigue_softening.EFFECT,
