@@ -30,8 +30,6 @@ def track_progress[Item](
 
     Parameters
     ----------
-    items : Iterable
-        What the loop goes through.
     description : str
         A verb and its object, as in "tracking trials".
     total : int, optional

@@ -26,8 +26,6 @@ def read_settings[Block: Settings](
 
     Parameters
     ----------
-    block
-        Its declaration.
     values
         Key → value, as read from YAML.
     name

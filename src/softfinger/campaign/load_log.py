@@ -36,8 +36,6 @@ def read_load(
 
     Parameters
     ----------
-    campaign, trial
-        Whose log is read.
     frame_interval : float [s]
         Median frame interval of the recording: rows of different value closer than 1.5 of these
         are a step at the later row.
@@ -96,8 +94,6 @@ def refuse_mixed_loads(name: str, kinds: Mapping[str, str]) -> None:
 
     Parameters
     ----------
-    name : str
-        Of the campaign.
     kinds : mapping
         Trial → kind of its load, as from :func:`read_load`.
 

@@ -29,8 +29,6 @@ def diagnose_blind(
 
     Parameters
     ----------
-    campaign
-        The campaign folder.
     diagnosis
         Folder that is made and gets whatever the diagnosis wrote.
     patience : float [s]

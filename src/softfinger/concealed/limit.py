@@ -73,8 +73,6 @@ def compute_limit(truth: dict, weighed: dict[str, dict[str, float]]) -> float:
 
     Parameters
     ----------
-    truth
-        Contents of the truth file.
     weighed
         From `weigh_stand_ins`. Where it is empty, as below 15 nats, nothing in the catalogue is
         taken to come closer than the base model: an upper bound.

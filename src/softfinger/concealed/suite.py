@@ -143,8 +143,6 @@ def draw_suite(
     ----------
     seed : int
         The same seed gives the same suite.
-    n : int
-        Number of campaigns.
     filmed : int, optional
         How many are filmed: one in twenty, and at least one, if not said.
     longest : int

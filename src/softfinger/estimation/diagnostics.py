@@ -19,8 +19,6 @@ def diagnose_sampling(tree: xr.DataTree, config: Mapping[str, Any]) -> xr.Datase
 
     Parameters
     ----------
-    tree
-        What `fit_posterior` makes.
     config
         The `estimation` block: r_hat_max, ess_min, divergences_max.
 

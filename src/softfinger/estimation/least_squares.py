@@ -41,8 +41,6 @@ def fit_least_squares(angles: xr.Dataset, config: Mapping[str, Any]) -> xr.Datas
 
     Parameters
     ----------
-    angles
-        The `angles` artifact.
     config
         The `estimation` block: outlier_rule (scaled_mad | raw_mad), outlier_cutoff.
 

@@ -36,8 +36,6 @@ def measure_recovery(
     ----------
     truth
         The `truth` artifact; trials that were set aside may be in it.
-    least_squares
-        The `least_squares` artifact.
     posterior
         The group `posterior` of that artifact.
 

@@ -28,8 +28,6 @@ def draw_assumptions(assumptions: xr.Dataset, changes: xr.Dataset) -> Figure:
 
     Parameters
     ----------
-    assumptions
-        The artifact of that name.
     changes
         Its group in the artifact `summary`: fitted_change (quantile, joint, parameter), three
         ascending quantiles over the fingers.

@@ -21,13 +21,7 @@ NULL = {"factor": 1.0, "exponential": 1.0, "sum": 0.0}
 
 @styled
 def draw_laws(laws: xr.Dataset) -> Figure:
-    """Draw every free law with its band.
-
-    Parameters
-    ----------
-    laws
-        The artifact `laws`.
-    """
+    """Draw every free law with its band."""
     effects = list(dict.fromkeys(laws["effect"].values.astype(str).tolist()))
     width = DOUBLE_COLUMN * min(1.0, 0.2 + 0.3 * len(effects))
     figure = new_figure(get_source(laws), 2.4, width)

@@ -39,12 +39,8 @@ def draw_repair(repair: xr.Dataset, misfit: xr.Dataset, trial: str) -> Figure:
 
     Parameters
     ----------
-    repair
-        The artifact `repair`.
     misfit
         mean_square (model, joint, since_change).
-    trial
-        The one to draw.
     """
     here = repair.sel(trial=trial)
     joints = repair["joint"].values

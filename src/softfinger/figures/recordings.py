@@ -29,11 +29,6 @@ def draw_recordings(angles: xr.Dataset) -> Figure:
 
     Lines are coloured by the trial's largest load and rasterised, so that a hundred trials stay
     small in a vector file. Missing and masked frames leave gaps.
-
-    Parameters
-    ----------
-    angles
-        Artifact `angles`.
     """
     joints = angles["joint"]
     seen = angles["joint_angle"].where((angles["angle_flag"] & JUMP) == 0)

@@ -27,8 +27,6 @@ def draw_sampling(sampling: xr.Dataset, worst: xr.Dataset) -> Figure:
 
     Parameters
     ----------
-    sampling
-        Artifact `sampling`.
     worst
         worst_draws, running_mean (chain, draw) of the quantity of the largest R-hat [sd].
     """

@@ -34,8 +34,6 @@ def draw_tracking(trial: xr.Dataset, frame: int, image: xr.DataArray | None = No
     ----------
     trial
         One trial of the artifact `markers`.
-    frame
-        Number of the frame.
     image
         Its picture, (row, column) grey or (row, column, channel) RGB.
     """

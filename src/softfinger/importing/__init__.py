@@ -41,8 +41,6 @@ def read_recordings(source: Path, declared: ImportDescription) -> Found:
 
     Parameters
     ----------
-    source : Path
-        A file or a folder.
     declared : Description
         What is declared; the rest is guessed.
 

@@ -31,8 +31,6 @@ def read_times(table: RawTable, column: str, unit: str | None = None) -> Times:
 
     Parameters
     ----------
-    table, column
-        Where they are.
     unit
         As declared; else the column's own, else found from the size of the numbers (stamps since
         1970, dates of a spreadsheet), else seconds.

@@ -56,21 +56,10 @@ def complete(
 ) -> tuple[ImportDescription, list[Run], list[str], list[str]]:
     """Fill what a description leaves open.
 
-    Parameters
-    ----------
-    tables
-        All that was read.
-    description
-        As declared.
-    name
-        Of the source.
-
     Returns
     -------
     description : Description
         With nothing open.
-    runs : list of Run
-        The trials.
     guessed, dropped : list of str
         A sentence each: ``key: value (why)``, and what is left out.
 

@@ -27,8 +27,6 @@ def read_tables(source: Path, asked: Tables) -> tuple[list[RawTable], list[str]]
 
     Parameters
     ----------
-    source : Path
-        A file or a folder.
     asked : Tables
         Which files and sheets, and how.
 

@@ -74,8 +74,6 @@ def measure_prior_sensitivity(
 
     Parameters
     ----------
-    posterior
-        Its draws.
     recording
         log p(y_i | population, noise) (chain, draw, trial).
     prior, effects

@@ -55,8 +55,6 @@ def correct_draws(
     ----------
     draws
         eta (chain, draw, trial, d), effect (chain, draw, p), noise_scale (chain, draw).
-    rng
-        Of the drawing anew.
 
     Returns
     -------

@@ -73,8 +73,6 @@ def sample_gibbs(
         What the campaign and the model give.
     sigma
         (d,) of the population, about: where the chains start.
-    rng
-        Gives each chain its own stream.
     chains, tune, draws, cores
         As usual; the sweeps before `draws` are forgotten, nothing is adapted.
 

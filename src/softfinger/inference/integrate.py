@@ -26,14 +26,10 @@ def compute_integrated_log_likelihood(
 
     Parameters
     ----------
-    expansion
-        Of the campaign.
     posterior
         mu_…, sigma_… (chain, draw, joint), effect_internal (chain, draw, effect_parameter),
         noise_scale (chain, draw) and, unless parameters are independent, parameter_correlation
         (chain, draw, own, other_own).
-    rng
-        For the points.
 
     Returns
     -------
@@ -73,8 +69,6 @@ def integrate_trials_array(
 
     Parameters
     ----------
-    expansion
-        Of the campaign.
     mean, precision
         (d,) and (d, d) of the population.
     effect, scale

@@ -39,8 +39,6 @@ def leave_trials_out(
     ----------
     recording
         log p(y_i | population, noise) (chain, draw, trial) [nats].
-    posterior
-        Its draws.
     refit
         Samples without trial i and gives log p(y_i | population, noise) of every draw.
     rng

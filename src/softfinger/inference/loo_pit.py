@@ -31,8 +31,6 @@ def compute_loo_pit(
 
     Parameters
     ----------
-    recorded
-        The trials and the model.
     others
         For every trial what the others make likely: draws of mu_…, sigma_…, effect_internal and
         noise_sd (sample, …).

@@ -89,8 +89,6 @@ def fit_linear(
     ----------
     gram
         (trial, d + p + 1, d + p + 1) Gram matrices of [A | B | z].
-    prior
-        Priors.
     omega
         (d, d) to start from.
     rounds

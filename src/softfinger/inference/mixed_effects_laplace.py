@@ -91,8 +91,6 @@ def fit_nonlinear(
         where the model has no solution.
     prior
         Priors of μ and φ (before they are cut at the bounds) and of Ω.
-    bounds
-        Bounds and longest steps of φ.
     own_step
         (d,) longest step of η.
     start

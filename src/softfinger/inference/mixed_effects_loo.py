@@ -28,8 +28,6 @@ def compute_left_out(
     ----------
     fit
         A fit; its linearisation is used.
-    prior
-        The fit's prior.
     rows, logdet
         (trial,) numbers and log|Σ| of its noise.
     """

@@ -56,8 +56,6 @@ def build_mover(
     constant
         The fit's constant data, of `tabulate_setting`: what differs between trials is that of the
         trial that a new one is like.
-    content
-        The model file.
     effect
         (draw, effect_parameter), as the fit of that model names and orders them.
     trial

@@ -64,13 +64,9 @@ def fit_posterior(
 
     Parameters
     ----------
-    angles
-        The `angles` artifact.
     config
         The `estimation` block: sampler, chains, tune, draws, cores, target_accept, max_depth,
         covariance, predictive_draws.
-    seed
-        Of this stage's random stream.
     content
         A model file; without it the paper's model.
     priors

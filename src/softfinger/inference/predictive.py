@@ -47,12 +47,8 @@ def draw_prior(
 
     Parameters
     ----------
-    prior, effects
-        Of the model.
     noise_sd
         (joint,) [rad], as estimated.
-    rng
-        Of the draws.
     covariance
         Which parameters may go together.
     """

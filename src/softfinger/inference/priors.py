@@ -86,8 +86,6 @@ def build_prior(angles: xr.Dataset, frames: xr.Dataset) -> PopulationPrior:
 
     Parameters
     ----------
-    angles
-        The `angles` artifact.
     frames
         What `select_frames` gives for it.
 

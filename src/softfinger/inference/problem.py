@@ -164,8 +164,6 @@ def pose_problem(
 
     Parameters
     ----------
-    angles
-        The `angles` artifact.
     content
         A model file whose model takes the place of the base.
     priors

@@ -17,8 +17,6 @@ def reduce_trials(
 
     Parameters
     ----------
-    trials
-        Binned recordings.
     angle, slope
         (trial, joint, bin · 2) [rad] at the nodes, and (trial, joint, bin · 2, column).
     """

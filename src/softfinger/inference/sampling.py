@@ -179,8 +179,6 @@ def scale_points(
 
     Parameters
     ----------
-    shapes
-        Of the density's variables.
     given
         What the density was built from.
     sigma
@@ -219,14 +217,8 @@ def sample_density(
 
     Parameters
     ----------
-    density
-        What `compile_density` makes.
     scale
         Centre and sd (n,), about: the sampler's units, and where its chains start, dispersed.
-    chains, tune, draws, cores, target_accept, max_depth
-        As usual.
-    rng
-        Gives the sampler's seed.
     data
         Replaces the density's own data, all of the same rank.
 

@@ -31,10 +31,6 @@ def build_recording(
         (frame,) or (trial, frame) [s], rows may end in NaN.
     load_time, load_torque
         (knot,) or (trial, knot) [s], [N m].
-    joints
-        How many.
-    trials
-        Their names.
     """
     n = len(trials)
     time, load_time, load_torque = (
@@ -75,8 +71,6 @@ def draw_parameters(
         (joint, 4) or (4,): of log k_v, log c_v, log c_p and q_ini.
     recording
         Gives trial and joint.
-    rng
-        Source of the draws.
 
     Returns
     -------
@@ -140,8 +134,6 @@ def draw_angles(
     noise
         noise_sd, noise_autocorrelation (joint) per median interval, noise_correlation
         (joint, other_joint).
-    rng
-        Source of the noise.
 
     Returns
     -------
@@ -178,10 +170,6 @@ def draw_noise_array(
         (frame,) in median frame intervals, may end in NaN; NaN there.
     noise
         As for `draw_angles`.
-    trials
-        How many.
-    rng
-        Source of the noise.
     """
     sd = noise["noise_sd"].values
     rho = noise["noise_autocorrelation"].values

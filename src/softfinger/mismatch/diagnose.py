@@ -100,12 +100,6 @@ def diagnose(
 
     Parameters
     ----------
-    angles
-        The `angles` artifact.
-    config
-        The `mismatch` block of the configuration.
-    seed
-        Of the bootstrap.
     progress
         Wraps the long loops: (items, description) → items.
     content

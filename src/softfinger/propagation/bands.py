@@ -59,10 +59,6 @@ def compute_bands(
     ----------
     angles, least_squares, posterior
         The artifacts of these names. Trials with the same load history are one protocol.
-    config
-        The propagation's block, see `PropagationConfig`.
-    move
-        Moves new trials of the posterior.
 
     Returns
     -------

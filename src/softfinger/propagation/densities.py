@@ -39,8 +39,6 @@ def compute_densities(
     ----------
     angles, least_squares, posterior
         The artifacts of these names; the load is that of the protocol with most trials.
-    config
-        The propagation's block, see `PropagationConfig`.
     move
         Moves new trials of the posterior. Where that or correlated parameters leave no closed
         form, densities are kernel estimates.

@@ -30,8 +30,6 @@ def compute_design(
 
     Parameters
     ----------
-    sources
-        The two-stage estimate and the posterior.
     running_times
         [s]
     quantiles

@@ -50,8 +50,6 @@ def select_posterior(posterior: xr.DataTree, draws: int) -> xr.Dataset:
         The `posterior` artifact: mu_* and sigma_* (chain, draw, joint) of every population,
         noise_sd [rad], noise_autocorrelation (chain, draw, joint) and, where they were fitted,
         parameter_correlation (…, own, other_own), noise_correlation (…, joint, other_joint).
-    draws
-        At most so many.
 
     Returns
     -------

@@ -27,11 +27,6 @@ def group_protocols(angles: xr.Dataset) -> list[Protocol]:
     Two loads are the same if they differ by at most 2 % of the larger peak, as a mean over the
     time that both were recorded: so much as logging and starting jitter make.
 
-    Parameters
-    ----------
-    angles
-        The `angles` artifact.
-
     Returns
     -------
     list of Protocol

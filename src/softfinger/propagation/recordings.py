@@ -17,13 +17,6 @@ LONGEST_GAP = 3.0  # median intervals across which a recording is interpolated
 def build_time_grid(angles: xr.Dataset, most: int) -> NDArray[np.float64]:
     """Build an even grid of times.
 
-    Parameters
-    ----------
-    angles
-        The `angles` artifact.
-    most
-        Largest number of times.
-
     Returns
     -------
     (time,) [s]

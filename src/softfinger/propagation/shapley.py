@@ -56,10 +56,6 @@ def compute_shapley(
     angles, posterior
         The artifacts of these names; of the posterior also log_k_v, log_c_v, log_c_p, q_ini (chain,
         draw, trial, joint). The load is that of the protocol with most trials.
-    config
-        The propagation's block, see `PropagationConfig`.
-    move
-        Moves new trials of the posterior.
 
     Returns
     -------

@@ -50,8 +50,6 @@ def compute_sobol(
     ----------
     angles, least_squares, posterior
         The artifacts of these names; the load is that of the protocol with most trials.
-    config
-        The propagation's block, see `PropagationConfig`.
     move
         Moves new trials of the posterior. A parameter's index is that of all joints together.
 

@@ -13,8 +13,6 @@ def check(folder: Path) -> tuple[Campaign, dict[str, str], list[Doubt]]:
 
     Returns
     -------
-    campaign
-        As it is described.
     reasons
         Trial → why it would be set aside.
     doubts

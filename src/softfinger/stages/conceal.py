@@ -38,8 +38,6 @@ def conceal(
         What `draw_proof` takes besides the seed.
     config
         What films depend on, of the `virtual_rig` block of the configuration.
-    seed
-        Of the suite.
     """
     spec = draw_proof(seed, **suite)[place]
     generate_campaign(spec, Path(campaign), Path(truth), partial(film, config))

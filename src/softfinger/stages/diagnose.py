@@ -58,14 +58,10 @@ def diagnose(
 
     Parameters
     ----------
-    angles
-        The `angles` artifact.
     verdict, repaired
         The verdict (JSON) and the model file (YAML) that are written.
     next_experiment
         Folder for the load logs of the experiment that is proposed; empty where none is.
-    config
-        The `mismatch` block of the configuration.
     r_hat_max
         The configuration's, beyond which a sampled size is not taken.
     model

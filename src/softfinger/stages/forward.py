@@ -1,15 +1,49 @@
-"""The forward model that propagation moves new trials with."""
+"""What the rules of the propagation compute from."""
 
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
+from softfinger.artifacts import open_artifact, open_tree
+from softfinger.artifacts.specs import angles, least_squares, posterior
 from softfinger.faults import Fault
 from softfinger.inference.motion import Move, build_mover, move_paper_joint
 from softfinger.mechanics.effects.model_file import read_model_file
 from softfinger.propagation.populations import take_population_draws
+from softfinger.provenance import Provenance, derive_seed, describe_run
+
+SPECS = {part.SPEC.name: part.SPEC for part in (angles, least_squares, posterior)}
+
+
+def open_spread(
+    rule: str, inputs: Mapping[str, Path], config: Mapping[str, Any], seed: int, model: Path | None
+) -> tuple[tuple, Provenance]:
+    """Open what a rule's library call takes, in its order.
+
+    Parameters
+    ----------
+    model
+        The model file that the posterior was fitted with, in place of the base model.
+
+    Returns
+    -------
+    arguments, provenance
+        The artifacts, the block, random numbers and the forward model; what results are stamped
+        with.
+    """
+    provenance = describe_run(
+        rule, {**inputs, **({} if model is None else {"model": model})}, config, seed
+    )
+    opened = {
+        name: (open_tree if SPECS[name].groups else open_artifact)(path, SPECS[name])
+        for name, path in inputs.items()
+    }
+    rng = np.random.default_rng(derive_seed(seed, rule))
+    move = open_mover(opened["angles"], opened["posterior"], config, model)
+    return (*opened.values(), config, rng, move), provenance
 
 
 def open_mover(
@@ -18,13 +52,6 @@ def open_mover(
     """Open the forward model of a model file.
 
     None gives that of the paper's joint.
-
-    Parameters
-    ----------
-    posterior
-        The fit of that model.
-    config
-        The `propagation` block.
 
     Raises
     ------

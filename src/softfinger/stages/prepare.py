@@ -20,11 +20,6 @@ def prepare_angles(folder: Path, out: Path, settings: Mapping[str, Any]) -> Path
     """Make OUT/angles.nc, unless it is current.
 
     Current is what came from the same recordings, settings and code.
-
-    Parameters
-    ----------
-    settings
-        The whole configuration.
     """
     markers = track_campaign(folder, out, settings)
     config, target = choose_settings(settings, "angles"), out / "angles.nc"

@@ -18,12 +18,8 @@ def report(
 
     Parameters
     ----------
-    report
-        The page.
     markers
         Marker files, if the campaign was filmed; the first one is shown.
-    config
-        The whole configuration.
     **artifacts
         Name → file, for every name in ``opening.SPECS`` and ``SUMMED``, those in ``FILMED`` if
         there are videos, and those in ``DIAGNOSED`` and `verdict` if there is a diagnosis.

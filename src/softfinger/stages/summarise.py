@@ -34,12 +34,8 @@ def summarise(
 
     Parameters
     ----------
-    checks, summary
-        The artifacts that are written.
     markers
         Marker files, if the campaign was filmed; the first one is shown.
-    config
-        The `report` block of the configuration.
     model
         The model file that the posterior was fitted with, in place of the base model.
     **artifacts

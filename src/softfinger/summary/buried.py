@@ -10,11 +10,6 @@ WINDOWS = 24
 def average_residual(repair: xr.Dataset) -> xr.Dataset:
     """Average all trials' residuals in windows of time.
 
-    Parameters
-    ----------
-    repair
-        The artifact of that name.
-
     Returns
     -------
     Dataset

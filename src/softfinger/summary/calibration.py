@@ -13,8 +13,6 @@ def summarise_calibration(bands: xr.Dataset, angles: xr.Dataset, ci_prob: float)
 
     Parameters
     ----------
-    bands, angles
-        The artifacts of these names.
     ci_prob
         The band looked at is the one of the nearest probability.
 

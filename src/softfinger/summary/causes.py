@@ -12,11 +12,6 @@ CHANCE = 0.1
 def find_causes(sobol: xr.Dataset) -> xr.Dataset:
     """Find what causes most of the widest spread.
 
-    Parameters
-    ----------
-    sobol
-        The artifact of that name.
-
     Returns
     -------
     Dataset
@@ -39,11 +34,6 @@ def find_causes(sobol: xr.Dataset) -> xr.Dataset:
 
 def find_pairs(shapley: xr.Dataset) -> xr.Dataset:
     """Find the parameters that are correlated over trials.
-
-    Parameters
-    ----------
-    shapley
-        The artifact of that name.
 
     Returns
     -------

@@ -22,11 +22,6 @@ def summarise_misfit(repair: xr.Dataset) -> xr.Dataset:
 
     All squared residuals are over their noise.
 
-    Parameters
-    ----------
-    repair
-        The artifact of that name.
-
     Returns
     -------
     Dataset
@@ -55,8 +50,6 @@ def summarise_evidence(ranking: xr.Dataset, sentences: Mapping[str, str]) -> xr.
 
     Parameters
     ----------
-    ranking
-        The artifact of that name.
     sentences
         Effect → what happens.
 
@@ -109,11 +102,6 @@ def summarise_measurement(measurement: xr.Dataset) -> xr.Dataset:
     """Sum up what each trial suffers from.
 
     Also how its noise grows.
-
-    Parameters
-    ----------
-    measurement
-        The artifact of that name.
 
     Returns
     -------

@@ -32,8 +32,6 @@ def judge_run(
     ----------
     artifacts
         By name; `angles` is needed.
-    limits
-        Limits of the checks.
     rng
         Draws new trials from the priors.
     move, move_prior

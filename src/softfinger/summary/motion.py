@@ -17,8 +17,6 @@ def compute_fitted_angle(
 
     Parameters
     ----------
-    angles
-        The `angles` artifact.
     posterior
         The trials' own parameters (chain, draw, trial, joint), logs but for q_ini [rad].
     move

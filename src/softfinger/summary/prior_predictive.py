@@ -29,8 +29,6 @@ def compute_prior_predictive(
     ----------
     prior
         mu_* and sigma_* (chain, draw, joint) of every population, from the prior.
-    angles
-        Artifact `angles`.
     rng
         Draws each trial from its population.
     move

@@ -13,11 +13,6 @@ FLAGS = {"missing": 1, "stale": 2, "jump": 4}
 def summarise_recordings(angles: xr.Dataset) -> xr.Dataset:
     """Summarise lengths, loads and flags of the trials.
 
-    Parameters
-    ----------
-    angles
-        The `angles` artifact.
-
     Returns
     -------
     Dataset

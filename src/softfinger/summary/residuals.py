@@ -23,8 +23,6 @@ def summarise_residuals(
 
     Parameters
     ----------
-    angles
-        The `angles` artifact.
     posterior
         noise_sd (chain, draw, joint) [rad].
     fitted
@@ -67,8 +65,6 @@ def compute_residuals(angles: xr.Dataset, residual: xr.DataArray) -> xr.Dataset:
 
     Parameters
     ----------
-    angles
-        Artifact `angles`.
     residual
         Recording minus model (trial, joint, frame) [rad], NaN on flagged frames.
 

@@ -11,8 +11,6 @@ def pick_worst_quantity(sampling: xr.Dataset, posterior: xr.Dataset) -> xr.Datas
 
     Parameters
     ----------
-    sampling
-        The artifact of that name.
     posterior
         The draws of every hyperparameter.
 

@@ -25,8 +25,6 @@ def draw_disc(
     radius : float [px]
     blur : float [px]
         Standard deviation of the optics' Gaussian blur; the pixel's own comes on top.
-    divisions : int
-        Sub-pixels along a side.
 
     Returns
     -------

@@ -110,8 +110,6 @@ def compute_response_array(
         Offset of the pixel's centre from the disc's.
     radius, spread : float [px]
         Radius of the disc and standard deviation of its edge, the pixel's own included.
-    divisions : int
-        Sub-pixels along a side.
 
     Examples
     --------

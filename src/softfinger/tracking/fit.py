@@ -81,11 +81,6 @@ def fit_disc_array(
         Room to work in.
     iterations : int
         At most so many steps.
-
-    Returns
-    -------
-    bool
-        Whether the fit converged.
     """
     products = np.empty((_SIZE + 1, _SIZE + 1))
     low, inverse, step = np.empty((_SIZE, _SIZE)), np.empty((_SIZE, _SIZE)), np.empty(_SIZE)

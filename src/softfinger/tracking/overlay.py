@@ -115,8 +115,6 @@ def draw_contact_sheet(video: Path, fps: float, markers: xr.Dataset, count: int 
     fps : float [1/s]
     markers : Dataset
         One trial of the artifact `markers`.
-    count : int
-        Number of frames.
 
     Returns
     -------

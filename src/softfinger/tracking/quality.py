@@ -25,11 +25,6 @@ _CHECKS = (
 def compute_quality(markers: xr.Dataset) -> xr.Dataset:
     """Compute how well each trial was tracked.
 
-    Parameters
-    ----------
-    markers : Dataset
-        The artifact `markers`.
-
     Returns
     -------
     Dataset

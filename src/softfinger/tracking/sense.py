@@ -21,8 +21,6 @@ def refuse_wrong_sign(name: str, trials: Sequence[xr.Dataset]) -> None:
 
     Parameters
     ----------
-    name : str
-        Of the campaign.
     trials : sequence of Dataset
         ``time``, ``joint_angle``, ``angle_flag``, ``load_time`` and ``load_torque`` of each trial.
 

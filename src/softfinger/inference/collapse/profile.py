@@ -44,8 +44,6 @@ def build_joint_gram(
 
     Parameters
     ----------
-    collapse
-        What `collapse_angles` makes.
     joint
         Index from 0.
     sd, autocorrelation

@@ -55,8 +55,6 @@ def collapse_angles(angles: xr.Dataset, frames: xr.Dataset) -> Collapse:
 
     Parameters
     ----------
-    angles
-        The `angles` artifact.
     frames
         What `select_frames` gives for it.
     """

@@ -22,8 +22,6 @@ def propose_experiment(found: Diagnosis, angles: xr.Dataset) -> dict[str, Any] |
 
     Parameters
     ----------
-    found
-        A diagnosis.
     angles
         The `angles` artifact that it is of.
 

@@ -163,8 +163,6 @@ def choose_protocol(
     ----------
     tables
         Of `plan_experiment`.
-    wanted
-        Ids of effects.
     needed
         Gain [nats] from which on an effect is seen.
 

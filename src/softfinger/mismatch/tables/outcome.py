@@ -36,17 +36,7 @@ MEASURED = (
 def tabulate_diagnosis(
     diagnosis: Diagnosis, angles: xr.Dataset, config: Mapping[str, Any], seed: int
 ) -> dict[str, xr.Dataset]:
-    """Tabulate a diagnosis: artifact name → Dataset.
-
-    Parameters
-    ----------
-    angles
-        The `angles` artifact that was diagnosed.
-    config
-        The `mismatch` block of the configuration.
-    seed
-        Of the predictions.
-    """
+    """Tabulate a diagnosis: artifact name → Dataset."""
     problem, search = diagnosis.problem, diagnosis.search
     models = search.base, search.best
     needed = diagnosis.false_alarms.threshold(config["false_alarm_probability"])

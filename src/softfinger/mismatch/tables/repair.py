@@ -33,20 +33,7 @@ def measure_repair(
     angles: xr.Dataset,
     rng: np.random.Generator,
 ) -> xr.Dataset:
-    """Measure what a repair changes.
-
-    Parameters
-    ----------
-    angles
-        The `angles` artifact.
-    rng
-        Draws the predictions.
-
-    Returns
-    -------
-    Dataset
-        The variables of the artifact `repair`.
-    """
+    """Measure what a repair changes."""
     both = (base, final)
     noise_sd = compute_bin_noise(problem.trials)
     recorded = _mask(problem.trials, problem.trials.angle.transpose(0, 2, 1))

@@ -42,12 +42,6 @@ def refine_verdict(
 
     Parameters
     ----------
-    diagnosis
-        Of the campaign.
-    angles
-        Its `angles` artifact.
-    rng
-        Of the sampler.
     r_hat_max
         Beyond it the chains do not agree, and the fit's curvature stays.
     """
