@@ -1,19 +1,17 @@
 """Checks of this installation, for `softfinger doctor`."""
 
-import re
 import shutil
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import NamedTuple
 
-from softfinger.provenance import PROJECT
+from softfinger.provenance import INSTALLED, LOCK, PROJECT, list_other_versions
 
 LEAST_PYTHON = (3, 12)
+INSTALL = f"pip install -r {LOCK}" if PROJECT == INSTALLED else "make setup"
 LEAST_SPACE_GB = 5.0  # a campaign of 100 short videos, with its artifacts
-_PIN = re.compile(r"^([A-Za-z0-9_.-]+)==([^ ;\\]+)( ;[^\\]*)?", re.MULTILINE)
 
 
 class Finding(NamedTuple):
@@ -47,48 +45,15 @@ def check_setup(folder: Path) -> Iterator[Finding]:
 def check_python() -> Finding:
     """Python is new enough."""
     said = ".".join(map(str, sys.version_info[:3]))
-    advice = (
-        f"make the environment anew with Python {LEAST_PYTHON[0]}.{LEAST_PYTHON[1]}: make setup"
-    )
+    advice = f"install Python {LEAST_PYTHON[0]}.{LEAST_PYTHON[1]} or newer, then: {INSTALL}"
     return Finding("Python", sys.version_info[:2] >= LEAST_PYTHON, said, advice)
 
 
 def check_packages() -> Finding:
     """Packages are those of the lock file."""
-    lock = PROJECT / "environment.lock"
-    if not lock.is_file():
-        return Finding("packages", False, f"{lock} is missing", "clone the project whole")
-    wrong = list_other_versions(lock.read_text(encoding="utf-8"))
+    wrong = list_other_versions(LOCK.read_text(encoding="utf-8"))
     said = "; ".join(wrong) if wrong else "all as in environment.lock"
-    return Finding("packages", not wrong, said, "install what the lock names: make setup")
-
-
-def list_other_versions(lock: str) -> list[str]:
-    """Packages whose version differs from the lock file's.
-
-    A package that the lock names under a condition (``; sys_platform == …``) may be missing.
-
-    Examples
-    --------
-    >>> list_other_versions("numpy==0.1 --hash=sha256:00")  # doctest: +ELLIPSIS
-    ['numpy ... instead of 0.1']
-    >>> list_other_versions("no-such-package==1 ; python_version < '3'")
-    []
-    """
-    pins: dict[str, dict[str, str]] = {}  # a lock for several Pythons may pin a package twice
-    for name, pinned, condition in _PIN.findall(lock):
-        pins.setdefault(name, {})[pinned] = condition
-    wrong = []
-    for name, allowed in pins.items():
-        try:
-            found = version(name)
-        except PackageNotFoundError:
-            if not all(allowed.values()):
-                wrong.append(f"{name} is missing")
-            continue
-        if found not in allowed:
-            wrong.append(f"{name} {found} instead of {' or '.join(allowed)}")
-    return wrong
+    return Finding("packages", not wrong, said, f"numbers may differ; install the lock: {INSTALL}")
 
 
 def check_codec() -> Finding:
@@ -107,7 +72,7 @@ def check_codec() -> Finding:
         capture.release()
     well = bool(read) and picture.shape == (48, 64, 3)
     said = f"OpenCV {cv2.__version__} {'writes and reads' if well else 'fails on'} Motion JPEG"
-    return Finding("video", well, said, "install opencv-python-headless as locked: make setup")
+    return Finding("video", well, said, f"install opencv-python-headless as locked: {INSTALL}")
 
 
 def check_sampler() -> Finding:
@@ -120,7 +85,7 @@ def check_sampler() -> Finding:
         said = "numba compiles"
     except (NumbaError, OSError) as error:
         well, said = False, f"numba fails: {error}"
-    return Finding("compiler", well, said, "install numba as locked: make setup")
+    return Finding("compiler", well, said, f"install numba as locked: {INSTALL}")
 
 
 def check_folder(folder: Path) -> Finding:

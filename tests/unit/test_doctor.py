@@ -1,6 +1,7 @@
 from importlib.metadata import version
 
-from softfinger.doctor import check_folder, check_setup, list_other_versions
+from softfinger.doctor import check_folder, check_setup
+from softfinger.provenance import environment, environment_hash, hash_files, list_other_versions
 
 
 def test_a_sound_installation_has_no_complaint(tmp_path):
@@ -31,3 +32,10 @@ def test_a_package_pinned_twice_is_well_at_either_version():
 def test_the_disk_is_judged_where_the_results_are_to_come(tmp_path):
     finding = check_folder(tmp_path / "not/yet/there")
     assert finding.said.startswith(str(tmp_path))
+
+
+def test_other_libraries_are_another_environment(tmp_path, monkeypatch):
+    assert environment_hash() == hash_files(environment.LOCK)  # here all are as locked
+    (tmp_path / "lock").write_text("numpy==0.1 \\\n")
+    monkeypatch.setattr(environment, "LOCK", tmp_path / "lock")
+    assert environment.environment_hash.__wrapped__() != hash_files(tmp_path / "lock")

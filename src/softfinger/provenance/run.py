@@ -4,12 +4,12 @@ import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 from softfinger.faults import ArtifactFault
-from softfinger.provenance.code import PROJECT, code_hash
+from softfinger.provenance.code import code_hash
+from softfinger.provenance.environment import environment_hash
 
 
 @dataclass(frozen=True)
@@ -56,12 +56,6 @@ def describe_run(
         environment_sha256=environment_hash(),
         seed=seed,
     )
-
-
-@cache
-def environment_hash() -> str:
-    """SHA-256 of ``environment.lock``, which pins every library."""
-    return hash_files(PROJECT / "environment.lock")
 
 
 def _hash_text(text: str) -> str:
