@@ -9,10 +9,16 @@ sys.path.insert(0, str(Path(__file__).parent / "extensions"))
 project = "softfinger"
 author = copyright = "the softfinger maintainers"
 version = release = read_version("softfinger")
-extensions = ["myst_parser", "formulas", "tables"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "formulas", "tables"]
 source_suffix = {".md": "markdown"}
 exclude_patterns = ["own_effect/*.py", "extensions"]
 nitpicky = True
+nitpick_ignore_regex = [("py:.*", ".*")]  # types of other libraries, whose pages are not at hand
+autodoc_typehints = "signature"
+autodoc_member_order = "bysource"
+default_role = "code"
+napoleon_google_docstring = False
+napoleon_use_ivar = True
 templates_path = []
 
 myst_enable_extensions = ["attrs_block", "deflist", "dollarmath"]

@@ -167,8 +167,8 @@ def describe_commands() -> str:
         verbs = {f"{name} {verb}": part for verb, part in inner.items()}
         for verb, part in (verbs or {name: command}).items():
             words = " ".join((part.help or "").split("\n\n")[0].split())
-            rows.append((f"`softfinger {verb}`", words))
-    return format_table(("command", "what it does"), rows)
+            rows.append((words, part.epilog.removeprefix("Example: ")))
+    return format_table(("what it does", "example"), rows)
 
 
 def describe_make() -> str:

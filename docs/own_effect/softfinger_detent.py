@@ -1,9 +1,10 @@
 """A joint that snaps into places: a torque −a sin(2π q/pitch) beside its spring."""
 
 import math
+from collections.abc import Mapping
 
+from softfinger.api import Effect, Form, Setting, signed, time_constant
 from softfinger.compiled import compiled
-from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, signed, time_constant
 from softfinger.mechanics.forward.hooks import Hook
 from softfinger.mechanics.forward.slot import Slot, declare
 from softfinger.mechanics.forward.work import Balance, Model, Nodes
@@ -34,7 +35,7 @@ def _build_forms(setting: Setting) -> list[Form]:
     torque = signed("detent_torque_nm", 0.1 * setting.torque, floor=1e-3 * setting.torque)
     pitch = time_constant("detent_pitch_rad", 0.05, 1.0)  # log-normal between two values
 
-    def slots(values: Values) -> dict:
+    def slots(values: Mapping) -> dict:
         return {
             "detent_torque": values["detent_torque_nm"],
             "detent_pitch": values["detent_pitch_rad"],

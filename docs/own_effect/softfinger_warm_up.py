@@ -1,18 +1,10 @@
 """Friction along the wire that falls over the first trials, as the grease warms up."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
-from softfinger.mechanics.effects.effect import (
-    FREE,
-    Effect,
-    Form,
-    Parameter,
-    Setting,
-    Values,
-    positive,
-    time_constant,
-)
-from softfinger.mechanics.effects.law import Law
+from softfinger.api import Effect, Form, Law, Parameter, Setting, positive, time_constant
 
 LEAST_TRIALS = 6
 
@@ -25,7 +17,7 @@ def _build_forms(setting: Setting) -> list[Form] | str:
     middle = np.log(0.02 * setting.torque)
     width = Parameter("turning_width", middle, 1.0, log=True, low=middle - 3, high=middle + 3)
 
-    def slots(values: Values) -> dict:
+    def slots(values: Mapping) -> dict:
         left = np.exp(-setting.number / float(values["warm_up_trials"]))
         return {
             "friction_constant": values["cold_friction"] * left,  # one value for each trial
@@ -36,7 +28,7 @@ def _build_forms(setting: Setting) -> list[Form] | str:
     last = float(setting.number.max())
     law = Law("cold_friction_law", "trials_to_go", last, 0.1, terms=4, kind="sum")
 
-    def free(values: Values) -> dict:
+    def free(values: Mapping) -> dict:
         left = law.evaluate(values, last - setting.number)
         return {
             "friction_constant": left,
@@ -46,7 +38,7 @@ def _build_forms(setting: Setting) -> list[Form] | str:
 
     return [
         Form("exponential", (friction, trials, width), slots),
-        Form(FREE, (*law.parameters, width), free, law=law),  # any other way to fall
+        Form("free", (*law.parameters, width), free, law=law),  # any other way to fall
     ]
 
 

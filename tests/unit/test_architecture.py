@@ -84,7 +84,7 @@ def list_parts() -> list[str]:
     found = {
         p.stem for p in PACKAGE.iterdir() if p.suffix == ".py" or (p / "__init__.py").is_file()
     }
-    return sorted(found - {"__init__", "stages", "cli"})
+    return sorted(found - {"__init__", "stages", "cli", "api"})  # which may import all
 
 
 @pytest.mark.parametrize("part", list_parts())
@@ -95,7 +95,7 @@ def test_a_part_imports_only_what_lies_below_it(part):
 
 def test_nothing_but_the_command_line_imports_the_stages():
     for part in list_parts():
-        assert not imported_parts(part) & {"stages", "cli"}
+        assert not imported_parts(part) & {"stages", "cli", "api"}
 
 
 def test_no_two_parts_import_each_other():

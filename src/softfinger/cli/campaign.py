@@ -96,11 +96,22 @@ def run(
     out: Out,
     config: ConfigFile = None,
     cores: Annotated[int, typer.Option(help="Processor cores to use.", min=1)] = 2,
+    json: Json = False,
 ) -> None:
     """Run the workflow on a campaign.
 
     It starts from whatever level the campaign has, and makes its artifacts and report.
     """
+    status = run_workflow(campaign, out, config, cores)
+    if json:
+        names = {"report": "report.html", "verdict": "verdict.json", "logs": "logs"}
+        made = {name: out.resolve() / file for name, file in names.items()}
+        typer.echo(dump_json({"finished": status == 0} | made))
+    raise typer.Exit(code=status)
+
+
+def run_workflow(campaign: Path, out: Path, config: Path | None, cores: int) -> int:
+    """Run the workflow on a campaign; its exit status."""
     read_campaign(campaign)
     read_config(config)
     out.mkdir(parents=True, exist_ok=True)
@@ -111,4 +122,4 @@ def run(
     command += ["--cores", str(cores), "--directory", str(out)]
     command += ["--nolock"]  # we have our own, which ends with its process
     command += [*files, "--config", *settings]
-    raise typer.Exit(code=run_to_end(command))
+    return run_to_end(command)
