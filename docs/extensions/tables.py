@@ -162,10 +162,9 @@ def describe_commands() -> str:
     """Every verb of the command line with its help."""
     group = typer.main.get_command(command_line)
     rows = []
-    for name, command in sorted(group.commands.items()):
+    for _, command in sorted(group.commands.items()):
         inner = getattr(command, "commands", {})
-        verbs = {f"{name} {verb}": part for verb, part in inner.items()}
-        for verb, part in (verbs or {name: command}).items():
+        for part in inner.values() if inner else [command]:
             words = " ".join((part.help or "").split("\n\n")[0].split())
             rows.append((words, part.epilog.removeprefix("Example: ")))
     return format_table(("what it does", "example"), rows)
