@@ -21,6 +21,7 @@ SPEC = ArtifactSpec(
         "ci_prob": Variable(("ci_prob",), "1", "probability of the central band"),
         "level": Variable(("level",), "1", "largest load of the trials that were left out"),
         "bound": Variable(("bound",), "1", "of the 90 % interval", "text"),
+        "quantile": Variable(("quantile",), "1", "probability below"),
     },
     variables={
         "population_mean": Variable(_MEAN, "1", "mean over trials"),
@@ -47,6 +48,12 @@ SPEC = ArtifactSpec(
         "recorded_angle": Variable(_ANGLE, "rad", "mean angle of the bin", compress=True),
         "fitted_angle": Variable(
             ("model", *_ANGLE), "rad", "the model at the trial's own mode", compress=True
+        ),
+        "predicted_quantile": Variable(
+            ("model", "quantile", *_ANGLE),
+            "rad",
+            "quantile of a new trial's angle, by the other trials; NaN for a single trial",
+            compress=True,
         ),
         "bin_noise_sd": Variable(
             _ANGLE, "rad", "sd of the bin's noise", at_least=0.0, compress=True

@@ -25,6 +25,9 @@ from softfinger.mismatch.tables.predict import (
     refit_without,
 )
 
+QUANTILES = (0.05, 0.5, 0.95)
+"""Of the band that is drawn beside a recording."""
+
 
 def measure_repair(
     problem: Problem,
@@ -79,7 +82,7 @@ def _measure_model(
     square = compute_residual(problem, candidate, angles) ** 2
     count = np.isfinite(square).sum(axis=2)
     rms = np.sqrt(np.nansum(square, axis=2) / np.maximum(count, 1))
-    coverage, bound = measure_coverage(problem, candidate, recorded, noise_sd, rng)
+    coverage, bound, band = measure_coverage(problem, candidate, recorded, noise_sd, rng)
     error, inside = measure_levels(problem, candidate, recorded, noise_sd, levels, rng)
     mean_sd = np.sqrt(np.diag(fit.mean_covariance))
     values = {
@@ -91,6 +94,7 @@ def _measure_model(
         "fitted_angle": (("trial", "joint", "bin"), _mask(trials, fitted)),
         "coverage": (("joint", "ci_prob"), coverage),
         "coverage_bound": (("joint", "ci_prob", "bound"), bound),
+        "predicted_quantile": (("quantile", "trial", "joint", "bin"), band),
         "level_error": (("level", "joint"), error),
         "level_coverage": (("level", "joint"), inside),
     }
@@ -100,6 +104,7 @@ def _measure_model(
         "parameter": list(LOG_PARAMETERS),
         "ci_prob": list(DECISIONS.ci_probs),
         "bound": ["lower", "upper"],
+        "quantile": list(QUANTILES),
         "level": np.array(list(levels), float),
     }
     return xr.Dataset(values, coords)
@@ -123,24 +128,30 @@ def measure_coverage(
     recorded: NDArray[np.float64],
     noise_sd: NDArray[np.float64],
     rng: np.random.Generator,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Share of recorded angles inside left-out trials' bands.
+
+    Its 90 % bounds and the bands themselves are returned too.
 
     Returns
     -------
-    coverage, bound
-        (joint, ci_prob) and (joint, ci_prob, 2), by bootstrap over trials; NaN for one trial.
+    coverage, bound, band
+        (joint, ci_prob) and (joint, ci_prob, 2), by bootstrap over trials; band
+        (quantile, trial, joint, bin) [rad] that the other trials predict, without noise. All are
+        NaN for one trial.
     """
     shape = (problem.trials.joints, len(DECISIONS.ci_probs))
     n = len(problem.trials.name)
     if n < 2:
-        return np.full(shape, np.nan), np.full((*shape, 2), np.nan)
+        nothing = np.full((len(QUANTILES), *recorded.shape), np.nan)
+        return np.full(shape, np.nan), np.full((*shape, 2), np.nan), nothing
     groups = [(fold, learn_without(problem, candidate, fold)) for fold in list_folds(n)]
     drawn = predict_left_out(problem, candidate, groups, rng)
+    band = np.where(np.isfinite(recorded), np.quantile(drawn, QUANTILES, axis=0), np.nan)
     share = share_inside(rank_recordings(drawn, recorded, noise_sd, rng))
     again = np.stack([_mean(share[rng.integers(0, n, n)]) for _ in range(BUDGET.resamples)])
     bound = np.moveaxis(np.nanquantile(again, (0.05, 0.95), axis=0), 0, -1)
-    return _mean(share), bound
+    return _mean(share), bound, band
 
 
 def share_inside(rank: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -80,6 +80,13 @@ def test_left_out_trials_and_levels_are_predicted(tables):
     inside = found["coverage"].sel(model="final", ci_prob=0.9)
     assert (inside > 0.6).all()
     assert (found["coverage_bound"].sel(bound="lower") <= found["coverage"]).all()
+    low, high = (found["predicted_quantile"].sel(quantile=q) for q in (0.05, 0.95))
+    recorded, noise = found["recorded_angle"], 2 * found["bin_noise_sd"]
+    within = (low - noise < recorded) & (recorded < high + noise)
+    seen = recorded.notnull()
+    share = within.sum(("trial", "bin")) / seen.sum(("trial", "bin"))
+    assert (share >= found["coverage"].sel(ci_prob=0.9) - 0.02).all()
+    assert (np.isfinite(low) == seen).all()
 
 
 def test_the_noise_of_a_bin_is_that_of_the_mean_of_its_frames(tables, named):
