@@ -152,6 +152,11 @@ class Checks:
 Block = Paragraph | Listing | Fragment | Table | Picture | Checks
 
 
+def keep_blocks(*blocks: Block | None) -> tuple[Block, ...]:
+    """Keep the blocks that there are."""
+    return tuple(block for block in blocks if block is not None)
+
+
 @dataclass(frozen=True)
 class Section:
     """A numbered part of the page."""

@@ -142,6 +142,16 @@ def join_words(words: list[str]) -> str:
     return " and ".join([", ".join(words[:-1]), words[-1]]) if len(words) > 1 else "".join(words)
 
 
+def shorten_list(sentences: list[str], most: int, where: str) -> list[str]:
+    """Keep the first sentences, and point to where the others are.
+
+    >>> shorten_list(["One.", "Two.", "Three."], 1, "the table")
+    ['One.', '2 more: see the table.']
+    """
+    hidden = len(sentences) - most
+    return sentences if hidden <= 0 else [*sentences[:most], f"{hidden} more: see {where}."]
+
+
 def count_things(number: int, thing: str) -> str:
     """Count with the right plural.
 

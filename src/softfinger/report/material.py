@@ -100,6 +100,11 @@ class Material:
         """
         return self.angles.sizes["trial"] < 2
 
+    @property
+    def is_fitted(self) -> bool:
+        """Whether there is anything besides a diagnosis."""
+        return "verdict" not in self or "posterior" in self
+
     @cached_property
     def bands(self) -> xr.Dataset:
         """The artifact `bands`, with named and sorted protocols.

@@ -5,17 +5,24 @@ from __future__ import annotations
 import base64
 import hashlib
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import jinja2
 from markupsafe import Markup, escape
 
 from softfinger.report.blocks import Section, Tile
 from softfinger.report.material import Artifact, Material
-from softfinger.report.sections import overview
+from softfinger.report.overview.causes import build_causes
+from softfinger.report.overview.following import build_next
+from softfinger.report.overview.measurement import build_measurement
+from softfinger.report.overview.motion import build_motion
+from softfinger.report.overview.spread import build_spread
+from softfinger.report.overview.verdict import build_verdict
+from softfinger.report.sections.catalogue import build_catalogue
 from softfinger.report.sections.data import build_data
+from softfinger.report.sections.explained import build_explained
 from softfinger.report.sections.measured import build_measured
 from softfinger.report.sections.mismatch import build_mismatch
 from softfinger.report.sections.model import build_model_section
@@ -27,33 +34,57 @@ from softfinger.report.sections.quality import (
     build_computation,
     build_predictive,
 )
+from softfinger.report.sections.remains import build_remains
 from softfinger.report.sections.sensitivity import build_sensitivity
 from softfinger.report.sections.tiles import judge_tiles
 
 HERE = Path(__file__).parent
-OVERVIEW = (
-    overview.build_verdict,
-    overview.build_motion,
-    overview.build_spread,
-    overview.build_causes,
-    overview.build_measurement,
-    overview.build_next,
+Build = Callable[[Material], Section]
+
+
+class PagePlan(NamedTuple):
+    """What a page is, what it answers, and its two layers."""
+
+    kind: str
+    ask: str
+    first: tuple[Build, ...]
+    referee: tuple[Build, ...]
+
+
+REPORT = PagePlan(
+    "Soft finger report",
+    "How do the joints move and vary from trial to trial, what causes it, and what is missing?",
+    (build_verdict, build_motion, build_spread, build_causes, build_measurement, build_next),
+    (
+        build_data,
+        build_measured,
+        build_model_section,
+        build_computation,
+        build_calibration,
+        build_predictive,
+        build_parameters,
+        build_sensitivity,
+        build_mismatch,
+        build_remains,
+        build_explained,
+        build_catalogue,
+        build_outlook,
+        build_origin,
+    ),
 )
-"""The first layer, for the head of a lab."""
-REFEREE = (
-    build_data,
-    build_measured,
-    build_model_section,
-    build_computation,
-    build_calibration,
-    build_predictive,
-    build_parameters,
-    build_sensitivity,
-    build_mismatch,
-    build_outlook,
-    build_origin,
+"""Of a whole run: for the head of a lab, and folded for a referee."""
+DIAGNOSIS = PagePlan(
+    "Diagnosis",
+    "Which physics does the model leave out, what remains, and what do the recordings suffer from?",
+    (build_verdict, build_motion, build_remains, build_measurement, build_explained, build_next),
+    (build_data, build_measured, build_mismatch, build_catalogue, build_origin),
 )
-"""The second layer, folded."""
+"""Of a diagnosis without a fit."""
+
+
+def choose_plan(material: Material) -> PagePlan:
+    """Choose the page by what was run."""
+    return REPORT if material.is_fitted else DIAGNOSIS
 
 
 def write_report(
@@ -64,8 +95,7 @@ def write_report(
 ) -> None:
     """Write one campaign's report as self-contained HTML.
 
-    It needs no other file and no network.
-
+    It needs no other file and no network. Without a fit it is a diagnosis's page.
     A failed check turns its verdict red; the report is written all the same.
 
     Parameters
@@ -95,15 +125,15 @@ def write_report(
 
 def render_report(material: Material) -> str:
     """Render the report's page."""
+    plan = choose_plan(material)
     return render_page(
         title=material.campaign,
-        kind="Soft finger report",
-        ask="How do the joints of this finger move, how much do they vary from trial to trial, "
-        "which parameter causes it, and what physics is missing?",
+        kind=plan.kind,
+        ask=plan.ask,
         source=material.source,
         tiles=judge_tiles(material),
-        sections=[build(material) for build in OVERVIEW],
-        folded=[build(material) for build in REFEREE],
+        sections=[build(material) for build in plan.first],
+        folded=[build(material) for build in plan.referee],
         load_unit=material.load_unit,
     )
 

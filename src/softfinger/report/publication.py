@@ -15,7 +15,7 @@ from softfinger.figures.style import label_parameter_unit, save_figure
 from softfinger.report.blocks import Picture
 from softfinger.report.formatting import format_measure, format_number, format_percent
 from softfinger.report.material import Artifact, Material
-from softfinger.report.pictures import fit, mismatch, population, recordings, spread
+from softfinger.report.pictures import fit, mismatch, population, recordings, repair, spread
 from softfinger.report.pictures.assumptions import picture_assumptions
 from softfinger.report.pictures.free_form import picture_free_form
 from softfinger.report.pictures.measurement import picture_laws, picture_measurement
@@ -35,8 +35,9 @@ PICTURES: dict[str, Callable[[Material], Picture | None]] = {
     "shapley": spread.picture_shapley,
     "hyperparameters": population.picture_hyperparameters,
     "residuals": fit.picture_residuals,
-    "repair": mismatch.picture_repair,
-    "ranking": mismatch.picture_ranking,
+    "repair": repair.picture_repair,
+    "evidence": repair.picture_evidence,
+    "ranking": repair.picture_ranking,
     "location": mismatch.picture_location,
     "masking": mismatch.picture_masking,
     "free_form": picture_free_form,

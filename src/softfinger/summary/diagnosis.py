@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 SEEN = 0.05
 """p-value below which a joint or line shows misfit."""
@@ -26,8 +27,8 @@ def summarise_misfit(repair: xr.Dataset) -> xr.Dataset:
     -------
     Dataset
         trial_base, trial_final (): where the base model leaves most, over the noise, and where the
-        repair takes away most; mean_square (model, joint, since_change), 1 is noise alone, NaN
-        where there is no bin.
+        repair takes away most; like_base, like_final (trial): whether a trial has its load;
+        mean_square (model, joint, since_change), 1 is noise alone, NaN where there is no bin.
     """
     left = repair["recorded_angle"] - repair["fitted_angle"]
     square = (left / repair["bin_noise_sd"]) ** 2
@@ -38,44 +39,72 @@ def summarise_misfit(repair: xr.Dataset) -> xr.Dataset:
     place = xr.DataArray(np.digitize(repair["since_change"].values, SINCE), dims=("trial", "bin"))
     mean = [square.where(place == k).mean(("trial", "bin")) for k in range(1, SINCE.size)]
     middle = xr.IndexVariable("since_change", np.sqrt(SINCE[1:] * SINCE[:-1]))
-    picked = {f"trial_{k}": ((), str(names[int(v.values.argmax())])) for k, v in shown.items()}
+    picked: dict[str, tuple] = {}
+    for model, size in shown.items():
+        trial = int(size.values.argmax())
+        picked[f"trial_{model}"] = ((), str(names[trial]))
+        picked[f"like_{model}"] = ("trial", find_same_load(repair, trial))
     mean_square = xr.concat(mean, middle, join="exact").transpose("model", "joint", "since_change")
-    return xr.Dataset({"mean_square": mean_square, **picked})
+    return xr.Dataset({"mean_square": mean_square, **picked}, {"trial": names})
 
 
-def summarise_evidence(ranking: xr.Dataset, sentences: Mapping[str, str]) -> xr.Dataset:
+SAME_LOAD = 0.02
+"""Largest difference of two loads that count as one, over the largest load."""
+
+
+def find_same_load(repair: xr.Dataset, trial: int) -> NDArray[np.bool_]:
+    """Which trials (trial,) have the load of one, at all of its times."""
+    time, load = (repair[name].transpose("trial", "bin").values for name in ("time", "load"))
+    largest = np.nanmax(np.abs(load))
+    at = time[trial][np.isfinite(time[trial])]
+    drawn = []
+    for when, level in zip(time, load, strict=True):
+        known = np.isfinite(when)
+        drawn.append(np.interp(at, when[known], level[known]))
+    own = drawn[trial]
+    return np.array([np.median(np.abs(one - own)) <= SAME_LOAD * largest for one in drawn])
+
+
+def summarise_evidence(
+    ranking: xr.Dataset, masking: xr.Dataset | None, sentences: Mapping[str, str]
+) -> xr.Dataset:
     """Decide which effects are drawn as needed.
 
     Also what chance alone gains.
 
     Parameters
     ----------
+    ranking, masking
+        The artifacts of these names.
     sentences
         Effect → what happens.
 
     Returns
     -------
     Dataset
-        needed (effect); sentence (effect), refused_sentence (refused_effect); chance_range (end)
-        [nats], least and largest gain of the drawn campaigns.
+        needed (effect); sentence (effect), refused_sentence (refused_effect), unfitted_sentence
+        (unfitted_effect), of the effects whose first estimate gained too little for a fit;
+        chance_range (end) [nats], least and largest gain of the drawn campaigns.
     """
     chance = ranking["chance_gain"].values
-    named = {name: str(sentences.get(str(name), "–")) for name in _each_effect(ranking)}
+    known = {name: ranking[name].values.tolist() for name in ("effect", "refused_effect")}
+    looked = [] if masking is None else masking["effect"].values.tolist()
+    known["unfitted_effect"] = [name for name in looked if name not in known["effect"]]
+    told = {
+        f"{dim.removesuffix('effect')}sentence": (
+            dim,
+            np.array([str(sentences.get(str(name), "–")) for name in names], dtype=object),
+        )
+        for dim, names in known.items()
+    }
     return xr.Dataset(
         {
             "needed": ranking["inclusion"] > NEEDED,
-            "sentence": ("effect", [named[n] for n in ranking["effect"].values]),
-            "refused_sentence": (
-                "refused_effect",
-                np.array([named[n] for n in ranking["refused_effect"].values], dtype=object),
-            ),
+            **told,
             "chance_range": ("end", [chance.min(), chance.max()]),
-        }
+        },
+        {dim: np.array(names, dtype=object) for dim, names in known.items()},
     )
-
-
-def _each_effect(ranking: xr.Dataset) -> list[str]:
-    return [*ranking["effect"].values, *ranking["refused_effect"].values]
 
 
 def summarise_location(

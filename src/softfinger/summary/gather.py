@@ -109,7 +109,8 @@ def summarise(
         if source in artifacts:
             groups[name] = sum_up(artifacts[source])
     if "ranking" in artifacts:
-        groups["evidence"] = diagnosis.summarise_evidence(artifacts["ranking"], sentences)
+        looked = artifacts["ranking"], artifacts.get("masking")
+        groups["evidence"] = diagnosis.summarise_evidence(*looked, sentences)
     if "verdict" in artifacts:
         found = artifacts["verdict"], artifacts.get("location")
         groups["location"] = diagnosis.summarise_location(angles, *found)

@@ -28,6 +28,7 @@ LABELS = {
     "covariate": ["tension_n", "trial"],
     "ci_prob": np.array([0.5, 0.9]),
     "bound": ["lower", "upper"],
+    "quantile": np.array([0.05, 0.5, 0.95]),
     "level": np.array([0.02, 0.04]),
 }
 
@@ -55,6 +56,17 @@ VERDICT = {
     "n_trials": 5,
     "set_aside": [],
     "next_experiment": None,
+    "explained": [
+        {
+            "effects": ["second_retardation"],
+            "gain_nats": 120.0,
+            "share": 0.9,
+            "amplitudes_cover_zero": False,
+        }
+    ],
+    "remaining": {"rms_over_noise": 1.02, "p_value": 0.4, "where": "nowhere more than by chance"},
+    "not_tried": [{"id": "temperature", "reason": "temperature was not logged"}],
+    "warnings": [],
     "measurement": [
         {
             "id": "outliers",
@@ -95,7 +107,12 @@ def make_repair(joints, trials, attrs):
     recorded = 0.4 - 0.3 * np.exp(-time[:, None, :] / np.arange(1, len(joints) + 1)[:, None])
     final = recorded + 0.001 * np.sin(7 * time[:, None, :])
     base = final - 0.02 * np.exp(-time[:, None, :])
+    alone = recorded.shape[0] < 2
+    reach = np.array([-0.05, 0.0, 0.05])[:, None, None, None] * (np.nan if alone else 1.0)
+    band = np.stack([model + reach for model in (base, final)])
     return filled.assign(
+        load=(("trial", "bin"), np.full(time.shape, 0.04)),
+        predicted_quantile=(("model", "quantile", "trial", "joint", "bin"), band),
         time=(("trial", "bin"), time),
         since_change=(("trial", "bin"), time),
         recorded_angle=(("trial", "joint", "bin"), recorded),

@@ -7,8 +7,9 @@ from softfinger.faults import Fault
 from softfinger.report.blocks import Check
 from softfinger.report.checks import CALIBRATION, COMPUTATION, FIT, combine_checks, list_checks
 from softfinger.report.material import Material
+from softfinger.report.overview.causes import describe_causes
+from softfinger.report.overview.spread import build_spread
 from softfinger.report.sections.outlook import list_data_limits, list_failed
-from softfinger.report.sections.overview import build_spread, describe_causes
 from softfinger.report.sections.tiles import judge_tiles
 
 
@@ -148,6 +149,6 @@ def test_one_trial_is_not_judged_by_what_needs_two():
     assert {(check.found, check.passed) for check in checks} == {("needs two trials", None)}
     assert [tile.answer for tile in judge_tiles(material)[1:3]] == ["not judged", "not judged"]
     assert {check.found for check in list_fit(material)} == {"needs two trials"}
-    assert "One trial cannot tell" in build_spread(material).blocks[-1].text
+    assert "One trial cannot show" in build_spread(material).blocks[-1].text
     assert describe_causes(material) == []
-    assert "1 trial tells nothing of the spread" in list_data_limits(material)[0]
+    assert "1 trial shows nothing of the spread" in list_data_limits(material)[0]

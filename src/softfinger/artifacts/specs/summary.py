@@ -116,11 +116,14 @@ SPEC = ArtifactSpec(
             ),
             "trial_base": Variable((), "1", "trial of which the base leaves most", "text"),
             "trial_final": Variable((), "1", "trial that the repair helps most", "text"),
+            "like_base": _trial("1", "whether it has the load of trial_base", _TRUTH),
+            "like_final": _trial("1", "whether it has the load of trial_final", _TRUTH),
         },
         "evidence": {
             "needed": Variable(("effect",), "1", "whether it is needed beside all others", _TRUTH),
             "sentence": Variable(("effect",), "1", "what happens", "text"),
             "refused_sentence": Variable(("refused_effect",), "1", "what happens", "text"),
+            "unfitted_sentence": Variable(("unfitted_effect",), "1", "what happens", "text"),
             "chance_range": Variable(("end",), "1", "least and largest gain by chance [nats]"),
         },
         "location": {

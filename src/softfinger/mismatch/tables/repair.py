@@ -25,9 +25,6 @@ from softfinger.mismatch.tables.predict import (
     refit_without,
 )
 
-QUANTILES = (0.05, 0.5, 0.95)
-"""Of the band that is drawn beside a recording."""
-
 
 def measure_repair(
     problem: Problem,
@@ -104,7 +101,7 @@ def _measure_model(
         "parameter": list(LOG_PARAMETERS),
         "ci_prob": list(DECISIONS.ci_probs),
         "bound": ["lower", "upper"],
-        "quantile": list(QUANTILES),
+        "quantile": list_band_limits(),
         "level": np.array(list(levels), float),
     }
     return xr.Dataset(values, coords)
@@ -143,15 +140,21 @@ def measure_coverage(
     shape = (problem.trials.joints, len(DECISIONS.ci_probs))
     n = len(problem.trials.name)
     if n < 2:
-        nothing = np.full((len(QUANTILES), *recorded.shape), np.nan)
+        nothing = np.full((len(list_band_limits()), *recorded.shape), np.nan)
         return np.full(shape, np.nan), np.full((*shape, 2), np.nan), nothing
     groups = [(fold, learn_without(problem, candidate, fold)) for fold in list_folds(n)]
     drawn = predict_left_out(problem, candidate, groups, rng)
-    band = np.where(np.isfinite(recorded), np.quantile(drawn, QUANTILES, axis=0), np.nan)
+    band = np.where(np.isfinite(recorded), np.quantile(drawn, list_band_limits(), axis=0), np.nan)
     share = share_inside(rank_recordings(drawn, recorded, noise_sd, rng))
     again = np.stack([_mean(share[rng.integers(0, n, n)]) for _ in range(BUDGET.resamples)])
     bound = np.moveaxis(np.nanquantile(again, (0.05, 0.95), axis=0), 0, -1)
     return _mean(share), bound, band
+
+
+def list_band_limits() -> list[float]:
+    """Quantiles of the widest central band, and the median."""
+    half = max(DECISIONS.ci_probs) / 2
+    return [0.5 - half, 0.5, 0.5 + half]
 
 
 def share_inside(rank: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -107,7 +107,7 @@ def picture_residuals(material: Material) -> Picture | None:
     if residuals is None:
         return None
     rings = list_rings(material)
-    seen = f" A ring of {join_words(rings)} stands out." if rings else ""
+    seen = f" A ring of {join_words(rings)} is far above the rest." if rings else ""
     n = int(residuals["n_segments"].sum())
     return Picture(
         "residuals",

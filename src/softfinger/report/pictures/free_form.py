@@ -5,7 +5,7 @@ from __future__ import annotations
 from softfinger.figures.free_form import draw_free_form
 from softfinger.report.blocks import Picture
 from softfinger.report.material import Material
-from softfinger.report.pictures.mismatch import say_trials
+from softfinger.report.pictures.repair import say_trials
 
 
 def picture_free_form(material: Material) -> Picture | None:

@@ -7,7 +7,7 @@ from softfinger.figures.measurement import draw_measurement
 from softfinger.figures.style import label_thousandth
 from softfinger.report.blocks import Picture
 from softfinger.report.material import Material
-from softfinger.report.pictures.mismatch import say_trials
+from softfinger.report.pictures.repair import say_trials
 
 
 def picture_measurement(material: Material) -> Picture | None:
@@ -21,9 +21,8 @@ def picture_measurement(material: Material) -> Picture | None:
         draw_measurement(noise, label_thousandth(material.motion_unit)),
         "Noise of every trial over the campaign's; share of frames that are left out of every "
         "trial; standard deviation of the noise against the deflection, for each joint.",
-        "Left: noise of a trial over the campaign's; 1 where the recordings show no difference. "
-        "Middle: frames that are gross errors, or repeat the one before. Right: how the noise "
-        "grows with the deflection; level where it does not. "
+        "Left: noise of a trial over the campaign's. Middle: frames that are gross errors, or "
+        "repeat the one before. Right: growth of the noise with the deflection. "
         f"n = {say_trials(material)}. Rule diagnose, artifact measurement.",
     )
 

@@ -26,10 +26,9 @@ def picture_sobol(material: Material) -> Picture | None:
         "Which parameter causes the spread",
         draw_sobol(select_sobol(material.get("sobol"))),
         "First-order Sobol indices of four parameters over time, all of it and the first second.",
-        "Share of the variance between trials that knowing a parameter explains (thick, by the "
-        "posterior), and that is left when all others are known (thin); bands: equal-tailed "
-        "interval over the posterior's draws, 90 %. Below: the first second. The shares need not "
-        f"sum to 1: k_v and c_v act together. {count_source(material, 'sobol')}",
+        "Sobol indices: share of the variance between trials that a parameter explains alone "
+        "(thick), and with the others (thin); bands: 90 % of the "
+        f"posterior. Below: the first second. {count_source(material, 'sobol')}",
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from softfinger.figures.style import label_thousandth
-from softfinger.report.blocks import Block, Paragraph, Section, Table, number, text
+from softfinger.report.blocks import Block, Paragraph, Section, Table, keep_blocks, number, text
 from softfinger.report.formatting import count_things, format_number
 from softfinger.report.material import Material
 from softfinger.report.pictures.measurement import picture_measurement
@@ -24,9 +24,9 @@ def build_measured(material: Material) -> Section:
         ),
         build_findings(found) if found else None,
         build_noise(material),
-        picture_measurement(material),
+        None if found else picture_measurement(material),  # else the first layer has it
     ]
-    return Section("measured", TITLE, tuple(block for block in blocks if block is not None))
+    return Section("measured", TITLE, keep_blocks(*blocks))
 
 
 def build_findings(found: list[dict]) -> Table:

@@ -1,24 +1,18 @@
-"""The verdict of the diagnosis in words.
-
-Without one it states that none was run.
-"""
+"""What was left out, in numbers."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-import xarray as xr
-
-from softfinger.figures.style import get_motion_unit, label_thousandth
+from softfinger.figures.style import label_thousandth
 from softfinger.report.blocks import (
     Block,
-    Listing,
     Paragraph,
     Section,
     Table,
     Tile,
+    keep_blocks,
     number,
     text,
 )
@@ -27,34 +21,18 @@ from softfinger.report.formatting import (
     format_measure,
     format_number,
     format_percent,
-    format_shares,
     join_words,
 )
 from softfinger.report.material import Material
 from softfinger.report.pictures.measurement import picture_laws
-from softfinger.report.pictures.mismatch import (
-    picture_location,
-    picture_masking,
-    picture_ranking,
-)
-from softfinger.report.sections.unlisted import describe_unlisted
-
-DECISIONS = {
-    "adequate": "Nothing is missing that these recordings could show.",
-    "named": "One set of left-out physics explains what the base model misses.",
-    "ambiguous": "Physics is missing, but these recordings cannot tell some candidates apart.",
-    "unlisted": "Something is missing, and no listed effect explains it.",
-}
-PARTLY = "Something is missing that no listed effect explains; what is named here is a part of it."
-IN_A_WORD = {
-    "adequate": "none seen",
-    "named": "found",
-    "ambiguous": "found, ambiguous",
-    "unlisted": "found, not explained",
-}
-NOT_RUN = (
-    "The mismatch diagnosis was not run: this report says whether the model departs from the "
-    "recordings, but not which physics was left out."
+from softfinger.report.sections.repair import build_repair_tables
+from softfinger.report.verdict import (
+    IN_A_WORD,
+    NOT_RUN,
+    format_probability,
+    spell,
+    state_power,
+    state_verdict,
 )
 
 
@@ -64,151 +42,13 @@ def build_mismatch(material: Material) -> Section:
     if "verdict" not in material:
         return Section("mismatch", title, (Paragraph(NOT_RUN, "note"),))
     verdict = material.artifacts["verdict"]
-    blocks: list[Block] = [Paragraph(sentence) for sentence in state_verdict(verdict)]
-    blocks += describe_unlisted(material)
-    evidence = picture_ranking(material)
-    blocks += [] if evidence is None else [evidence]
+    blocks: list[Block | None] = [Paragraph(state_verdict(material))]
+    blocks += [Paragraph(str(effect["statement"])) for effect in verdict["effects"]]
     blocks += build_effect_tables(verdict, label_thousandth(material.motion_unit))
-    law = picture_laws(material)
-    blocks += [] if law is None else [law]
-    if "ranking" in material:
-        evidence = material.find("evidence")
-        blocks.append(build_catalogue_table(material.get("ranking"), evidence))
+    blocks.append(picture_laws(material))
     if "repair" in material and verdict["decision"] != "adequate":
         blocks += build_repair_tables(material.get("repair"))
-    seen = [picture_location(material), picture_masking(material)]
-    blocks += [picture for picture in seen if picture is not None]
-    blocks += say_limits(verdict)
-    return Section("mismatch", title, tuple(blocks))
-
-
-def state_verdict(verdict: Mapping[str, Any]) -> list[str]:
-    """Say in sentences what the diagnosis found."""
-    partly = verdict["decision"] == "unlisted" and verdict["effects"]
-    decision = PARTLY if partly else DECISIONS[verdict["decision"]]
-    return [decision, *(str(effect["statement"]) for effect in verdict["effects"])]
-
-
-def build_catalogue_table(ranking: xr.Dataset, evidence: xr.Dataset) -> Table:
-    """Table of every effect that was tried.
-
-    It marks those that this campaign cannot show.
-    """
-    sentences = evidence["sentence"].values.tolist() + evidence["refused_sentence"].values.tolist()
-    rows = []
-    for name in ranking["effect"].values:
-        gain, needed = (float(ranking[v].sel(effect=name)) for v in ("best_gain", "inclusion"))
-        cells = (number(format_number(gain), gain), number(format_percent(needed), needed))
-        rows.append((name, *cells, text("fitted")))
-    for name in ranking["refused_effect"].values:
-        reason = str(ranking["refused_reason"].sel(refused_effect=name).item())
-        rows.append((name, text("–"), text("–"), text(f"not tried: {reason}")))
-    told = tuple(
-        (text(spell(name)), text(sentence), *rest)
-        for sentence, (name, *rest) in zip(sentences, rows, strict=True)
-    )
-    columns = ("effect", "what happens", "gain alone [nats]", "needed", "tried")
-    caption = (
-        "Gain: log evidence of its best form alone over the base model; 2.3 nats are odds of ten "
-        "to one. Needed: probability that it belongs to the model, beside all others. What "
-        "another effect explains better is not needed, whatever its own gain. Rule diagnose, "
-        "artifact ranking."
-    )
-    return Table("catalogue", "Every effect that was considered", caption, columns, told, True)
-
-
-def spell(effect: object) -> str:
-    """Write an effect's id as words.
-
-    >>> spell("wire_friction")
-    'wire friction'
-    """
-    return str(effect).replace("_", " ")
-
-
-def build_repair_tables(repair: xr.Dataset) -> list[Block]:
-    """Tables of the omission's effect on parameters, predictions."""
-    rows = []
-    for joint in repair["joint"].values:
-        for parameter in repair["parameter"].values:
-            here = repair.sel(joint=joint, parameter=parameter)
-            before, after = (
-                format_measure(float(here["population_mean"].sel(model=model)),
-                               float(here["population_mean_sd"].sel(model=model)))
-                for model in ("base", "final")
-            )  # fmt: skip
-            bias, share = float(here["bias"]), float(here["explained_spread"])
-            rows.append(
-                (text(joint), text(parameter), text(before), text(after),
-                 number(format_number(bias, 2), bias), number(format_percent(share), share))
-            )  # fmt: skip
-    columns = ("joint", "parameter", "base model", "repaired model", "bias", "spread explained")
-    caption = (
-        "Population means ± sd by the base and the repaired model (logarithms, q_ini in rad); the "
-        "bias of a logarithm is about the relative error that the omission caused. Spread "
-        "explained: share of the variance between trials that was physics; negative where the "
-        "base model hid spread. Rule diagnose, artifact repair."
-    )
-    title = "What the omission did to the parameters"
-    return [
-        Table("parameter_bias", title, caption, columns, tuple(rows)),
-        *build_prediction_tables(repair),
-    ]
-
-
-def build_prediction_tables(repair: xr.Dataset) -> list[Block]:
-    """Tables of predictions of left-out trials and loads.
-
-    They give the coverage of trials, and the prediction of load levels.
-    """
-    rows = []
-    for joint in repair["joint"].values:
-        shares = repair["coverage"].sel(joint=joint, ci_prob=0.9)
-        bounds = repair["coverage_bound"].sel(joint=joint, ci_prob=0.9)
-        for model, label in (("base", "base model"), ("final", "repaired model")):
-            share, span = float(shares.sel(model=model)), bounds.sel(model=model).values
-            if np.isfinite(share):
-                interval = format_shares(span[0], span[1])
-                cells = (text(joint), text(label), number(format_percent(share), share))
-                rows.append((*cells, text(interval)))
-    caption = (
-        "Share of the recorded angles of trials that were left out, five times a fifth, inside the "
-        "90 % band that the others predict, with its 90 % interval by bootstrap over trials. Rule "
-        "diagnose, artifact repair."
-    )
-    columns = ("joint", "model", "inside", "90 % interval")
-    title = "Coverage of left-out trials"
-    found: list[Block] = []
-    if rows:
-        found.append(Table("left_out_trials", title, caption, columns, tuple(rows), folded=True))
-    if repair["level"].size:
-        found.append(build_level_table(repair))
-    return found
-
-
-def build_level_table(repair: xr.Dataset) -> Table:
-    """Table of each load level's prediction from others."""
-    rows = []
-    for place, level in enumerate(repair["level"].values):
-        for joint in repair["joint"].values:
-            here = repair.isel(level=place).sel(joint=joint)
-            cells = [text(f"{level:.3g} {repair.attrs['load_unit']}"), text(joint)]
-            for model in ("base", "final"):
-                error = 1e3 * float(here["level_error"].sel(model=model))
-                inside = float(here["level_coverage"].sel(model=model))
-                cells.append(number(f"{error:.3g}", error))
-                cells.append(number(format_percent(inside), inside))
-            rows.append(tuple(cells))
-    small = label_thousandth(get_motion_unit(repair))
-    columns = ("level left out", "joint", f"base: error [{small}]", "base: inside",
-               f"repaired: error [{small}]", "repaired: inside")  # fmt: skip
-    caption = (
-        "Fitted without one load level and predicting it: rms over time of the mean recording "
-        "minus the predicted median, and share of angles inside the predicted 90 % band. Rule "
-        "diagnose, artifact repair."
-    )
-    title = "Loads that were not used in the fit"
-    return Table("left_out_levels", title, caption, columns, tuple(rows), folded=True)
+    return Section("mismatch", title, keep_blocks(*blocks))
 
 
 def build_effect_tables(verdict: Mapping[str, Any], small: str) -> list[Block]:
@@ -272,46 +112,6 @@ def build_form_table(verdict: Mapping[str, Any]) -> list[Block]:
     return [Table("forms", "Textbook forms against the free law", caption, columns, rows)]
 
 
-def say_limits(verdict: Mapping[str, Any]) -> list[Block]:
-    """State what the recordings could not show.
-
-    What to record next is added.
-    """
-    items = [
-        f"Cannot be told apart by these recordings: {join_words([spell(n) for n in names])}."
-        for names in verdict["equivalent"]
-    ]
-    if verdict["not_testable"]:
-        names = join_words([spell(name) for name in verdict["not_testable"]])
-        items.append(f"Could not show at any plausible strength: {names}.")
-    items += describe_next(verdict)
-    return [Listing(tuple(items))] if items else []
-
-
-def describe_next(verdict: Mapping[str, Any]) -> list[str]:
-    """State what to record next, if anything."""
-    proposal = verdict.get("next_experiment")
-    if not proposal:
-        return []
-    statement = str(proposal["statement"])
-    for name in proposal.get("tells_apart", ()):
-        statement = statement.replace(name, spell(name))
-    return [f"{statement} Its load logs lie in the folder next_experiment beside this report."]
-
-
-def say_power(material: Material, verdict: Mapping[str, Any]) -> str:
-    """State how many effects could have shown here.
-
-    The effects are those of the catalogue.
-    """
-    if "ranking" not in material:
-        return DECISIONS[verdict["decision"]]
-    refused = material.get("ranking")["refused_effect"].values.tolist()
-    effects = [*material.get("ranking")["effect"].values.tolist(), *refused]
-    blind = set(refused) | set(verdict["not_testable"])
-    return f"{len(effects) - len(blind)} of {len(effects)} effects could have been seen"
-
-
 def judge_mismatch(material: Material) -> Tile:
     """Summary of the diagnosis for the page's head."""
     question = "Left-out physics"
@@ -319,11 +119,11 @@ def judge_mismatch(material: Material) -> Tile:
         return Tile(question, "not diagnosed", None, "The diagnosis was not run.", "mismatch")
     verdict = material.artifacts["verdict"]
     names = [
-        f"{spell(effect['id'])} (probability {format_percent(effect['probability'])})"
+        f"{spell(effect['id'])} (probability {format_probability(effect['probability'])})"
         for effect in verdict["effects"]
     ]
     if names and verdict["decision"] == "unlisted":
         names.append("more that no listed effect explains")
-    detail = join_words(names) or say_power(material, verdict)
+    detail = "; ".join(filter(None, (join_words(names), state_power(material, verdict))))
     adequate = verdict["decision"] == "adequate"
     return Tile(question, IN_A_WORD[verdict["decision"]], adequate, detail, "mismatch")

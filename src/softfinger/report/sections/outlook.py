@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from softfinger.report.blocks import Listing, Paragraph, Section
+from softfinger.report.blocks import Listing, Paragraph, Section, keep_blocks
 from softfinger.report.checks import CALIBRATION, COMPUTATION, FIT, PARETO, list_checks
 from softfinger.report.formatting import (
     count_things,
@@ -34,10 +34,9 @@ def build_outlook(material: Material) -> Section:
         *list_unsure(material),
         *list_assumptions(material),
     ]
-    lead = Paragraph("The conclusion hangs on the following; each would change it if it fell.")
+    lead = Paragraph("The conclusion depends on the following. If one is wrong, it changes.")
     blocks = (lead, Listing(tuple(items)), picture_assumptions(material))
-    found = tuple(block for block in blocks if block)
-    return Section("outlook", "What would change the conclusion?", found)
+    return Section("outlook", "What would change the conclusion?", keep_blocks(*blocks))
 
 
 def list_failed(material: Material) -> list[str]:
@@ -60,9 +59,9 @@ def list_data_limits(material: Material) -> list[str]:
     """What the amount and kind of data leave open."""
     angles, found = material.angles, material.recordings
     n = angles["trial"].size
-    told = "tells nothing of the spread between trials"
+    told = "shows nothing of the spread between trials"
     if not material.is_alone:
-        told = f"tell the spread to ± {format_percent(float(found['spread_error']))} at best"
+        told = f"determine the spread to ± {format_percent(float(found['spread_error']))} at best"
     items = [f"The number of trials: {count_things(n, 'trial')} {told}."]
     if found["one_load"]:
         items.append(
@@ -82,15 +81,7 @@ def list_data_limits(material: Material) -> list[str]:
 
 def list_unsure(material: Material) -> list[str]:
     """List spreads that the recordings hardly determine."""
-    found = material.find("population")
-    if found is None:
-        return []
-    unsure = [
-        f"{parameter} at joint {joint}"
-        for parameter in found["parameter"].values
-        for joint in found["joint"].values
-        if found["unsure"].sel(parameter=parameter, joint=joint)
-    ]
+    unsure = name_unsure(material)
     if not unsure:
         return []
     sentence = (
@@ -99,6 +90,28 @@ def list_unsure(material: Material) -> list[str]:
         "help for c_p, faster ones for c_v."
     )
     return [sentence]
+
+
+def count_unsure(material: Material) -> list[str]:
+    """Count the spreads that the recordings hardly determine."""
+    unsure, found = name_unsure(material), material.find("population")
+    if not unsure:
+        return []
+    share = f"{len(unsure)} of {found['unsure'].size} spreads are hardly determined"
+    return [f"Longer recordings for c_p, faster ones for c_v: {share}."]
+
+
+def name_unsure(material: Material) -> list[str]:
+    """Name the parameters of hardly determined spreads."""
+    found = material.find("population")
+    if found is None:
+        return []
+    return [
+        f"{parameter} at joint {joint}"
+        for parameter in found["parameter"].values
+        for joint in found["joint"].values
+        if found["unsure"].sel(parameter=parameter, joint=joint)
+    ]
 
 
 def list_assumptions(material: Material) -> list[str]:

@@ -8,7 +8,16 @@ from __future__ import annotations
 import xarray as xr
 
 from softfinger.figures.style import label_parameter_unit
-from softfinger.report.blocks import Block, Cell, Paragraph, Section, Table, number, text
+from softfinger.report.blocks import (
+    Block,
+    Cell,
+    Paragraph,
+    Section,
+    Table,
+    keep_blocks,
+    number,
+    text,
+)
 from softfinger.report.formatting import (
     capital,
     count_things,
@@ -40,7 +49,7 @@ def build_parameters(material: Material) -> Section:
         picture_histograms(material, initial=False),
         picture_histograms(material, initial=True),
     ]
-    return Section("parameters", "The parameters of the finger", tuple(b for b in blocks if b))
+    return Section("parameters", "The parameters of the finger", keep_blocks(*blocks))
 
 
 def describe_scales(material: Material) -> str:
@@ -55,7 +64,7 @@ def describe_scales(material: Material) -> str:
     )
     if "paper" in list_rivals(material.find("population")):
         return words + (
-            "The paper's table stands beside them: it describes the paper's own finger, by the "
+            "The paper's table is beside them. It describes the paper's own finger, by the "
             "two-stage way, so agreement is expected only of that finger."
         )
     return words + (

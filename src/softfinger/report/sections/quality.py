@@ -14,6 +14,7 @@ from softfinger.report.blocks import (
     Paragraph,
     Section,
     Table,
+    keep_blocks,
     number,
     text,
 )
@@ -45,7 +46,7 @@ def build_computation(material: Material) -> Section:
         ),
         picture_sampling(material),
     )
-    return Section("computation", "Is the computation sound?", tuple(b for b in blocks if b))
+    return Section("computation", "Is the computation sound?", keep_blocks(*blocks))
 
 
 def build_calibration(material: Material) -> Section:
@@ -68,9 +69,7 @@ def build_calibration(material: Material) -> Section:
     ]
     if not material.is_alone and "bands" in material and "bands_are" in material.bands.attrs:
         blocks.insert(1, Paragraph(f"{capital(material.get('bands').attrs['bands_are'])}.", "note"))
-    return Section(
-        "calibration", "Do intervals contain what they claim?", tuple(filter(None, blocks))
-    )
+    return Section("calibration", "Do intervals contain what they claim?", keep_blocks(*blocks))
 
 
 def build_coverage_table(material: Material) -> Table | None:
@@ -129,14 +128,13 @@ def build_predictive(material: Material) -> Section:
             caption,
             list_checks(material, FIT),
         ),
+        picture_bands(material, early=False) if "repair" in material else None,
         picture_bands(material, early=True),
         picture_residuals(material),
         build_residual_table(material),
         *show_loo_pit(material),
     )
-    return Section(
-        "predictive", "Does the model describe the recordings?", tuple(b for b in blocks if b)
-    )
+    return Section("predictive", "Does the model describe the recordings?", keep_blocks(*blocks))
 
 
 def build_residual_table(material: Material) -> Table | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import xarray as xr
 
-from softfinger.report.blocks import Block, Paragraph, Section, Table, number, text
+from softfinger.report.blocks import Block, Paragraph, Section, Table, keep_blocks, number, text
 from softfinger.report.formatting import (
     capital,
     format_number,
@@ -16,7 +16,7 @@ from softfinger.report.material import Material
 from softfinger.report.pictures.spread import picture_densities, picture_shapley
 
 ALONE = (
-    "One trial cannot tell how much trials differ: all shares of the spread that follow are those "
+    "One trial cannot show how much trials differ: all shares of the spread that follow are those "
     "of the prior."
 )
 
@@ -35,9 +35,7 @@ def build_sensitivity(material: Material) -> Section:
             build_design_table(material),
         )
     more = (*build_correlations(material), picture_densities(material))
-    return Section(
-        "sensitivity", "What causes the spread?", tuple(b for b in (*blocks, *more) if b)
-    )
+    return Section("sensitivity", "What causes the spread?", keep_blocks(*blocks, *more))
 
 
 def choose_shown_times(sobol: xr.Dataset) -> list[float]:

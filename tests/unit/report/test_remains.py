@@ -1,8 +1,7 @@
 import pytest
 from example_artifacts import gather, make_angles
 
-from softfinger.report.sections.mismatch import build_mismatch
-from softfinger.report.sections.unlisted import describe_unlisted, state_location
+from softfinger.report.sections.remains import build_remains, describe_unlisted, state_location
 from softfinger.summary.diagnosis import summarise_location
 
 LOCATION = {
@@ -42,13 +41,13 @@ def test_what_is_unlisted_is_located_and_its_shape_is_drawn(unlisted):
     assert "with it minus without: 101 ± 12 nats" in shape.text
     assert "by 1 % with it and by 40 % without" in shape.text
     assert picture.name == "free_form"
-    assert "free_form" in [getattr(b, "name", "") for b in build_mismatch(unlisted).blocks]
+    assert "free_form" in [getattr(b, "name", "") for b in build_remains(unlisted).blocks]
 
 
 def test_a_spectral_line_is_told(unlisted, diagnosed):
     artifacts = {**unlisted.artifacts, "location": mark_line(diagnosed, 1e-6)}
     words = [getattr(block, "text", "") for block in describe_unlisted(gather(artifacts))]
-    assert "A spectral line at 3.4 Hz stands out of what is left, in joint 2." in words
+    assert "A spectral line at 3.4 Hz is far above the rest of what is left, in joint 2." in words
 
 
 def test_what_is_listed_needs_no_shape(diagnosed):

@@ -1,6 +1,6 @@
-"""What no listed effect explains.
+"""What the final model leaves.
 
-It shows place, dependence and shape.
+It states where and when, and on what it depends.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from softfinger.report.blocks import Block, Paragraph
+from softfinger.report.blocks import Block, Paragraph, Section, keep_blocks
 from softfinger.report.formatting import (
     count_things,
     format_measure,
@@ -21,6 +21,8 @@ from softfinger.report.formatting import (
 )
 from softfinger.report.material import Material
 from softfinger.report.pictures.free_form import picture_free_form
+from softfinger.report.pictures.mismatch import picture_location
+from softfinger.report.verdict import NOT_RUN
 
 ARGUMENTS = {
     "time_s": "time",
@@ -33,6 +35,36 @@ ARGUMENTS = {
     "largest_load": "the trial's largest load",
     "largest_load_before": "the largest load of the trial before",
 }
+
+
+SMALL = 1e-3
+"""p-values below are written as such."""
+
+
+def build_remains(material: Material) -> Section:
+    """Section on what is left: where, when, on what it depends."""
+    title = "What remains"
+    if "verdict" not in material:
+        return Section("remains", title, (Paragraph(NOT_RUN, "note"),))
+    verdict = material.artifacts["verdict"]
+    words = [state_remaining(verdict["remaining"])] if verdict.get("remaining") else []
+    blocks = keep_blocks(
+        *(Paragraph(sentence) for sentence in words),
+        *describe_unlisted(material),
+        picture_location(material),
+    )
+    return Section("remains", title, blocks, (("mismatch", "fit before and after"),))
+
+
+def state_remaining(left: Mapping[str, Any]) -> str:
+    """State how much is left, and where most of it is."""
+    p = left["p_value"]
+    often = "less than 0.1 %" if p < SMALL else format_percent(p, 0 if p > 0.1 else 1)
+    size = format_number(left["rms_over_noise"], 2)
+    return (
+        f"Under the final model the residuals within trials are {size} times the noise; chance "
+        f"alone leaves as much in {often} of campaigns. Where it shows most: {left['where']}."
+    )
 
 
 def describe_unlisted(material: Material) -> list[Block]:
@@ -78,7 +110,7 @@ def state_line(location: xr.Dataset) -> str:
     joint = int(location["line_joint"])
     where = f"joint {joint}" if joint else "all joints, as the load moves them"
     frequency = format_number(float(location["line_frequency"]))
-    return f"A spectral line at {frequency} Hz stands out of what is left, in {where}."
+    return f"A spectral line at {frequency} Hz is far above the rest of what is left, in {where}."
 
 
 def state_free_form(free_form: xr.Dataset, joints: list[int]) -> str:
