@@ -30,8 +30,7 @@ def describe_used(material: Material) -> str:
     return (
         f"{count_things(angles['trial'].size, 'trial')} of "
         f"{count_things(angles['joint'].size, 'joint')} {verb} used, "
-        f"{f'{aside} set aside' if aside else 'none was set aside'}; "
-        f"the data are {material.source}."
+        f"{f'{aside} set aside' if aside else 'none was set aside'}."
     )
 
 

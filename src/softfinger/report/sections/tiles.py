@@ -142,7 +142,9 @@ def judge_checks(
     passed = combine_checks(checks)
     failed = [f"{check.name}: {check.found}" for check in checks if check.failed]
     made = sum(check.passed is not None for check in checks)
-    fine = [f"{made} of {len(checks)} checks made, none failed", power]
+    every = made == len(checks)
+    count = f"all {made} checks passed" if every else f"{made} of {len(checks)} made, none failed"
+    fine = [count, power]
     detail = "; ".join(failed or filter(None, fine))
     if passed and not any(check.passed and check.powered for check in checks):
         return Tile(question, "not contradicted", None, detail, anchor)
