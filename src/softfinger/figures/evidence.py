@@ -3,8 +3,6 @@
 It shows the gain of every effect, and what models leave.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes

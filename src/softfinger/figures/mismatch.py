@@ -1,7 +1,5 @@
 """Where models miss, and what a protocol could show."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.colors import LogNorm

@@ -1,7 +1,5 @@
 """Recordings beside the base and the repaired model."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes

@@ -3,8 +3,6 @@
 The template turns them into HTML.
 """
 
-from __future__ import annotations
-
 import base64
 from dataclasses import dataclass
 from typing import ClassVar

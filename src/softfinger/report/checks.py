@@ -1,7 +1,5 @@
 """The artifact's checks in words."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import xarray as xr

@@ -3,8 +3,6 @@
 It shows what was concealed, what was answered, and the score.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Meanings and targets of the proof's statistics."""
 
-from __future__ import annotations
-
 # statistic → (meaning, goal, whether more is better)
 STATISTICS: dict[str, tuple[str, float | None, bool]] = {
     "named": ("right name, where the oracle gains 15 nats or more", 0.95, True),

@@ -1,7 +1,5 @@
 """The proof's names by effect, alarms by condition."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

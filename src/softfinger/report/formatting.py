@@ -1,7 +1,5 @@
 """Numbers with no more digits than certain."""
 
-from __future__ import annotations
-
 import math
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

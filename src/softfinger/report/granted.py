@@ -3,8 +3,6 @@
 That is one population, its parameters' correlations, and its priors.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 

@@ -1,7 +1,5 @@
 """The artifacts of one campaign for its report."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property

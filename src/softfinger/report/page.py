@@ -1,7 +1,5 @@
 """The report's HTML page from one campaign's artifacts."""
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import re

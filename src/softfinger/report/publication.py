@@ -3,8 +3,6 @@
 Vector files by name, and a LaTeX document with them.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial

@@ -3,8 +3,6 @@
 What is probable is so among the effects of the catalogue, and the words name how many those are.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What causes the spread of the motion."""
 
-from __future__ import annotations
-
 from softfinger.report.blocks import Paragraph, Section, keep_blocks
 from softfinger.report.formatting import format_number, format_percent, join_words
 from softfinger.report.material import Material

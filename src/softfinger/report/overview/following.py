@@ -1,7 +1,5 @@
 """What to record next."""
 
-from __future__ import annotations
-
 from softfinger.report.blocks import Listing, Section
 from softfinger.report.material import Material
 from softfinger.report.sections.outlook import count_unsure, list_data_limits

@@ -1,7 +1,5 @@
 """What the recordings themselves suffer from."""
 
-from __future__ import annotations
-
 from softfinger.report.blocks import Listing, Section, keep_blocks
 from softfinger.report.formatting import count_things, shorten_list
 from softfinger.report.material import Material

@@ -1,7 +1,5 @@
 """The recordings beside the model, base and repaired."""
 
-from __future__ import annotations
-
 from softfinger.figures.style import label_thousandth
 from softfinger.report.blocks import Paragraph, Section, keep_blocks
 from softfinger.report.checks import FIT, combine_checks, list_checks, list_rings

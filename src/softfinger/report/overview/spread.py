@@ -1,7 +1,5 @@
 """The parameters and their spread, in one table."""
 
-from __future__ import annotations
-
 from softfinger.figures.style import label_parameter_unit
 from softfinger.report.blocks import Paragraph, Section, Table, keep_blocks, number, text
 from softfinger.report.formatting import capital, format_interval, format_percent

@@ -1,7 +1,5 @@
 """The verdict in a sentence, with its evidence."""
 
-from __future__ import annotations
-
 from softfinger.report.blocks import Listing, Paragraph, Section, keep_blocks
 from softfinger.report.formatting import shorten_list
 from softfinger.report.material import Material

@@ -1,7 +1,5 @@
 """The paper's assumptions, checked on simulated fingers."""
 
-from __future__ import annotations
-
 from softfinger.figures.assumptions import draw_assumptions
 from softfinger.report.blocks import Picture
 from softfinger.report.formatting import capital

@@ -1,7 +1,5 @@
 """Figures of priors, sampler, bands and residuals."""
 
-from __future__ import annotations
-
 from softfinger.figures.bands import MOST_PROTOCOLS, draw_bands
 from softfinger.figures.prior import draw_prior_predictive
 from softfinger.figures.residuals import draw_residuals

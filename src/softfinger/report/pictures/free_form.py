@@ -1,7 +1,5 @@
 """The figure of what no listed effect explains."""
 
-from __future__ import annotations
-
 from softfinger.figures.free_form import draw_free_form
 from softfinger.report.blocks import Picture
 from softfinger.report.material import Material

@@ -1,7 +1,5 @@
 """Figures of the measurement and the free laws."""
 
-from __future__ import annotations
-
 from softfinger.figures.laws import draw_laws
 from softfinger.figures.measurement import draw_measurement
 from softfinger.figures.style import label_thousandth

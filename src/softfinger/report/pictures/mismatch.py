@@ -1,7 +1,5 @@
 """Figures of where models miss, and of what could show."""
 
-from __future__ import annotations
-
 from softfinger.figures.mismatch import draw_location, draw_masking
 from softfinger.report.blocks import Picture
 from softfinger.report.material import Material

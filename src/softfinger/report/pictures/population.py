@@ -1,7 +1,5 @@
 """The figures of the population's parameters."""
 
-from __future__ import annotations
-
 from softfinger.figures.hyperparameters import draw_hyperparameters
 from softfinger.figures.population import draw_initial_angles, draw_parameter_histograms
 from softfinger.report.blocks import Picture

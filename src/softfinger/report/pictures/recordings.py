@@ -1,7 +1,5 @@
 """Figures of finger, joint model, recordings and tracking."""
 
-from __future__ import annotations
-
 from softfinger.figures.recordings import draw_recordings
 from softfinger.figures.sketches import draw_finger_sketch, draw_joint_model_sketch
 from softfinger.figures.tracking import draw_tracking

@@ -1,7 +1,5 @@
 """Recordings beside models, and the evidence."""
 
-from __future__ import annotations
-
 from softfinger.figures.evidence import draw_evidence, draw_ranking
 from softfinger.figures.repair import draw_repair
 from softfinger.report.blocks import Picture

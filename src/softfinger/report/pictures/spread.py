@@ -1,7 +1,5 @@
 """Figures of the motion's spread and its causes."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 

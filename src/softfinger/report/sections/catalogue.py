@@ -1,7 +1,5 @@
 """Every effect of the catalogue, and what could have shown."""
 
-from __future__ import annotations
-
 import xarray as xr
 
 from softfinger.report.blocks import Paragraph, Section, Table, keep_blocks, number, text

@@ -1,7 +1,5 @@
 """What was recorded, and what is unused."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.report.blocks import Block, Paragraph, Section, Table, number, text

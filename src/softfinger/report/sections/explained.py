@@ -1,7 +1,5 @@
 """What listed effects explain, and what was not tried."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

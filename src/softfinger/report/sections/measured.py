@@ -1,7 +1,5 @@
 """Each component of the measurement, with its figure."""
 
-from __future__ import annotations
-
 from softfinger.figures.style import label_thousandth
 from softfinger.report.blocks import Block, Paragraph, Section, Table, keep_blocks, number, text
 from softfinger.report.formatting import count_things, format_number

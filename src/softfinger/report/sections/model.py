@@ -1,7 +1,5 @@
 """The model in words, symbols and prior expectations."""
 
-from __future__ import annotations
-
 from softfinger.report.blocks import Fragment, Paragraph, Section
 from softfinger.report.formatting import join_words
 from softfinger.report.material import Material

@@ -1,7 +1,5 @@
 """Where every number comes from; how to repeat."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator, Mapping
 from typing import Any

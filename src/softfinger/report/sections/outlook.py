@@ -1,7 +1,5 @@
 """What would change the conclusion."""
 
-from __future__ import annotations
-
 import re
 
 from softfinger.report.blocks import Listing, Paragraph, Section, keep_blocks

@@ -3,8 +3,6 @@
 Units, intervals, and what else is known of them are given.
 """
 
-from __future__ import annotations
-
 import xarray as xr
 
 from softfinger.figures.style import label_parameter_unit

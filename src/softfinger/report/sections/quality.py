@@ -3,8 +3,6 @@
 It covers computation, calibration and fit to the recordings.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from softfinger.figures.style import label_thousandth

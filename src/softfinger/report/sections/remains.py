@@ -3,8 +3,6 @@
 It states where and when, and on what it depends.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

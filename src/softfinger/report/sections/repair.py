@@ -1,7 +1,5 @@
 """What the omission did to parameters and predictions."""
 
-from __future__ import annotations
-
 import numpy as np
 import xarray as xr
 

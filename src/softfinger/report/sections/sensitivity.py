@@ -1,7 +1,5 @@
 """Which parameter's spread causes the spread of the motion."""
 
-from __future__ import annotations
-
 import xarray as xr
 
 from softfinger.report.blocks import Block, Paragraph, Section, Table, keep_blocks, number, text

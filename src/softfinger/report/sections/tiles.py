@@ -4,8 +4,6 @@ Each states what was tested, and what the test would have seen. Two tests that l
 thing must not contradict each other: the sharper one decides.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
