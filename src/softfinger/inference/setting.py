@@ -36,6 +36,7 @@ def build_setting(angles: xr.Dataset, trials: Trials, own: NDArray[np.float64]) 
         duration=float((stop - begin).max()),
         torque=torque,
         reversals=bool(_falls(trials.load_torque, torque, 1 - DECISIONS.fallen)),
+        levels=_has_levels(trials.load_torque, torque),
         rests=bool(_falls(trials.load_torque, torque, DECISIONS.resting)),
         load_known="assumed" not in kinds,
         tension=kinds == {"tension_n"},
@@ -70,6 +71,14 @@ def _falls(load: NDArray, torque: float, share: float) -> bool:
     size = np.abs(load)
     reached = np.maximum.accumulate(size, axis=1)
     return bool(np.any((size < share * reached) & (reached > DECISIONS.resting * torque)))
+
+
+def _has_levels(load: NDArray, torque: float) -> bool:
+    """Whether a trial's load rests or turns between 0 and its largest."""
+    size = np.abs(load)
+    largest = size.max(axis=1, keepdims=True)
+    between = (size > DECISIONS.resting * torque) & (size < (1 - DECISIONS.fallen) * largest)
+    return bool(between.any()) or _falls(load, torque, 1 - DECISIONS.fallen)
 
 
 def find_step_gap(trials: Trials) -> float:

@@ -18,6 +18,7 @@ SETTING = {
     "duration": (),
     "torque": (),
     "reversals": (),
+    "levels": (),
     "rests": (),
     "load_known": (),
     "tension": (),

@@ -34,6 +34,7 @@ from softfinger.mismatch.search.settle import (
     settle_search,
     weigh_models,
 )
+from softfinger.mismatch.search.species import name_species
 from softfinger.mismatch.search.stepwise import (
     Search,
     hold_against_shape,
@@ -177,6 +178,7 @@ def mend_hums(posed: Posed, pose: Pose) -> tuple[Posed, list[Hum]]:
 def _close(problem: Problem, search: Search, found: Survey, angles: xr.Dataset) -> Diagnosis:
     """Examine what is left, weigh all sets, and conclude."""
     needed = found.needed
+    search = name_species(problem, search) if search.best is not search.base else search
     search = shape_rest(problem, settle_search(search))
     findings = examine(problem, search, angles, needed=needed)
     kept = drop_negligible(search)

@@ -89,6 +89,7 @@ def describe_setting(
         duration=rig.duration_s,
         torque=torque,
         reversals=bool(np.any(size < 0.95 * reached)),
+        levels=True,
         rests=bool(np.any((size < 0.1 * reached) & (reached > 0.1 * torque))),
         load_known=True,
         tension=True,

@@ -20,6 +20,7 @@ SETTING = Setting(
     duration=12.0,
     torque=0.04,
     reversals=True,
+    levels=True,
     rests=False,
     load_known=True,
     tension=False,

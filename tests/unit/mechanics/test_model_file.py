@@ -13,7 +13,7 @@ from softfinger.mechanics.effects.model_file import (
 )
 
 SETTING = Setting(
-    trials=5, joints=3, interval=0.05, duration=10.0, torque=0.04, reversals=True,
+    trials=5, joints=3, interval=0.05, duration=10.0, torque=0.04, reversals=True, levels=True,
     rests=True, load_known=True, tension=True, stiffness=np.array([0.1, 0.12, 0.2]),
     reach=np.array([0.5, 0.4, 0.3]), number=np.arange(5.0), memory=np.zeros((5, 3)),
     largest_torque=np.full(5, 0.04),

@@ -24,7 +24,7 @@ EXAMPLE = Path(__file__).parents[3] / "docs/own_effect"
 def describe_campaign(trials=7, joints=2):
     return Setting(
         trials=trials, joints=joints, interval=0.05, duration=10.0, torque=0.04,
-        reversals=False, rests=False, load_known=True, tension=True,
+        reversals=False, levels=True, rests=False, load_known=True, tension=True,
         stiffness=np.array([0.1, 0.2][:joints]), reach=np.array([0.5, 0.3][:joints]),
         number=np.arange(trials, dtype=float), memory=np.zeros((trials, joints)),
         largest_torque=np.full(trials, 0.04),

@@ -14,7 +14,7 @@ from softfinger.stages.forward import open_mover
 CONFIG = {"draws": 2}
 TRIALS = ["first", "second"]
 SETTING = Setting(
-    trials=2, joints=1, interval=0.05, duration=10.0, torque=0.04, reversals=False,
+    trials=2, joints=1, interval=0.05, duration=10.0, torque=0.04, reversals=False, levels=True,
     rests=False, load_known=True, tension=False, stiffness=np.array([0.1]), reach=np.array([0.5]),
     number=np.arange(2.0), memory=np.zeros((2, 1)), largest_torque=np.full(2, 0.04),
     rest_time=np.full(2, np.nan),

@@ -94,4 +94,5 @@ EFFECT = Effect(
     "within_trial",
     _build_forms,
     hooks=(Hook("balance", add_stop, ("stop_stiffness",)),),
+    of_motion=True,
 )

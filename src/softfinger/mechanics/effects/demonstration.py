@@ -76,7 +76,7 @@ def describe_finger_of_the_paper() -> Setting:
     usual = LARGEST_NM / stiffness
     return Setting(
         trials=TRIALS, joints=JOINTS, interval=DURATION_S / (FRAMES - 1), duration=DURATION_S,
-        torque=LARGEST_NM, reversals=True, rests=True, load_known=True, tension=True,
+        torque=LARGEST_NM, reversals=True, levels=True, rests=True, load_known=True, tension=True,
         stiffness=stiffness, reach=1.1 * usual, number=np.arange(TRIALS, dtype=float),
         memory=np.tile(0.3 * usual, (TRIALS, 1)), largest_torque=np.full(TRIALS, LARGEST_NM),
         rest_time=np.array([np.inf, 20.0, 40.0, 25.0, 35.0, 30.0])[:TRIALS],

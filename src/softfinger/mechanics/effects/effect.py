@@ -103,6 +103,8 @@ class Setting:
         [N m], median over trials of the largest load.
     reversals
         Whether the load falls after it has risen.
+    levels
+        Whether some trial's load takes more than one level.
     rests
         Whether the load returns to a tenth or less after it has risen.
     load_known
@@ -142,6 +144,7 @@ class Setting:
     duration: float
     torque: float
     reversals: bool
+    levels: bool
     rests: bool
     load_known: bool
     tension: bool
@@ -158,6 +161,11 @@ class Setting:
     camera: bool = False
     drift: NDArray[np.float64] | None = None
     specimen: bool = False
+
+    @property
+    def one_course(self) -> bool:
+        """Whether there is one trial under one load: all that moves is a function of time."""
+        return self.trials == 1 and not self.levels
 
     @property
     def time_floor(self) -> float:
@@ -188,6 +196,8 @@ class Form:
         Chain parameters that may act on a single joint instead of all alike.
     law
         The free law among its parameters.
+    kin
+        Names a free law that several effects share: what they are is told by its shape.
     """
 
     name: str
@@ -196,6 +206,7 @@ class Form:
     covariate: str | None = None
     local: bool = False
     law: "Law | None" = None
+    kin: str = ""
 
     @property
     def is_free(self) -> bool:
@@ -222,6 +233,10 @@ class Effect:
         The part of a finger that it needs and a specimen lacks; empty where it needs none.
     hooks
         Its physics in the forward model (`forward.hooks`); empty where it moves slots of others.
+    of_motion
+        Whether its law is of the motion: angle, rate, or torque of the spring. A trial under one
+        load shows such a law as a course in time, and creep may have any course. So its free form
+        needs several loads in a trial, and its textbook forms several trials.
     """
 
     id: str
@@ -230,9 +245,14 @@ class Effect:
     build_forms: Callable[[Setting], list[Form] | str]
     part: str = ""
     hooks: tuple[Hook, ...] = ()
+    of_motion: bool = False
 
     def list_forms(self, setting: Setting) -> list[Form] | str:
         """Forms that a campaign allows, or why none."""
         if setting.specimen and self.part:
             return f"the campaign is of a specimen, which has no {self.part}"
-        return self.build_forms(setting)
+        if not self.of_motion or setting.levels:
+            return self.build_forms(setting)
+        if setting.one_course:
+            return "one trial under one load cannot tell a law of the motion from creep in time"
+        return [form for form in self.build_forms(setting) if not form.is_free]

@@ -61,4 +61,5 @@ EFFECT = Effect(
     "within_trial",
     _build_forms,
     hooks=(Hook("spring", leave_play, ("play",)),),
+    of_motion=True,
 )

@@ -2,32 +2,21 @@
 
 import math
 
-import numpy as np
-
 from softfinger.compiled import compiled
-from softfinger.mechanics.effects.effect import FREE, Effect, Form, Setting, Values, positive
+from softfinger.mechanics.effects.creep_spectrum import OWN_TIMES, SPECTRUM, build_spectra
+from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, positive
 from softfinger.mechanics.effects.effect import time_constant as between
-from softfinger.mechanics.forward.curve import KNOTS, combine, weigh_value
 from softfinger.mechanics.forward.hooks import Hook
-from softfinger.mechanics.forward.modes import LADDER, OWN, RATES, SPACING, WITH_LADDER, WITH_OWN
-from softfinger.mechanics.forward.slot import LOG_K_V, Slot, declare
+from softfinger.mechanics.forward.modes import OWN, WITH_OWN
+from softfinger.mechanics.forward.slot import LOG_C_V, LOG_K_V, Slot, declare
 from softfinger.mechanics.forward.work import Linear, Model
 
-PLACES = 6  # of the spectrum, even in the logarithm of time
-
-
-_COMPLIANCE, _SHARE, _TIME, _SPECTRUM, _SHORTEST, _LONGEST = declare(
+_COMPLIANCE, _SHARE, _TIME, _FOLLOWS = declare(
     second_compliance=Slot("joint", "rad/(N m)", 0.0, "compliance of a second Voigt element"),
     second_share=Slot("joint", "1", 0.0, "the same, as a share of 1/k_v"),
     second_time=Slot("joint", "s", 1.0, "its retardation time", "positive"),
-    spectrum=Slot(
-        "law", "1", 0.0, "compliance for each e-fold of retardation time, as a share of 1/k_v"
-    ),
-    spectrum_shortest=Slot(
-        "joint", "s", 0.1, "time at which that law begins", "positive", constant=True
-    ),
-    spectrum_longest=Slot(
-        "joint", "s", 10.0, "time at which that law ends", "positive", constant=True
+    second_follows=Slot(
+        "joint", "1", 0.0, "1: that time is a multiple of the trial's own c_v/k_v", constant=True
     ),
 )
 
@@ -36,36 +25,20 @@ _COMPLIANCE, _SHARE, _TIME, _SPECTRUM, _SHORTEST, _LONGEST = declare(
 def add_element(model: Model, linear: Linear, j: int) -> None:
     """One more Voigt element.
 
-    λ = 1/T, g = J/T.
+    λ = 1/T, g = J/T; T may be a multiple of the trial's own c_v/k_v.
     """
     value, soft = model.joint[j], math.exp(-model.joint[j, LOG_K_V])
-    rate = 1.0 / value[_TIME]
+    follows = value[_FOLLOWS]
+    rate = math.exp(follows * (value[LOG_K_V] - value[LOG_C_V])) / value[_TIME]
     gain = (value[_COMPLIANCE] + value[_SHARE] * soft) * rate
     linear.rate[j, OWN], linear.gain[j, OWN] = rate, gain
     for c in model.columns[j]:
         change = model.d_joint[c, j]
-        slower = change[_TIME] * rate
+        slower = change[_TIME] / value[_TIME]
+        slower += follows * (change[LOG_C_V] - change[LOG_K_V])
         d_share = change[_SHARE] - value[_SHARE] * change[LOG_K_V]
         linear.d_rate[j, OWN, c] = -rate * slower
         linear.d_gain[j, OWN, c] = (change[_COMPLIANCE] + d_share * soft) * rate - gain * slower
-
-
-@compiled
-def add_spectrum(model: Model, linear: Linear, j: int) -> None:
-    """Elements at the ladder's rates, by a spectrum."""
-    soft = math.exp(-model.joint[j, LOG_K_V])
-    shortest, longest = model.joint[j, _SHORTEST], model.joint[j, _LONGEST]
-    for step in range(RATES.size):
-        x = -math.log(RATES[step] * shortest) / math.log(longest / shortest)
-        if not 0.0 <= x <= 1.0:
-            continue
-        weights, unit = weigh_value(x), soft * SPACING * RATES[step]
-        gain = unit * combine(model.law[j, _SPECTRUM], weights)
-        linear.gain[j, LADDER + step] += gain
-        for c in model.columns[j]:
-            change = unit * combine(model.d_law[c, j, _SPECTRUM], weights)
-            change -= gain * model.d_joint[c, j, LOG_K_V]
-            linear.d_gain[j, LADDER + step, c] += change
 
 
 def _build_forms(setting: Setting) -> list[Form]:
@@ -82,24 +55,20 @@ def _build_forms(setting: Setting) -> list[Form]:
             "second_time": values["retardation_time_s"],
         }
 
-    shortest, longest = 2 * setting.interval, 2 * setting.duration
-    size = 0.3 / np.log(longest / shortest)
-    heights = [
-        positive(f"compliance_share_at_{k}", size, per="joint", floor=2e-3 * size, term=True)
-        for k in range(1, PLACES + 1)
-    ]
-    between_places = np.linspace(0.0, PLACES - 1.0, KNOTS)
-    hats = np.maximum(0.0, 1.0 - np.abs(between_places - np.arange(PLACES)[:, None]))
+    ratio = between("retardation_time_ratio", *OWN_TIMES, starts=4)
 
-    def spectrum(values: Values) -> dict:
-        stacked = np.stack([np.asarray(values[p.name]) for p in heights], axis=-1)
-        reach = {"spectrum_shortest": shortest, "spectrum_longest": longest}
-        return {"spectrum": stacked @ hats, **reach}
+    def superposed(values: Values) -> dict:
+        return {
+            "second_share": values["compliance_share"],
+            "second_time": values["retardation_time_ratio"],
+            "second_follows": 1.0,
+        }
 
     return [
         Form("proportional", (share, time), proportional),
         Form("own_compliance", (share, time), own_compliance),
-        Form(FREE, tuple(heights), spectrum),
+        Form("superposed", (share, ratio), superposed),
+        *build_spectra(setting),
     ]
 
 
@@ -115,6 +84,6 @@ EFFECT = Effect(
             ("second_compliance", "second_share"),
             modes=WITH_OWN,
         ),
-        Hook("modes", add_spectrum, ("spectrum",), modes=WITH_LADDER),
+        SPECTRUM,
     ),
 )

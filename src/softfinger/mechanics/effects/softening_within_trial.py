@@ -107,4 +107,5 @@ EFFECT = Effect(
         Hook("spring", soften_spring, ("softening_elastic",)),
         Hook("flow", soften_flow, ("softening_flow",)),
     ),
+    of_motion=True,
 )

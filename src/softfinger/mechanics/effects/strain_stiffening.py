@@ -93,4 +93,5 @@ EFFECT = Effect(
             ("stiffening_square", "stiffening_linear", "stiffening_exponential", "spring_law"),
         ),
     ),
+    of_motion=True,
 )

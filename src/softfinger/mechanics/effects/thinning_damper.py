@@ -71,6 +71,7 @@ def _build_form(name: str, setting: Setting) -> Form:
 
 
 def _build_forms(setting: Setting) -> list[Form]:
+    forms = [_build_form(name, setting) for name in BENDS]
     law = Law(
         "damper_law",
         "damper_torque_nm",
@@ -80,8 +81,7 @@ def _build_forms(setting: Setting) -> list[Form]:
         per="joint",
         kind="exponential",
     )
-    free = free_form(law, {"damper_reference": setting.torque})
-    return [*(_build_form(name, setting) for name in BENDS), free]
+    return [*forms, free_form(law, {"damper_reference": setting.torque})]
 
 
 EFFECT = Effect(
@@ -90,4 +90,5 @@ EFFECT = Effect(
     "within_trial",
     _build_forms,
     hooks=(Hook("damper", thin_damper, ("damper_power", "damper_law")),),
+    of_motion=True,
 )

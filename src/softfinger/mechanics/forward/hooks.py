@@ -142,8 +142,8 @@ class Hooks(NamedTuple):
 
 
 def find_hooks(hooks: Iterable[Hook], moved: set[str]) -> tuple[Hook, ...]:
-    """Find the hooks that a moved slot switches on."""
-    return tuple(hook for hook in hooks if not moved.isdisjoint(hook.slots))
+    """Find the hooks that a moved slot switches on, once each though effects may share one."""
+    return tuple(dict.fromkeys(hook for hook in hooks if not moved.isdisjoint(hook.slots)))
 
 
 @cache

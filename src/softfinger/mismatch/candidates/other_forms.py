@@ -75,12 +75,15 @@ def _list_swaps(candidate: Candidate, pieces: list[Piece]) -> Iterator[Start]:
                 kept = list(candidate.model.pieces)
                 kept[number] = new
                 model = replace(candidate.model, pieces=tuple(kept))
-                yield from ((model, shared) for shared in _list_starts(candidate, model, number))
+                yield from (
+                    (model, shared) for shared in list_starts_beside(candidate, model, number)
+                )
 
 
-def _list_starts(
+def list_starts_beside(
     candidate: Candidate, model: EffectModel, number: int
 ) -> list[NDArray[np.float64]]:
+    """List starts (p,) of a model of which one piece is new, the rest as it was fitted."""
     known = dict(zip(_name_entries(candidate.model), candidate.fit.shared, strict=True))
     names = _name_entries(model)
     starts = {}

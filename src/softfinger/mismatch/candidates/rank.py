@@ -46,13 +46,17 @@ def list_pieces(setting: Setting) -> tuple[list[Piece], dict[str, str]]:
     pieces, refused
         `refused`: effect id → reason.
     """
-    pieces, refused = [], {}
+    pieces, refused, kin = [], {}, set()
     for effect in list_effects().values():
         forms = effect.list_forms(setting)
         if isinstance(forms, str):
             refused[effect.id] = forms
             continue
+        shared = {form.kin for form in forms} & kin  # tried with an effect before
+        kin |= {form.kin for form in forms if form.kin}
         for form in forms:
+            if form.kin in shared:
+                continue
             pieces.append(Piece(effect, form, _places(form.parameters, setting)))
             if form.local and setting.joints > 1:
                 pieces += [Piece(effect, form, ((j,),)) for j in range(setting.joints)]

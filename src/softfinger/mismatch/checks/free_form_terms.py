@@ -63,10 +63,15 @@ class Term(NamedTuple):
 
 
 def list_terms(problem: Problem, candidate: Candidate) -> list[Term]:
-    """List the terms that the recordings allow."""
-    angle, _ = problem.simulate(candidate.model, candidate.fit.own, candidate.fit.shared)
-    terms = []
-    arguments = list_arguments(problem, angle) | {RATE: compute_rate_array(problem, candidate)}
+    """List the terms that the recordings allow.
+
+    One trial under one load is one course in time, which creep
+    gives any shape; so no term within it is tried.
+    """
+    terms, arguments = [], {}
+    if not problem.setting.one_course:
+        angle, _ = problem.simulate(candidate.model, candidate.fit.own, candidate.fit.shared)
+        arguments = list_arguments(problem, angle) | {RATE: compute_rate_array(problem, candidate)}
     for name, values in arguments.items():
         low, high = float(np.nanmin(values)), float(np.nanmax(values))
         if high > low:

@@ -23,7 +23,7 @@ CATALOGUE = {
 def build_setting(**changes):
     content = {
         "trials": TRIALS, "joints": JOINTS, "interval": 0.05, "duration": 8.0, "torque": 0.04,
-        "reversals": True, "rests": True, "load_known": True, "tension": True,
+        "reversals": True, "levels": True, "rests": True, "load_known": True, "tension": True,
         "stiffness": np.array([0.1, 0.12, 0.15]), "reach": np.array([0.4, 0.35, 0.3]),
         "number": np.arange(TRIALS, dtype=float), "memory": np.full((TRIALS, JOINTS), 0.1),
         "largest_torque": np.array([0.02, 0.03, 0.04, 0.05]),

@@ -22,7 +22,8 @@ from softfinger.mechanics.forward.curve import KNOTS, build_weights, draw_curve
 def build_setting(reach=(0.4, 0.35, 0.3), largest_torque=(0.02, 0.03, 0.04, 0.05)):
     """Four trials of three joints."""
     return Setting(
-        trials=4, joints=3, interval=0.05, duration=8.0, torque=0.04, reversals=True, rests=True,
+        trials=4, joints=3, interval=0.05, duration=8.0, torque=0.04, reversals=True, levels=True,
+        rests=True,
         load_known=True, tension=True, stiffness=np.array([0.1, 0.12, 0.15]),
         reach=np.array(reach), number=np.arange(4.0), memory=np.zeros((4, 3)),
         largest_torque=np.array(largest_torque), rest_time=np.full(4, np.nan), geometry=True,

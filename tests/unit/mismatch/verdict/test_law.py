@@ -11,7 +11,8 @@ from softfinger.mismatch.verdict.estimates import estimate_entry
 from softfinger.mismatch.verdict.law import state_law
 
 SETTING = Setting(
-    trials=4, joints=2, interval=0.05, duration=8.0, torque=0.04, reversals=True, rests=True,
+    trials=4, joints=2, interval=0.05, duration=8.0, torque=0.04, reversals=True, levels=True,
+    rests=True,
     load_known=True, tension=True, stiffness=np.array([0.1, 0.12]), reach=np.array([0.4, 0.9]),
     number=np.arange(4.0), memory=np.zeros((4, 2)), largest_torque=np.full(4, 0.04),
     rest_time=np.full(4, np.nan), geometry=True,
