@@ -5,7 +5,7 @@ second retardation where it has one peak, a power law where it is broad. Nature'
 every textbook. With a departure of unknown size σ along n terms, prior ∝ 1/σ, an effect whose best
 textbook form loses D nats against the free law has the probability
 
-    p ∝ ∫ σ^{−n} e^{−D/σ²} dσ/σ ∝ D^{−n/2}.
+    p ∝ ∫ σ^{−n} e^{−D/σ²} dσ/σ ∝ D^{−n/2}, and (1 + D)^{−n/2} as no loss is known to a nat.
 """
 
 from dataclasses import replace
@@ -21,9 +21,6 @@ from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.other_forms import list_starts_beside
 from softfinger.mismatch.candidates.rank import find_best, go_on
 from softfinger.mismatch.search.stepwise import Search
-
-LEAST_LOSS = 1.0  # [nats] that tell two forms apart at all
-
 
 class Kin(NamedTuple):
     """An effect that shares a free law: that form, and its textbook forms."""
@@ -62,9 +59,9 @@ def weigh_species(loss: np.ndarray, terms: int) -> np.ndarray:
     """Probability of each species from what its textbook forms lose [nats].
 
     >>> weigh_species(np.array([90.0, 360.0]), 6).round(3)
-    array([0.985, 0.015])
+    array([0.984, 0.016])
     """
-    weight = -0.5 * terms * np.log(np.maximum(loss, LEAST_LOSS))
+    weight = -0.5 * terms * np.log1p(np.maximum(loss, 0.0))
     return np.exp(weight - np.logaddexp.reduce(weight))
 
 

@@ -6,6 +6,7 @@ from softfinger.mechanics import effects
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.effect import Setting
 from softfinger.mechanics.effects.model import EffectModel, Piece
+from softfinger.mechanics.forward.hooks import find_hooks
 from softfinger.mechanics.forward.simulate import describe_finger, simulate_joint_angle_array
 from softfinger.mechanics.forward.slots import SLOTS, build_slots
 from softfinger.mechanics.geometry import FingerGeometry
@@ -200,3 +201,18 @@ def test_a_wire_that_wraps_bends_and_guides_loses_a_share_for_each_radian():
     angle = simulate_joint_angle_array(own, filled, [], finger, *series, by_own=False)[0].ravel()
     wrapped = np.cumsum(angle + 0.4)
     np.testing.assert_allclose(0.1 * (angle - 0.02), 0.04 * np.exp(-0.25 * wrapped), rtol=1e-4)
+
+
+def test_a_law_of_the_motion_needs_more_than_one_course_in_time():
+    stop = list_effects()["contact_stop"]
+    several = stop.list_forms(build_setting(levels=True, trials=1))
+    assert any(form.is_free for form in several)
+    assert not any(form.is_free for form in stop.list_forms(build_setting(levels=False)))
+    assert "one trial under one load" in stop.list_forms(build_setting(levels=False, trials=1))
+    creep = list_effects()["second_retardation"].list_forms(build_setting(levels=False, trials=1))
+    assert any(form.is_free for form in creep)
+
+
+def test_a_hook_that_effects_share_is_called_once():
+    hooks = [hook for effect in list_effects().values() for hook in effect.hooks]
+    assert len(find_hooks(hooks, {"spectrum"})) == 1
