@@ -22,6 +22,7 @@ from softfinger.mismatch.candidates.other_forms import list_starts_beside
 from softfinger.mismatch.candidates.rank import find_best, go_on
 from softfinger.mismatch.search.stepwise import Search
 
+
 class Kin(NamedTuple):
     """An effect that shares a free law: that form, and its textbook forms."""
 
