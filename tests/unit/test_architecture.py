@@ -178,6 +178,24 @@ def test_every_compiled_function_is_compiled_by_the_projects_own_decorator():
                 assert not names & {"njit", "jit"} or file.name in known, f"{file}: {names}"
 
 
+def measure_body(function: ast.FunctionDef) -> int:
+    """Lines of a function below its signature and docstring."""
+    first = function.body[1 if ast.get_docstring(function) and function.body[1:] else 0]
+    return function.end_lineno - first.lineno + 1
+
+
+def test_modules_and_bodies_are_short():
+    """At most 300 and 40 lines: what is longer does two things."""
+    lengths = {}
+    for file in sorted(PACKAGE.rglob("*.py")):
+        source, name = file.read_text(), file.relative_to(PACKAGE).as_posix()
+        lengths[name] = len(source.splitlines()) / 300
+        for node in ast.walk(ast.parse(source)):
+            if isinstance(node, ast.FunctionDef):
+                lengths[f"{name}: {node.name}"] = measure_body(node) / 40
+    assert [place for place, share in lengths.items() if share > 1] == []
+
+
 def list_words(stage: str) -> set[str]:
     """Attributes and texts in the code that a stage uses, but where keys are only declared."""
     words = set()

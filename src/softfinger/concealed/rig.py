@@ -28,7 +28,7 @@ class Rig:
 
 
 def draw_rig(rng: np.random.Generator, *, filmed: bool) -> Rig:
-    """Draw a rig near the paper's, or the virtual one."""
+    """Draw a rig near the paper's, or virtual."""
     draw = (lambda low, high: 0.5 * (low + high)) if filmed else rng.uniform
     return Rig(
         link_length=np.full(3, round(draw(0.022, 0.028), 4)),

@@ -21,7 +21,7 @@ SPECS = {part.SPEC.name: part.SPEC for part in (angles, least_squares, posterior
 def open_spread(
     rule: str, inputs: Mapping[str, Path], config: Mapping[str, Any], seed: int, model: Path | None
 ) -> tuple[tuple, Provenance]:
-    """Open what a rule's library call takes, in its order.
+    """Open what a rule's library call takes.
 
     Parameters
     ----------

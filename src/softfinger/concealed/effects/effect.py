@@ -116,5 +116,5 @@ class Effect:
 
 
 def set_amount(field: str) -> Move:
-    """Build the change that sets an amount of each joint to the strength."""
+    """Set an amount of the joints to the strength."""
     return lambda physics, dose, trial: physics._replace(**{field: dose.spread(physics.k_v.size)})
