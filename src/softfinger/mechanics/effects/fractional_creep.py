@@ -113,10 +113,6 @@ def _build_forms(setting: Setting) -> list[Form]:
     middle = np.sqrt(setting.interval * setting.duration)  # where share and exponent are untied
     exponent = Parameter("exponent", 0.5, 0.2, low=0.05, high=0.95, starts=(0.25, 0.5, 0.75))
     share = positive("springpot_share", 0.3, per="joint", floor=5e-4)
-    bent = Parameter(
-        "exponent_loss", 0.0, 0.3, low=0.0, high=0.9, amplitude=True, floor=1e-3, starts=(0.003,),
-        report={"exponent": lambda loss, _: 1.0 - loss},
-    )  # fmt: skip
 
     def scale(values: Values) -> float:
         a = float(values["exponent"])
@@ -142,18 +138,27 @@ def _build_forms(setting: Setting) -> list[Form]:
             "springpot_exponent": values["exponent"],
         }
 
+    return [
+        Form("beside", (share, exponent), beside),
+        Form("own_compliance", (share, exponent), own_compliance),
+        Form("superposed", (share, exponent), superposed),
+        _replace_dashpot(setting),
+        *build_spectra(setting),
+    ]
+
+
+def _replace_dashpot(setting: Setting) -> Form:
+    bent = Parameter(
+        "exponent_loss", 0.0, 0.3, low=0.0, high=0.9, amplitude=True, floor=1e-3, starts=(0.003,),
+        report={"exponent": lambda loss, _: 1.0 - loss},
+    )  # fmt: skip
+
     def instead(values: Values) -> dict:
         a = 1.0 - max(float(values["exponent_loss"]), LEAST_LOSS)
         rate = math.gamma(1 + a) * (setting.duration / 2) ** (1 - a)
         return {"flow_share": 0.0, "springpot_flow_share": rate, "springpot_exponent": a}
 
-    return [
-        Form("beside", (share, exponent), beside),
-        Form("own_compliance", (share, exponent), own_compliance),
-        Form("superposed", (share, exponent), superposed),
-        Form("instead_of_dashpot", (bent,), instead),
-        *build_spectra(setting),
-    ]
+    return Form("instead_of_dashpot", (bent,), instead)
 
 
 EFFECT = Effect(
