@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from softfinger.api import Effect, Form, Law, Parameter, Setting, positive, time_constant
+from softfinger.api import Effect, Form, Law, Setting, positive, time_constant
 
 LEAST_TRIALS = 6
 
@@ -14,31 +14,20 @@ def _build_forms(setting: Setting) -> list[Form] | str:
         return "friction that warms up shows over several trials of several joints"
     friction = positive("cold_friction", 0.2, floor=2e-3)
     trials = time_constant("warm_up_trials", 1.0, 2.0 * setting.number.max(), starts=2)
-    middle = np.log(0.02 * setting.torque)
-    width = Parameter("turning_width", middle, 1.0, log=True, low=middle - 3, high=middle + 3)
 
     def slots(values: Mapping) -> dict:
         left = np.exp(-setting.number / float(values["warm_up_trials"]))
-        return {
-            "friction_constant": values["cold_friction"] * left,  # one value for each trial
-            "friction_width": values["turning_width"],
-            "friction_driver": 0.0,
-        }
+        return {"friction_constant": values["cold_friction"] * left}  # one value for each trial
 
     last = float(setting.number.max())
     law = Law("cold_friction_law", "trials_to_go", last, 0.1, terms=4, kind="sum")
 
     def free(values: Mapping) -> dict:
-        left = law.evaluate(values, last - setting.number)
-        return {
-            "friction_constant": left,
-            "friction_width": values["turning_width"],
-            "friction_driver": 0.0,
-        }
+        return {"friction_constant": law.evaluate(values, last - setting.number)}
 
     return [
-        Form("exponential", (friction, trials, width), slots),
-        Form("free", (*law.parameters, width), free, law=law),  # any other way to fall
+        Form("exponential", (friction, trials), slots),
+        Form("free", law.parameters, free, law=law),  # any other way to fall
     ]
 
 

@@ -74,8 +74,8 @@ def test_the_example_joins_the_catalogue_and_fills_slots(announce):
         }
     )
     model = build_model(content, describe_campaign())
-    shared = np.array([0.3, np.log(2.0), np.log(0.001)])
-    slots, absent = model.fill_slots(shared), model.fill_slots(shared * [0.0, 1.0, 1.0])
+    shared = np.array([0.3, np.log(2.0)])
+    slots, absent = model.fill_slots(shared), model.fill_slots(shared * [0.0, 1.0])
     change = (slots.chain - absent.chain)[:, np.any(slots.chain != absent.chain, axis=0)]
     assert change[:, 0] == pytest.approx(0.3 * np.exp(-np.arange(7) / 2.0))
 
