@@ -49,11 +49,11 @@ calibration: setup ## the slow tests: do claimed errors and intervals hold what 
 	$(BIN)/python -m pytest -m slow
 
 lint: setup ## check style, spelling, the workflow, and the length of sentences
-	$(BIN)/ruff check && $(BIN)/ruff format --check && $(BIN)/snakefmt --check Snakefile workflow && $(BIN)/codespell
+	$(BIN)/ruff check && $(BIN)/ruff format --check && $(BIN)/snakefmt --check workflow && $(BIN)/codespell
 	$(BIN)/python -m benchmarks.words
 
 format: setup ## put code and rules into the project's style
-	$(BIN)/ruff check --fix && $(BIN)/ruff format && $(BIN)/snakefmt Snakefile workflow
+	$(BIN)/ruff check --fix && $(BIN)/ruff format && $(BIN)/snakefmt workflow
 
 docs: setup ## the site of the documentation, into site/index.html
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs site
@@ -61,7 +61,7 @@ docs: setup ## the site of the documentation, into site/index.html
 browser: setup ## the report in headless Chromium at two widths; pictures into results/browser
 	$(BIN)/python -m pytest -m slow tests/unit/report/test_browser.py
 
-REBUILD = rm -rf results/reproduce && mkdir -p results/reproduce && $(SNAKEMAKE) --snakefile Snakefile --directory results/reproduce --configfile config/default.yaml config/quick.yaml --config out=.
+REBUILD = rm -rf results/reproduce && mkdir -p results/reproduce && $(SNAKEMAKE) --directory results/reproduce --configfile config/default.yaml config/quick.yaml --config out=.
 
 reproduce: setup ## rebuild the quick run from raw video, and compare it with data/manifest.json
 	$(REBUILD)

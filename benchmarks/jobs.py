@@ -24,7 +24,8 @@ def run_job(config: tuple[str, ...]) -> float:
     with tempfile.TemporaryDirectory() as folder:
         command = [
             sys.executable, "-m", "snakemake", "--cores", str(CORES), "--quiet", "all",
-            "--snakefile", str(PROJECT / "Snakefile"), "--directory", folder,
+            "--snakefile", str(PROJECT / "workflow/Snakefile"),
+            "--workflow-profile", str(PROJECT / "profiles/default"), "--directory", folder,
             "--configfile", *files, "--config", "out=.",
         ]  # fmt: skip
         start = time.perf_counter()

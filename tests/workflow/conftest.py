@@ -38,7 +38,7 @@ class Project:
 @pytest.fixture(scope="session")
 def finished(tmp_path_factory) -> Project:
     root = tmp_path_factory.mktemp("project")
-    for name in ("src", "workflow", "config", "profiles", "Snakefile", "environment.lock"):
+    for name in ("src", "workflow", "config", "profiles", "environment.lock"):
         (root / name).symlink_to(PROJECT / name)  # what is compiled is compiled once
     (root / "small.yaml").write_text(SMALL)
     project = Project(root)

@@ -15,7 +15,7 @@ from softfinger.provenance import code_hash
 
 PROJECT = Path(__file__).parents[2]
 LARGEST_BYTES = 5_000_000
-SHIPPED = ("workflow", "config", "profiles", "data/example", "Snakefile", "environment.lock")
+SHIPPED = ("workflow", "config", "profiles", "data/example", "environment.lock")
 
 
 @pytest.fixture(scope="module")
@@ -117,7 +117,14 @@ def test_light_commands_run_in_an_empty_home(installed):
 def test_the_installed_workflow_plans_a_run(installed):
     project = next((installed.root / "venv/lib").glob("python*/site-packages/softfinger/project"))
     done = installed.run(
-        *("python", "-m", "snakemake", "--snakefile", str(project / "Snakefile"), "--dry-run"),
+        *(
+            "python",
+            "-m",
+            "snakemake",
+            "--snakefile",
+            str(project / "workflow/Snakefile"),
+            "--dry-run",
+        ),
         *("--cores", "1", "--config", f"campaign={project / 'data/example'}", "out=out"),
     )
     assert done.returncode == 0, done.stderr
