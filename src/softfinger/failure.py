@@ -22,7 +22,7 @@ ADVICE = {
     errno.EISDIR: "it is a folder where a file is expected; choose another name",
     errno.ENOTDIR: "a part of its path is a file; choose another name",
     errno.EEXIST: "a file is where a folder is expected; choose another name",
-    errno.ENOENT: "see that the path is right",
+    errno.ENOENT: "check the path",
     errno.ENAMETOOLONG: "choose a shorter name",
 }
 DEGENERATE = (

@@ -198,7 +198,7 @@ def compare_file(name: str, was: Mapping[str, Any], now: Mapping[str, Any]) -> A
         return Answer(name, "equal", True)
     if "says" in was:
         same = now["says"] == was["says"]
-        words = f"says {now['says']}" + ("" if same else f"; was {was['says']}")
+        words = f"the verdict is {now['says']}" + ("" if same else f"; was {was['says']}")
         return Answer(name, "within tolerance" if same else "different", same, words)
     why = explain(was.get("made_by", {}), now.get("made_by", {}))
     if "values_sha256" in was and now["values_sha256"] == was["values_sha256"]:
@@ -242,7 +242,7 @@ def explain(was: Mapping[str, Any], now: Mapping[str, Any]) -> str:
     """The stamped reason why a file differs."""
     changed = [words for key, words in REASONS.items() if was.get(key) != now.get(key)]
     if not changed:
-        return "no stamp tells why: the kind of machine, or what it was made from"
+        return "no stamp shows why: another kind of machine, or another source"
     return f"changed: {', '.join(changed)}"
 
 

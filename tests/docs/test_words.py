@@ -1,4 +1,4 @@
-"""The counter of words finds a text that is hard to read, and passes one that is not."""
+"""The counter finds a text that is hard to read."""
 
 from pathlib import Path
 
@@ -9,11 +9,13 @@ PLAIN = "The finger bends. It creeps under load.\n"
 LONG = f"The finger {'slowly ' * 29}bends.\n"
 
 
-def write_project(root: Path, document: str = PLAIN, first_line: str = "The angle.") -> Path:
+def write_project(
+    root: Path, document: str = PLAIN, first_line: str = "The angle.", code: str = ""
+) -> Path:
     (root / "docs").mkdir()
     (root / "docs/page.md").write_text(document)
     (root / "src").mkdir()
-    (root / "src/code.py").write_text(f'"""{first_line}"""\n')
+    (root / "src/code.py").write_text(f'"""{first_line}"""\n{code}\n')
     return root
 
 
@@ -32,6 +34,13 @@ def test_plain_text_passes(tmp_path, capsys):
         ({"document": PLAIN * 9 + LONG}, "words of a sentence, above 30"),
         ({"document": f"The finger {'slowly ' * 15}bends."}, "words of a sentence, median"),
         ({"first_line": f"The {'very ' * 8}angle."}, "words of a docstring's first line, median"),
+        ({"code": f"a = {LONG!r}\nb = {PLAIN * 9!r}"}, "words of a message, above 30"),
+        ({"code": f"a = 'The {'very ' * 16}angle.'"}, "words of a message, median"),
+        ({"document": "It holds."}, '"holds"'),
+        ({"document": PLAIN + "\n| a | it tells |\n"}, '"tells"'),
+        ({"document": PLAIN + "\n# What it says\n"}, '"says"'),
+        ({"code": "a = f'{place} stands {often}'"}, '"stands"'),
+        ({"first_line": "What hangs on it."}, '"hangs on"'),
     ],
 )
 def test_bad_text_is_refused_with_its_place(tmp_path, capsys, bad, name):
@@ -75,10 +84,31 @@ def test_sentences(text, lengths):
     assert [len(sentence.split()) for sentence in words.list_sentences(text)] == lengths
 
 
-def test_avoided_words_count_in_documents_and_docstrings_not_in_code(tmp_path):
+def test_avoided_words_count_in_words_not_in_code(tmp_path):
     root = write_project(tmp_path, "It holds.\n\n`holds` is code.\n", "It holds what it says.")
     assert measure(root)['"holds"'] == 2
     assert measure(root)['"says"'] == 1
+
+
+@pytest.mark.parametrize(
+    ("code", "messages"),
+    [
+        ('"""It is a docstring."""', []),
+        ("fail('one ' 'two three. Four five.')", ["one two three.", "Four five."]),
+        ("fail(f'{file}, row {row:.3g}: is {value!r} here')", ["X, row X: is X here"]),
+        ("f'{a} and {\"b with c\" if a else d}'", ["X and X", "b with c"]),
+        ("re.compile('a pattern of words')", []),
+        ("'a list of words'.split()", []),
+        ("'word'", []),
+    ],
+)
+def test_messages(code, messages):
+    assert list(words.list_messages(code)) == messages
+
+
+def test_labels_are_no_sentences(tmp_path):
+    root = write_project(tmp_path, code="a = 'time of frame'\nb = 'one two three four'")
+    assert measure(root)["words of a message, median"] == 4
 
 
 def test_a_folder_without_texts_is_refused(tmp_path):

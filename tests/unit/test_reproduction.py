@@ -53,7 +53,7 @@ def test_other_packages_with_the_same_values_are_named(tmp_path, manifest):
 def test_rounding_is_within_tolerance_and_more_is_not(tmp_path, manifest):
     found = answer(write_run(tmp_path / "a", angle=1.0 + 1e-6), manifest)
     assert found["angles.nc"].word == "within tolerance"
-    assert "the kind of machine" in found["angles.nc"].why
+    assert "another kind of machine" in found["angles.nc"].why
     found = answer(write_run(tmp_path / "b", angle=1.01), manifest)
     assert not found["angles.nc"].good
     assert found["bands.nc"].good  # hangs on draws
@@ -73,7 +73,7 @@ def test_another_verdict_and_a_missing_file_are_different(tmp_path, manifest):
     run = write_run(tmp_path / "again", decision="named")
     (run / "bands.nc").unlink()
     found = answer(run, manifest)
-    assert found["verdict.json"].why == "says named: gravity; was adequate: gravity"
+    assert found["verdict.json"].why == "the verdict is named: gravity; was adequate: gravity"
     assert found["bands.nc"].word == "missing"
     assert main("compare", run, manifest) == 1
     assert "1 different" in tell(list(found.values()))

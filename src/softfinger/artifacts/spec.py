@@ -31,14 +31,15 @@ class Variable:
         if array.size == 0:  # an empty array has lost its type in the file
             return
         if array.dtype.kind not in NUMPY_KINDS[self.kind]:
-            yield f"variable '{name}' holds {array.dtype}; expected {self.kind}s"
+            yield f"variable '{name}' has the type {array.dtype}; expected {self.kind}s"
         elif self.kind in ("number", "whole number"):
             values = array.to_numpy()
             outside = (values < self.at_least) | (values > self.at_most)
             if outside.any():
                 worst = values[outside].flat[0]
                 yield (
-                    f"variable '{name}' holds {worst:g} {self.units} ({int(outside.sum())} values "
+                    f"variable '{name}' contains {worst:g} {self.units} ("
+                    f"{int(outside.sum())} values "
                     f"of {values.size}); expected {self.at_least:g} to {self.at_most:g}"
                 )
 

@@ -148,7 +148,7 @@ def _load[Content](path: Path, load: Callable[..., Content]) -> Content:
         return load(path, engine=ENGINE)
     except (OSError, ValueError, KeyError, RuntimeError) as error:
         reason = " ".join(str(error).split())
-        message = f"it is no whole NetCDF file ({reason}); delete it and make it again"
+        message = f"it is not a complete NetCDF file ({reason}); delete it and make it again"
         raise ArtifactFault(str(path), [message]) from None
 
 

@@ -33,23 +33,27 @@ class DeclaredFinger(DeclaredSection):
     )
     link_centre_m: tuple[Length, ...] | None = Field(
         None,
-        description="the way from each link's joint to its centre of mass; else the middle",
+        description=(
+            "the distance from each link's joint to its centre of mass; default: the middle"
+        ),
         examples=[[0.0125, 0.0125, 0.0125]],
     )
     link_inertia_kgm2: tuple[Inertia, ...] | None = Field(
         None,
-        description="the inertia of each link about its centre of mass; else that of a rod",
+        description="the inertia of each link about its centre of mass; default: that of a rod",
         examples=[[2.6e-7, 2.6e-7, 2.6e-7]],
     )
     joint_length_m: Length | None = Field(
         None, description="the length of the soft part of a joint", examples=[0.008]
     )
     wire_offset_m: Length | None = Field(
-        None, description="the way from the joint's middle line to the wire", examples=[0.005]
+        None, description="the distance from the joint's middle line to the wire", examples=[0.005]
     )
     bends: Literal["counter-clockwise", "clockwise"] = Field(
         "counter-clockwise",
-        description="which way a pull bends it in the picture; clockwise or counter-clockwise",
+        description=(
+            "the direction of bending under a pull, in the picture; clockwise or counter-clockwise"
+        ),
         examples=["counter-clockwise"],
     )
 
@@ -196,7 +200,7 @@ def _describe(fault: Any, document: Document) -> str:  # noqa: ANN401 (pydantic'
     if isinstance(fault["input"], dict):
         return f"{where}: {message}"
     found = show(repr(fault["input"]))[1:-1]
-    return f"{where}: is {found}; {message}; mind the unit in the key's name"
+    return f"{where}: is {found}; {message}; check the unit in the key's name"
 
 
 def _known_keys(place: Place) -> list[str]:

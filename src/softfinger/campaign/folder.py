@@ -108,7 +108,7 @@ def _refuse_no_folder(folder: Path) -> None:
     try:
         if folder.is_dir():
             return
-        reason = "it is no folder" if folder.exists() else "the folder does not exist"
+        reason = "it is not a folder" if folder.exists() else "the folder does not exist"
     except OSError as error:
         reason = f"it cannot be read: {error.strerror}"
     raise CampaignFault(show(str(folder), 300)[1:-1], [reason])
@@ -179,7 +179,7 @@ def _set_aside_unlogged(
         return trials, set_aside
     reason = (
         f"its load is not logged, but that of {len(logged)} other trials is; name its log in the "
-        "column 'load', for an assumed command and a logged load do not mix"
+        "column 'load': an assumed command and a logged load do not mix"
     )
     unlogged = {
         trial.name: f"{TABLE_NAME}, row {trial.row + 2} (trial {trial.name}): {reason}"

@@ -80,7 +80,7 @@ def read_load(
 def _find_load_column(path: Path, table: pd.DataFrame) -> str:
     kinds = [column for column in LOAD_COLUMNS if column in table.columns]
     if len(kinds) != 1:
-        found = f"{' and '.join(kinds)} stand" if kinds else "none stands"
+        found = f"{' and '.join(kinds)} are" if kinds else "none is"
         raise TrialFault(
             f"{path.name}: expected time_s and one of {', '.join(LOAD_COLUMNS)}; {found} there"
         )
@@ -158,7 +158,7 @@ def _refuse_odd_size(file_name: str, kind: str, value: np.ndarray) -> None:
     if largest == 0.0:
         raise TrialFault(
             f"{file_name}, column '{kind}': is 0 in every row; a trial without load shows no "
-            "stiffness; see that the sensor was on"
+            "stiffness; check that the sensor was on"
         )
     if not SMALLEST_LOAD <= largest <= LARGEST_LOAD:
         raise TrialFault(
@@ -171,7 +171,7 @@ def _find_moment_arm(campaign: Campaign, file_name: str, tension: np.ndarray) ->
     if tension.min() < 0.0 or tension.max() > LARGEST_TENSION_N:
         worst = tension.min() if tension.min() < 0.0 else tension.max()
         raise TrialFault(
-            f"{file_name}, column 'tension_n': holds {worst:g} N; a wire pulls with 0 to "
+            f"{file_name}, column 'tension_n': is {worst:g} N; a wire pulls with 0 to "
             f"{LARGEST_TENSION_N:g} N"
         )
     if campaign.finger.wire_offset_m is None:

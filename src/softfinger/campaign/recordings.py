@@ -72,7 +72,7 @@ def read_angle_table(campaign: Campaign, trial: Trial) -> xr.Dataset:
     angle = np.stack([to_numbers(path, table, c, missing_allowed=True) for c in columns])
     for column, values in zip(columns, angle, strict=True):
         if not np.isfinite(values).any():
-            raise TrialFault(f"{path.name}, column '{column}': holds no number at all")
+            raise TrialFault(f"{path.name}, column '{column}': contains no number")
         largest = np.nanmax(np.abs(values))
         if campaign.specimen is None and largest > LARGEST_JOINT_ANGLE:
             row = int(np.nanargmax(np.abs(values))) + 2
@@ -100,7 +100,7 @@ def _refuse_dead_joints(file_name: str, columns: list[str], angle: np.ndarray) -
         if seen.size >= LEAST_ROWS and np.ptp(seen) == 0.0:
             raise TrialFault(
                 f"{file_name}, column '{columns[joint]}': is {seen[0]:g} rad in every row; a real "
-                "joint moves, or shows noise; see that its sensor was on"
+                "joint moves, or shows noise; check that its sensor was on"
             )
         for other in range(joint):
             if seen.size >= LEAST_ROWS and np.array_equal(values, angle[other], equal_nan=True):
@@ -161,7 +161,7 @@ def read_marker_table(campaign: Campaign, trial: Trial) -> xr.Dataset:
     if "sd_px" in table.columns:
         sd[frame, marker] = to_numbers(path, table, "sd_px", missing_allowed=True)
         if np.nanmin(sd, initial=np.inf) <= 0.0:
-            raise TrialFault(f"{path.name}, column 'sd_px': holds {np.nanmin(sd):g}; expected > 0")
+            raise TrialFault(f"{path.name}, column 'sd_px': is {np.nanmin(sd):g}; expected > 0")
     return xr.Dataset(
         {
             "time": ("frame", frame_time),
@@ -202,6 +202,6 @@ def _refuse_repeats(
     if repeated.size:
         row = int(order[repeated[0] + 1])
         raise TrialFault(
-            f"{file_name}, row {row + 2}: marker '{names[marker[row]]}' stands twice at "
-            f"{time[frame[row]]:g} s; each marker may stand once per time"
+            f"{file_name}, row {row + 2}: marker '{names[marker[row]]}' appears twice at "
+            f"{time[frame[row]]:g} s; each marker may appear once at each time"
         )

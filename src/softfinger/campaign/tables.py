@@ -167,15 +167,15 @@ def check_times(path: Path, time: np.ndarray) -> None:
         row = int(np.argmax(late))
         raise TrialFault(
             f"{path.name}, row {row + 2}, column 'time_s': is {time[row]:g} s; expected the time "
-            f"since the trial began, at most {LATEST_S:g} s; from a clock's stamps, subtract the "
-            "same start in the recording and in the load log"
+            f"since the trial began, at most {LATEST_S:g} s; subtract the clock's "
+            "stamp of the start here and in the load log"
         )
     backwards = np.diff(time) < 0
     if backwards.any():
         row = int(np.argmax(backwards)) + 1
         raise TrialFault(
             f"{path.name}, row {row + 2}, column 'time_s': time runs backwards, {time[row]:g} s "
-            f"after {time[row - 1]:g} s; sort the rows or mend the clock"
+            f"after {time[row - 1]:g} s; sort the rows or correct the clock"
         )
 
 
@@ -191,5 +191,5 @@ def check_span(path: Path, time: np.ndarray) -> None:
     if 0.0 < span < SHORTEST_S:
         raise TrialFault(
             f"{path.name}, column 'time_s': spans {span:g} s; expected at least {SHORTEST_S:g} s; "
-            "mind the unit of the time"
+            "check the unit of the time"
         )

@@ -41,7 +41,7 @@ def write_template(folder: Path, *, specimen: bool = False, video: bool = False)
         The folder is there and not empty.
     """
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise Fault(f"{folder}: is there already; choose a folder that is new or empty")
+        raise Fault(f"{folder}: exists already; choose a folder that is new or empty")
     level = "video" if video else "angles"
     for name in (level, "load"):
         (folder / name).mkdir(parents=True, exist_ok=True)

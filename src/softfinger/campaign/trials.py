@@ -65,7 +65,7 @@ def _read_covariates(folder: Path, table: pd.DataFrame) -> dict[str, np.ndarray]
             f"{MOST_TRIALS} and {MOST_COLUMNS}"
         )
     repeated = [] if "trial" not in table.columns else _find_repeated(table["trial"])
-    faults += [f"the name {show(name)} stands more than once" for name in repeated]
+    faults += [f"the name {show(name)} appears more than once" for name in repeated]
     covariates = {}
     for column in table.columns.difference(["trial", "started_at", "load", *LEVELS], sort=False):
         text = table[column].str.strip()
@@ -76,7 +76,7 @@ def _read_covariates(folder: Path, table: pd.DataFrame) -> dict[str, np.ndarray]
             row = int(np.argmax(wrong))
             faults.append(
                 f"row {row + 2}, column '{column}': is {show(text.iloc[row])}; a column that is "
-                "not trial, started_at, load, video, markers or angles holds numbers"
+                "not trial, started_at, load, video, markers or angles contains numbers"
             )
         covariates[column] = values
     if faults:

@@ -19,7 +19,9 @@ def doubt_camera(
     link_length_m: Sequence[float] | None,
 ) -> Iterator[Doubt]:
     """Doubt the declared camera and its markers."""
-    yield from doubt_range("camera.fps", fps, FRAMES_PER_S, "1/s", "a frame interval for a rate")
+    yield from doubt_range(
+        "camera.fps", fps, FRAMES_PER_S, "1/s", "a frame interval in place of a rate"
+    )
     if link_length_m is None:
         return
     link = float(np.median(link_length_m))

@@ -42,7 +42,7 @@ def _describe(
     return Doubt(
         "covariate",
         f"{column} is {values[wrong][0]:.4g} in {name_trials(which, len(names))}; {expected}; "
-        "likely another unit or a lost decimal point; see trials.csv",
+        "likely another unit or a lost decimal point; check trials.csv",
         tuple(which),
     )
 

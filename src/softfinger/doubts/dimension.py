@@ -34,7 +34,7 @@ def doubt_dimension(trials: Sequence[TrialFeatures], angles: xr.Dataset) -> Iter
         float(np.median(mass / length**3)),
         DENSITY,
         "kg/m³",
-        "grams for kilograms, or a length's unit",
+        "grams in place of kilograms, or the unit of a length",
     )
     yield from doubt_range(
         "the wire's offset over a link's length",
@@ -76,7 +76,7 @@ def _doubt_load(
         stiffness / weight,
         STIFFNESS_OVER_WEIGHT,
         "",
-        "a unit of the load, the angles, the masses or the lengths",
+        "the unit of load, angles, masses or lengths",
     )
 
 

@@ -9,9 +9,9 @@ from softfinger.faults import list_briefly
 
 # Factors that a slip of the unit makes, and the slip.
 FACTORS = {
-    1e3: "a prefix: milli for one, or one for kilo",
-    1e6: "a prefix: micro for one",
-    100.0: "centi for one, or per cent",
+    1e3: "a prefix: milli, or kilo",
+    1e6: "a prefix: micro",
+    100.0: "a prefix: centi; or per cent",
     10.0: "a decimal place",
     60.0: "minutes for seconds",
     3600.0: "hours for seconds",

@@ -43,8 +43,8 @@ def _doubt_sign(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
         which = "" if whole else f"joint {', '.join(map(str, joints))} of "
         yield Doubt(
             "against_the_load",
-            f"{which}{name_trials(names, len(trials))} moved against the load; likely a sign that "
-            "was turned, a mirrored video or exchanged wires; a positive load must bend the "
+            f"{which}{name_trials(names, len(trials))} moved against the load; likely a wrong "
+            "sign, a mirrored video or exchanged wires; a positive load must bend the "
             "finger positively",
             tuple(names),
             () if whole else joints,
@@ -60,7 +60,7 @@ def _doubt_dead(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
         yield Doubt(
             "joint_hardly_moves",
             f"joint {joint} moved {share[joint - 1]:.1%} of what the joint beside it did, in all "
-            f"trials; likely a dead sensor or a wrong column; see q{joint}_rad",
+            f"trials; likely a dead sensor or a wrong column; check q{joint}_rad",
             (),
             (int(joint),),
         )
@@ -82,9 +82,10 @@ def _doubt_absolute(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
     names = [trial.name for trial, s in zip(trials, suspects, strict=True) if s]
     yield Doubt(
         "absolute_angles",
-        f"in {name_trials(names, len(trials))} the noise of the joints goes together, as in "
-        "angles that are measured against the base; those of neighbours relative to each other "
-        "go against each other; likely absolute for relative angles: subtract the joint before",
+        f"in {name_trials(names, len(trials))} the noise of neighbouring joints has a "
+        "positive correlation; that of relative angles is negative; likely angles against the "
+        "base: "
+        "subtract the joint before",
         tuple(names),
     )
 
@@ -114,8 +115,8 @@ def _doubt_order(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
         yield Doubt(
             "joints_exchanged",
             f"in {name_trials(names, len(trials))} the noise of the joints is that of a chain in "
-            f"the order {', '.join(str(k + 1) for k in order)}: neighbours share a link and err "
-            "against each other; likely exchanged columns or markers; see the order of the joints",
+            f"the order {', '.join(str(k + 1) for k in order)}: neighbours that share a link have "
+            "opposite errors; likely exchanged columns or markers; check the order",
             tuple(names),
             tuple(moved),
         )

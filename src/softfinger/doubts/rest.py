@@ -34,7 +34,7 @@ def doubt_rest(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
         yield Doubt(
             "offset",
             f"at rest {name_trials(names, len(trials))} differs from the others by {sizes}; likely "
-            "an offset of the sensor, or a recording that began late; see its first frames",
+            "an offset of the sensor, or a recording that began late; check its first frames",
             names,
             tuple(j + 1 for j in joints),
         )

@@ -69,7 +69,7 @@ def _describe_joint(
         "scale_of_joint",
         f"joint {joint} of {name_trials(names, len(trials))} moved {ratio:.3g} times as far per "
         f"load as in the others: {name_factor(ratio)}; likely a sensor that is stuck, or a wrong "
-        f"unit in column q{joint}_rad; see this column",
+        f"unit in column q{joint}_rad; check this column",
         tuple(names),
         (joint,),
     )
@@ -84,7 +84,7 @@ def _doubt_noise(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
         yield Doubt(
             "noise_of_trials",
             f"{name_trials(names, len(trials))} has {ratio:.3g} times the noise of the others: "
-            f"{name_factor(ratio)}; likely another sensor, filter or unit; see how these trials "
+            f"{name_factor(ratio)}; likely another sensor, filter or unit; check how these trials "
             "were recorded",
             tuple(names),
         )

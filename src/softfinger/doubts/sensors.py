@@ -24,8 +24,8 @@ SAID = {
         "than its log; keep the frames that are new"
     ),
     "stuck": (
-        "holds one value over {:.0%} of its frames in a joint; likely a sensor that froze, or "
-        "that is at the end of its range; leave these cells empty"
+        "repeats one value in {:.0%} of its frames in a joint; likely a sensor that froze, or "
+        "is at the end of its range; leave these cells empty"
     ),
     "clipped": (
         "ends at one extreme value in {:.0%} of its frames; likely a sensor at the end of its "

@@ -35,7 +35,7 @@ def _doubt_intervals(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
             "frame_interval",
             f"the frames of all trials are {usual:.3g} s apart; expected {INTERVALS[0]:g} to "
             f"{INTERVALS[1]:g} s of a finger; likely the times are in {unit} ({other:.3g} frames "
-            "per second then); see the column time_s",
+            "per second then); check the column time_s",
         )
     apart = find_apart(np.log(interval), np.log(LEAST_RATIO))
     if apart.any():
@@ -45,7 +45,7 @@ def _doubt_intervals(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
             "frame_interval_of_trials",
             f"the frames of {name_trials(names, len(trials))} are {ratio:.3g} times as far apart "
             f"as those of the others: {name_factor(ratio)}; likely a wrong unit or rate of its "
-            "clock; see the column time_s",
+            "clock; check the column time_s",
             tuple(names),
         )
 
@@ -63,7 +63,7 @@ def _doubt_spans(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
             "span_of_load_log",
             f"the load log of {name_trials(names, len(trials))} is some {wrong[0][1]:g} times as "
             "long as the recording; likely its time is in another unit (milliseconds, minutes); "
-            "see the column time_s of both",
+            "check the column time_s of both",
             tuple(names),
         )
 
@@ -78,7 +78,7 @@ def _doubt_starts(trials: Sequence[TrialFeatures], started_at: Array) -> Iterato
         yield Doubt(
             "equal_starts",
             f"{name_trials(names, len(trials))} started at the same moment as another; likely a "
-            "stamp that was copied; see the column started_at, from which rests are computed",
+            "stamp that was copied; check the column started_at, from which rests are computed",
             tuple(names),
         )
     span = np.array([trial.span for trial in trials])[order[:-1]]
@@ -91,6 +91,6 @@ def _doubt_starts(trials: Sequence[TrialFeatures], started_at: Array) -> Iterato
             f"{name_trials(names, len(trials))} still ran when the next one started: "
             f"{first.name} lasts {first.span:.3g} s, and the next starts {gap[early[0]]:.3g} s "
             f"after it ({name_factor(first.span / gap[early[0]])}); likely time_s is in another "
-            "unit, or started_at is wrong",
+            "unit, or started_at is wrong; check both",
             tuple(names),
         )

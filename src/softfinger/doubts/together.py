@@ -33,7 +33,7 @@ def doubt_together(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
             "motion_without_load",
             f"{name_trials([t.name for t in idle], len(trials))} moved while its load was 0: the "
             f"recording lasts from {first.time[0]:.3g} to {first.time[-1]:.3g} s, the load acts "
-            f"from {first.loaded_at:.3g} s; likely two clocks; see both columns time_s",
+            f"from {first.loaded_at:.3g} s; likely two clocks; check both columns time_s",
             tuple(t.name for t in idle),
         )
     yield from _doubt_stillness(trials)
@@ -52,8 +52,8 @@ def _describe_late(late: list[TrialFeatures], of: int) -> Doubt:
     return Doubt(
         "begins_late",
         f"the recording of {name_trials([t.name for t in late], of)} begins "
-        f"{first.time[0] - first.loaded_at:.3g} s after its load, so that the finger's rest is "
-        "not in it; likely the recording and the load log have different zeros of time; see "
+        f"{first.time[0] - first.loaded_at:.3g} s after its load, without the finger's rest; "
+        "likely the recording and the load log have different zeros of time; check "
         "their columns time_s",
         tuple(trial.name for trial in late),
     )
@@ -73,7 +73,7 @@ def _describe_shift(shifted: list[TrialFeatures], of: int) -> Doubt:
     return Doubt(
         "load_shifted",
         f"{name_trials(names, of)} moved some {abs(shift):.2g} s {word} its load, and then as if "
-        "at once; likely the recording and the load log have different zeros of time; see "
+        "at once; likely the recording and the load log have different zeros of time; check "
         "their columns time_s",
         tuple(names),
     )
@@ -90,7 +90,7 @@ def _doubt_stillness(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
         yield Doubt(
             "load_without_motion",
             f"{name_trials(names, len(trials))} did not move under its load, as the others did; "
-            "likely a wire that came off, or a recording of another moment; see its recording",
+            "likely a wire that came off, or a recording of another moment; check its recording",
             tuple(names),
         )
 
@@ -112,7 +112,8 @@ def _doubt_unexplained(trials: Sequence[TrialFeatures], of: int) -> Iterator[Dou
         "load_unrelated",
         f"the load of {name_trials(names, of)} leaves {np.median(left[apart]):.0%} of the motion "
         f"unexplained, whatever the material ({np.median(left):.0%} is usual here); likely the "
-        "log of another trial, a clock of another rate, or a recording that runs backwards",
+        "log of another trial, another clock rate, or a recording that runs backwards; check "
+        "its load log",
         tuple(names),
     )
 

@@ -80,7 +80,7 @@ def read_document(path: Path) -> Document:
         # The parser's own slips, on escapes and directives that are out of range.
         raise Fault(f"{path}: it is not YAML: an escape or a directive in it is wrong") from None
     if not isinstance(content, dict):
-        raise Fault(f"{path}: it must hold keys and values, as in 'version: 1'")
+        raise Fault(f"{path}: expected keys and values, as in 'version: 1'")
     return Document(content, reader.lines)
 
 
@@ -123,14 +123,14 @@ class _EventReader:
 
     def _refuse(self, event: Event, depth: int) -> None:
         if isinstance(event, AliasEvent):
-            raise _Refusal(event, "it holds a YAML alias (*name); write values out")
+            raise _Refusal(event, "it contains a YAML alias (*name); write the values out")
         if self.count > MOST_VALUES:
             raise _Refusal(event, f"it has more than {MOST_VALUES} values")
         if depth > DEEPEST:
             raise _Refusal(event, f"it nests keys or lists deeper than {DEEPEST} times; expected 4")
         if event.tag is not None:
             raise _Refusal(
-                event, f"it holds the YAML tag {show(str(event.tag))}; write plain values"
+                event, f"it contains the YAML tag {show(str(event.tag))}; write plain values"
             )
 
     def _read_list(self, place: Place) -> list:
@@ -162,7 +162,7 @@ def _read_text(event: ScalarEvent) -> str:
     if len(text) > LONGEST_TEXT:
         raise _Refusal(event, f"a text has {len(text)} characters; expected at most {LONGEST_TEXT}")
     if not text.replace("\n", "").replace("\t", "").isprintable():
-        raise _Refusal(event, f"{show(text)} holds a character that cannot be printed")
+        raise _Refusal(event, f"{show(text)} contains a character that cannot be printed")
     return text
 
 

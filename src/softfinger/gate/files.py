@@ -14,15 +14,15 @@ def find_obstacle(path: Path) -> str | None:
         if not path.exists():
             return "does not exist"
         if not path.is_file():
-            return "is no ordinary file"
+            return "is not an ordinary file"
         with path.open("rb"):
             return None
     except OSError as error:
         return f"cannot be read: {error.strerror or error}"
     except ValueError:
-        return "has a name that no file has"
+        return "has a name that no file can have"
     except RuntimeError:
-        return "is a link that leads in a circle"
+        return "is a link that leads back to itself"
 
 
 def read_text(path: Path, largest_bytes: int) -> str:
@@ -50,5 +50,5 @@ def read_text(path: Path, largest_bytes: int) -> str:
         ) from None
     if "\0" in text:
         line = text[: text.index("\0")].count("\n") + 1
-        raise Fault(f"{path}, line {line}: holds a NUL character; expected text")
+        raise Fault(f"{path}, line {line}: contains a NUL character; expected text")
     return text.replace("\r\n", "\n").replace("\r", "\n")

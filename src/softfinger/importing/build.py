@@ -67,7 +67,7 @@ def build_trial(run: Run, description: ImportDescription) -> ImportedTrial:
     load_time, load = _read_load(run, description, origin, float(np.nanmin(time)))
     if seen.sum() < LEAST_ROWS or np.isfinite(motion[seen]).any(axis=1).sum() < LEAST_ROWS:
         raise ImportFault(
-            f"trial {run.name}: {int(seen.sum())} rows hold a time and a motion; expected at least "
+            f"trial {run.name}: {int(seen.sum())} rows have a time and a motion; expected at least "
             f"{LEAST_ROWS}; name it in trials.leave_out to go without it"
         )
     started = None
@@ -137,7 +137,7 @@ def _read_load(
         time = _read_clock(run, table, description)[0]
         seen = np.isfinite(value) & np.isfinite(time)
         if not seen.any():
-            raise ImportFault(f"{table.place}, column '{name}': it holds no load at all")
+            raise ImportFault(f"{table.place}, column '{name}': it contains no load")
         order = np.argsort(time[seen], kind="stable")
         return time[seen][order] - origin, value[seen][order]
     if asked.value is not None:

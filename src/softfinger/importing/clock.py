@@ -50,7 +50,7 @@ def read_times(table: RawTable, column: str, unit: str | None = None) -> Times:
     values = table.read(column, unit or "", "a time")
     seen = values[np.isfinite(values)]
     if not seen.size:
-        raise ImportFault(f"{table.place}, column '{column}': it holds no time at all")
+        raise ImportFault(f"{table.place}, column '{column}': it contains no time")
     if unit is None:
         return _read_stamps(values, float(np.median(seen)), column)
     factor = find_factor(unit, "s")

@@ -106,7 +106,7 @@ def _guess_clock(run: Run, guesses: Guesses) -> None:
         if unit in ("date", "time of day"):
             guesses.said.append(f"clock: its cells are read as {unit}")
         else:
-            why = "as its heading says" if own else _explain_unit(unit)
+            why = "as its heading states" if own else _explain_unit(unit)
             guesses.put("clock.unit", unit, why)
 
 

@@ -60,7 +60,7 @@ def _complete_load(run: Run, guesses: Guesses) -> None:
         name, quantity = "compliance", "stress"
     guesses.put("load.quantity", quantity or "load", f"from the name '{name}'")
     known = own not in ("", "-")
-    guesses.put("load.unit", own if known else "1", "as its heading says" if known else
+    guesses.put("load.unit", own if known else "1", "as its heading states" if known else
                 "none is stated")  # fmt: skip
     if column is None:
         guesses.put("load.from_s", 0.0, "a constant load acts from time 0 on")

@@ -101,7 +101,7 @@ def guess_motion(runs: Sequence[Run], guesses: Guesses) -> None:
         guesses.put("motion.quantity", quantity, f"from the name '{name}'")
         quantity = str(guesses.get("motion.quantity"))
         unit = own if own not in ("", "-") else _find_usual_unit(run, column, quantity)
-        why = "as its heading says" if own not in ("", "-") else "none is stated"
+        why = "as its heading states" if own not in ("", "-") else "none is stated"
         guesses.put("motion.unit", unit, why)
     guesses.put("motion.start", *_find_start(runs, guesses))
 

@@ -198,7 +198,7 @@ def _refuse_long_rows(sheet: Sheet, cells: pd.DataFrame, row: np.ndarray, names:
         count = named[-1] + 2 + int(np.flatnonzero(beyond[at])[-1])
         raise ImportFault(
             f"{sheet.file}, row {row[at]}: has {count} fields; its heading has {named[-1] + 1}; "
-            "mend the row, or type tables: {delimiter: …} in import.yaml"
+            "correct the row, or type tables: {delimiter: …} in import.yaml"
         )
 
 

@@ -57,7 +57,7 @@ def read_tables(source: Path, asked: Tables) -> tuple[list[RawTable], list[str]]
         raise ImportFaults(str(source), faults)
     if not tables:
         listed = "; ".join(dropped[:5]) or "it is empty"
-        raise ImportFault(f"{source}: it holds no table of numbers ({listed})")
+        raise ImportFault(f"{source}: it contains no table of numbers ({listed})")
     dropped += [f"{table.place}: {said}" for table in tables for said in table.dropped]
     return tables, dropped
 
@@ -81,7 +81,7 @@ def _list_files(source: Path, asked: Tables, dropped: list[str]) -> Iterator[tup
         if (suffix in TEXT and not prose) or suffix in BOOKS or suffix in OTHERS:
             yield path, name
         else:
-            dropped.append(f"{name}: it is no table")
+            dropped.append(f"{name}: it is not a table")
 
 
 def _sort_key(path: Path) -> list[tuple[int, int | str]]:
@@ -112,5 +112,5 @@ def _read_file(path: Path, name: Path, asked: Tables) -> tuple[list[RawTable], l
         tables += found
         if not found:
             place = f"{name}, sheet '{sheet.name}'" if sheet.name else str(name)
-            dropped.append(f"{place}: it holds no table of numbers")
+            dropped.append(f"{place}: it contains no table of numbers")
     return tables, dropped

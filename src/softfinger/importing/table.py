@@ -79,7 +79,7 @@ class RawTable:
             more = f" ({int(wrong.sum())} such cells)" if wrong.sum() > 1 else ""
             raise ImportFault(
                 f"{self.place}, row {self.row[at]}, column '{column}': is '{cell}'{more}; expected "
-                f"{what}{f' in {unit}' if unit else ''}; mend it, or type tables: "
+                f"{what}{f' in {unit}' if unit else ''}; correct it, or type tables: "
                 f"{{missing: ['{cell}']}} in import.yaml if it is a gap"
             )
         return values

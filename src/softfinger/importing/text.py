@@ -57,7 +57,7 @@ def _decode(content: bytes, name: Path, encoding: str | None) -> str:
     marked = [code for mark, code in marks.items() if content.startswith(mark)]
     if b"\0" in content[:2000] and not marked:
         raise ImportFault(
-            f"{name}: it is no text; expected delimited text, .xlsx, .xls, .h5 or .nc"
+            f"{name}: it is not text; expected delimited text, .xlsx, .xls, .h5 or .nc"
         )
     for code in [encoding] if encoding else [*marked, "utf-8", "cp1252", "latin-1"]:
         try:

@@ -26,15 +26,15 @@ def read_hdf5(path: Path, name: Path) -> list[RawTable]:
             missing = {"tracks", "node_names"} - set(file)
             if missing:
                 raise ImportFault(
-                    f"{name}: it holds {', '.join(sorted(file))[:80]}; expected SLEAP's analysis "
-                    "file with tracks and node_names; of another program export its table as CSV"
+                    f"{name}: it contains {', '.join(sorted(file))[:80]}; expected SLEAP's "
+                    "analysis file with tracks and node_names; from another program, export CSV"
                 )
             tracks = np.asarray(file["tracks"])
             nodes = _decode(file["node_names"])
             names = _decode(file["track_names"]) if "track_names" in file else []
             scores = np.asarray(file["point_scores"]) if "point_scores" in file else None
     except OSError as error:
-        raise ImportFault(f"{name}: it is no HDF5 file: {error}") from None
+        raise ImportFault(f"{name}: it is not an HDF5 file: {error}") from None
     # As MATLAB has it: (track, axis, node, frame).
     if tracks.shape[1] != 2 and tracks.shape[2] == 2:
         tracks = tracks.swapaxes(1, 2)
@@ -70,12 +70,12 @@ def read_netcdf(path: Path, name: Path) -> list[RawTable]:
     try:
         data = xr.load_dataset(path, engine="h5netcdf", decode_times=False)
     except (OSError, ValueError) as error:
-        raise ImportFault(f"{name}: it is no NetCDF-4 file: {error}") from None
+        raise ImportFault(f"{name}: it is not a NetCDF-4 file: {error}") from None
     dims = {str(dim).rstrip("s"): str(dim) for dim in data.dims}
     if "position" not in data or "time" not in data.dims or "space" not in data.dims:
         raise ImportFault(
-            f"{name}: it holds {', '.join(map(str, data.data_vars))}; expected movement's position "
-            "(time, space, keypoints, individuals)"
+            f"{name}: it contains {', '.join(map(str, data.data_vars))}; expected "
+            "movement's position (time, space, keypoints, individuals)"
         )
     for dim in ("keypoint", "individual"):
         if dim not in dims:

@@ -50,7 +50,7 @@ def read_sheets(path: Path, name: Path, *, hidden: bool = False) -> tuple[list[S
     sheets, dropped = [], []
     for about in book.sheets_metadata:
         if about.typ != SheetTypeEnum.WorkSheet:
-            dropped.append(f"{name}, sheet '{about.name}': it is no sheet of cells")
+            dropped.append(f"{name}, sheet '{about.name}': it is not a sheet of cells")
         elif about.visible != SheetVisibleEnum.Visible and not hidden:
             dropped.append(
                 f"{name}, sheet '{about.name}': it is hidden; type tables: {{hidden_sheets: true}} "

@@ -32,7 +32,8 @@ def refuse_existing(out: Path) -> None:
     there = [name for name in names if (out / name).exists()]
     if there:
         raise ImportFault(
-            f"{out}: it holds {', '.join(there)} already, and nothing is overwritten; name another "
+            f"{out}: it contains {', '.join(there)} already, and nothing is overwritten; name "
+            "another "
             "folder with --out"
         )
 

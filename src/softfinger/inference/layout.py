@@ -139,14 +139,14 @@ def describe_limits(present: NDArray[np.bool_]) -> str:
     """State in a sentence what few trials leave open.
 
     >>> describe_limits(np.ones((2, 3), bool))
-    '2 trials hardly tell how parameters spread over trials: sigma is mostly its prior.'
+    '2 trials hardly show how parameters spread over trials: sigma is mostly its prior.'
     """
     trials = int(present.any(axis=1).sum())
     if trials == 1:
-        return "One trial is no population: sigma is its prior, and mu is known no better than it."
+        return "One trial shows no spread: sigma is its prior, and mu is as uncertain as the trial."
     if trials < DECISIONS.few_trials:
         return (
-            f"{trials} trials hardly tell how parameters spread over trials: "
+            f"{trials} trials hardly show how parameters spread over trials: "
             "sigma is mostly its prior."
         )
     return ""

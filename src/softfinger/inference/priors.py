@@ -98,7 +98,10 @@ def build_prior(angles: xr.Dataset, frames: xr.Dataset) -> PopulationPrior:
     used = frames["used"].values
     largest = np.abs(load[used.any(axis=1)]).max()
     if largest == 0:
-        raise Fault("the load is 0 in every trial: parameters cannot be told from such recordings")
+        raise Fault(
+            "the load is 0 in every trial: such recordings do not determine the parameters; "
+            "check the load logs"
+        )
     duration = _compute_duration(angles, used)
     k_v = largest / PRIORS.elastic_rad
     centre = [k_v, k_v * np.sqrt(duration * float(frames["frame_interval"]))]

@@ -85,24 +85,25 @@ def describe_assumptions(result: xr.Dataset) -> list[str]:
         for name in PARAMETERS[:3]
     )
     early = (
-        f"That inertia can be ignored holds later than {float(lasts.max()):.2g} s after the step: "
-        f"the angle is then less than {matters} off in each of {fingers} fingers. It does not hold "
-        f"before: inertia lasts {list_values(lasts)} s and moves the angle by up to "
+        f"Inertia can be ignored later than {float(lasts.max()):.2g} s after the step: the "
+        "angle is "
+        f"then less than {matters} off in each of {fingers} fingers. Before, it cannot be "
+        f"ignored: it lasts {list_values(lasts)} s and moves the angle by up to "
         f"{list_values(1e3 * inertia.max('window'))} mrad (joints base to tip)."
     )
     if not lasts.notnull().any():
-        early = f"That inertia can be ignored holds at all times: never is {matters} missing."
+        early = f"Inertia can be ignored at all times: less than {matters} is missing."
     bent = (
-        "That the torque is constant does not hold under a constant tension: the moment arm grows "
-        f"by 1 % when a joint has bent by {mild:.2g} rad, and by "
+        "Under a constant tension the torque is not constant. The moment arm grows by "
+        f"1 % when a joint has bent by {mild:.2g} rad, and by "
         f"{float(growth.median()):.0f} % (median) to {float(growth.max()):.0f} % by the end. That "
         f"moves the angle by up to {1e3 * float(arm.max()):.0f} mrad within "
         f"{float(result.window_end.max()):g} s."
     )
     hidden = (
-        "A look at one trial does not show it: the step solution still fits to "
-        f"{1e3 * float(result.fitted_residual_rms.median()):.2g} mrad rms (median) and takes the "
-        f"arm into its parameters, {changes} (medians of the joints)."
+        "One trial does not show it. The step solution still fits to "
+        f"{1e3 * float(result.fitted_residual_rms.median()):.2g} mrad rms (median), "
+        f"but its parameters absorb the change: {changes} (medians of the joints)."
     )
     return [early, bent, hidden]
 

@@ -2,7 +2,7 @@
 
 The equations of motion are those of `dynamics`.
 
-A state is (q, q̇, q_v), one after the other; a row of `stages` holds one state's increments at all
+A state is (q, q̇, q_v), one after the other; a row of `stages` is one state's increments at all
 stages. With s = c_p/(c_v + c_p), the rows of `joint` are s k_v [N m/rad], s c_v [N m s/rad], s [1]
 and k_v/(c_v + c_p) [1/s]. `half_length` is half the joint's length [m], NaN where the arm is
 constant. `squares` (4, joint, joint) and `rows` (9 joint,) are scratch.

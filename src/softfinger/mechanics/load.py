@@ -1,7 +1,7 @@
 """The load history: straight lines between knots.
 
 Before the first knot the load is 0 and the finger at rest, so a first knot with load is a step at
-its time; after the last knot the last value holds. Arrays of several trials are padded by repeating
+its time; after the last knot the last value stays. Arrays of several trials are padded by repeating
 the last knot.
 """
 
@@ -29,7 +29,7 @@ def check_load(load_time: ArrayLike, load_torque: ArrayLike) -> None:
     if load_time.ndim == 0 or load_time.shape[-1:] != load_torque.shape[-1:]:
         raise Fault(
             f"load_time has shape {load_time.shape} and load_torque {load_torque.shape}: "
-            "they must hold the same number of knots"
+            "they must have the same number of knots"
         )
     if load_time.shape[-1] == 0:
         raise Fault("the load has no knot: it must have at least one")

@@ -20,9 +20,13 @@ app = typer.Typer(
 def simulate(
     time_scale: Annotated[float, typer.Option(help="Simulated seconds per second.", min=0.1)] = 1.0,
     fps: Annotated[float, typer.Option(help="Frame rate of the virtual camera.", min=1.0)] = 30.0,
-    seed: Annotated[int, typer.Option(help="Of the virtual finger.", min=0)] = 0,
-    watchdog_s: Annotated[float, typer.Option(help="Silence after which it lets go.")] = 1.0,
-    transcript: Annotated[Path | None, typer.Option(help="File for all that is said.")] = None,
+    seed: Annotated[int, typer.Option(help="Seed of the virtual finger.", min=0)] = 0,
+    watchdog_s: Annotated[
+        float, typer.Option(help="Silence after which the wire is released [s].")
+    ] = 1.0,
+    transcript: Annotated[
+        Path | None, typer.Option(help="File for every line that is sent.")
+    ] = None,
 ) -> None:
     """Simulate a rig: controller, finger and camera.
 
@@ -71,8 +75,8 @@ def _read_environment(text: str) -> tuple[str, float]:
         return column, float(value)
     except ValueError:
         raise Fault(
-            f"--environment {text}: expected column=number, as in temperature_c=23.5, the column "
-            f"none of {', '.join(RESERVED_COLUMNS)}"
+            f"--environment {text}: expected column=number, as in temperature_c=23.5; the column "
+            f"must not be one of {', '.join(RESERVED_COLUMNS)}"
         ) from None
 
 

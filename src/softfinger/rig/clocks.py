@@ -103,7 +103,7 @@ def estimate_clock_offset(
         raise Fault(
             f"the sync light is not seen: its place in the picture stays between {darkest:.0f} and "
             f"{brightest:.0f} grey over {brightness.size} frames; aim the camera at the light or "
-            "mend recording.sync_light_px"
+            "correct recording.sync_light_px"
         )
     if brightness[seen[0]] < brightness[seen[0] - 1] or len(seen) != len(edges):
         raise Fault(

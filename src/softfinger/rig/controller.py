@@ -52,7 +52,9 @@ class Controller:
         try:
             return {key: float(value) for key, value in fields.items()}
         except ValueError:
-            raise Fault(f"the controller's environment {fields} holds what is no number") from None
+            raise Fault(
+                f"the controller's environment {fields} contains a value that is not a number"
+            ) from None
 
     def flash(self, half_period: float) -> None:
         """Let the sync light flash.
@@ -140,7 +142,7 @@ class Controller:
             return "the wire is released"
         return (
             "the controller does not confirm that the wire is released; its own watchdog releases "
-            f"it {self.identity.watchdog_s:g} s after the last heartbeat: look before you touch it"
+            f"it {self.identity.watchdog_s:g} s after the last heartbeat; look before you touch it"
         )
 
     def _request(self, verb: str, **fields: object) -> Message:

@@ -135,7 +135,8 @@ def _require_same(path: Path, plan_text: str, described: dict[str, object]) -> N
     if not begun_by.is_file():
         if any(p.is_file() and not p.name.startswith(_UNFINISHED) for p in path.rglob("*")):
             raise Fault(
-                f"{path}: the folder holds files, but no recording of this program; name another"
+                f"{path}: the folder contains files, but no recording of this program; name "
+                "another folder"
             )
         return
     if begun_by.read_text(encoding="utf-8") != plan_text:
@@ -210,7 +211,7 @@ def _write_whole(path: Path) -> Iterator[Path]:
     except OSError as error:
         raise Fault(
             f"{path}: it cannot be written ({error}); this trial is not kept; make room on the "
-            "disk or mend its permissions, and run the same command again"
+            "disk or change its permissions, and run the same command again"
         ) from None
     finally:
         unfinished.unlink(missing_ok=True)

@@ -81,7 +81,7 @@ def check_abilities(identity: Identity, plan: Plan) -> None:
     if plan.safety.tension_limit_n > identity.limit_n:
         raise Fault(
             f"safety.tension_limit_n is {plan.safety.tension_limit_n:g} N, but the controller "
-            f"bears {identity.limit_n:g} N at most; lower it"
+            f"allows {identity.limit_n:g} N at most; lower it"
         )
     if 3 * plan.safety.heartbeat_s > identity.watchdog_s:
         raise Fault(
@@ -97,6 +97,6 @@ def check_abilities(identity: Identity, plan: Plan) -> None:
         knots = profile.build_knots()[0].size
         if knots > identity.max_knots:
             raise Fault(
-                f"profile '{profile.name}' has {knots} knots, but the controller holds "
-                f"{identity.max_knots}; shorten it"
+                f"profile '{profile.name}' has {knots} knots, but the controller stores "
+                f"at most {identity.max_knots}; shorten it"
             )

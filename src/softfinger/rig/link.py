@@ -145,7 +145,7 @@ def _open_port(port: str) -> serial.SerialBase:
     except (serial.SerialException, OSError, ValueError) as error:
         said = str(error)
     if "lock" in said:
-        reason = "is busy: another program has it open; end that one"
+        reason = "is busy: another program uses it; end that program"
     elif "Permission" in said:
         reason = "may not be opened by this user; join the group that owns it (often 'dialout')"
     else:

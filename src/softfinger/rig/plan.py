@@ -75,7 +75,7 @@ class Plan(Settings):
             if peak > limit:
                 raise ValueError(
                     f"profile '{profile.name}' pulls with {peak:g} N, but safety.tension_limit_n "
-                    f"is {limit:g} N; lower the profile or raise the limit if the finger bears it"
+                    f"is {limit:g} N; lower the profile or raise the limit if the finger allows it"
                 )
         return self
 

@@ -77,7 +77,7 @@ def find_effect(name: str) -> Effect:
     if name not in effects:
         near = difflib.get_close_matches(name, effects, n=1)
         hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(effects)}"
-        raise Fault(f"{name!r} is no id of an effect; {hint}")
+        raise Fault(f"{name!r} is not the id of an effect; {hint}")
     return effects[name]
 
 
@@ -152,7 +152,7 @@ def _list_poorer(whole: Setting) -> Iterator[tuple[str, Setting]]:
     yield "lengths of links and the wire's offset", replace(whole, geometry=False)
     yield "masses of links", replace(whole, masses=False)
     yield "a camera", replace(whole, camera=False)
-    yield "a finger, and no specimen", replace(whole, specimen=True)
+    yield "a finger, not a specimen", replace(whole, specimen=True)
 
 
 def _keep_first_trial(whole: Setting) -> Setting:

@@ -110,7 +110,7 @@ def configure_rig(plan: Plan, config: Mapping[str, Any]) -> dict[str, Any]:
     finger = plan.campaign["finger"]
     if finger.get("joints") != N_JOINTS:
         raise Fault(
-            f"a plan before any data knows the paper's finger of {N_JOINTS} joints, and yours has "
+            f"a plan without data is for the paper's finger of {N_JOINTS} joints, and yours has "
             f"{finger.get('joints')}; record a few trials and name their campaign with --campaign"
         )
     peak, duration = measure_reach(plan.profiles)

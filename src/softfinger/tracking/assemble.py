@@ -95,7 +95,7 @@ def read_trial(
     recording = recording.isel(frame=np.isfinite(recording["time"].to_numpy()))
     time = recording["time"].to_numpy()
     if time.size < 2:
-        raise TrialFault(f"{trial.recording.name}: holds {time.size} frames; expected at least 2")
+        raise TrialFault(f"{trial.recording.name}: has {time.size} frames; expected at least 2")
     interval = float(np.median(np.diff(time)))
     load_time, load_torque, kind = read_load(campaign, trial, interval, float(time[0]))
     jumps = find_load_jumps_array(load_time, load_torque)
@@ -108,7 +108,7 @@ def read_trial(
         recording = measure(recording, campaign)
     if not np.isfinite(recording["joint_angle"]).any("frame").all():
         raise TrialFault(
-            f"{trial.recording.name}: holds no usable frame of at least one joint; see that every "
+            f"{trial.recording.name}: has no usable frame of at least one joint; check that every "
             "link shows two markers"
         )
     flagged = flag_frames(recording, jumps).assign(

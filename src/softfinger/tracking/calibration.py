@@ -81,7 +81,7 @@ def calibrate_camera(pictures: Sequence[Path], board: Board) -> Calibration:
     for path in pictures:
         picture = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
         if picture is None:
-            set_aside[path.name] = "it is no picture that can be decoded"
+            set_aside[path.name] = "the picture cannot be decoded"
             continue
         size = size or picture.shape[::-1]
         if picture.shape[::-1] != size:

@@ -85,7 +85,7 @@ def write_overlay(video: Path, fps: float, markers: xr.Dataset, path: Path) -> N
                     str(path), cv2.CAP_FFMPEG, cv2.VideoWriter.fourcc(*"MJPG"), fps, size
                 )
                 if not writer.isOpened():
-                    raise Fault(f"{path}: cannot be written; is the folder there?")
+                    raise Fault(f"{path}: cannot be written; check that its folder exists")
             writer.write(canvas)
     finally:
         if writer is not None:
@@ -135,7 +135,7 @@ def draw_contact_sheet(video: Path, fps: float, markers: xr.Dataset, count: int 
 def write_contact_sheet(video: Path, fps: float, markers: xr.Dataset, path: Path) -> None:
     """Write `draw_contact_sheet` as a picture file."""
     if not cv2.imwrite(str(path), draw_contact_sheet(video, fps, markers)):
-        raise Fault(f"{path}: cannot be written; is the folder there?")
+        raise Fault(f"{path}: cannot be written; check that its folder exists")
 
 
 def _to_fine(points: np.ndarray) -> np.ndarray:

@@ -38,7 +38,10 @@ def take_picture(campaign: Campaign, markers: xr.Dataset) -> xr.Dataset:
     for frame in read_frames(trial.recording, campaign.camera.fps):
         if frame.index == wanted:
             return _describe(frame.picture, name, wanted)
-    raise Fault(f"{trial.recording}: frame {wanted} is gone since the video was tracked")
+    raise Fault(
+        f"{trial.recording}: frame {wanted} is missing, and was there when the video was "
+        "tracked; run `track` again"
+    )
 
 
 def find_most_bent(markers: xr.Dataset) -> int:

@@ -105,8 +105,10 @@ def refuse_relaxation(file_name: str, trial: xr.Dataset) -> None:
     fell = np.ptp(pull)
     if np.ptp(path) < HELD and fell > RELAXED and np.abs(np.diff(pull)).max() < SUDDEN * fell:
         raise TrialFault(
-            f"{file_name}: the motion is held and the load falls by {fell:.0%} of its largest: a "
-            "test at constant strain (relaxation). The models here answer a load with a motion; "
+            f"{file_name}: the motion is constant and the load falls by {fell:.0%} of its "
+            "largest: a "
+            "test at constant strain (relaxation). The models here describe the motion under a "
+            "load; "
             "record a test at constant load (creep)"
         )
 

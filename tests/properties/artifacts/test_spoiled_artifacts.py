@@ -151,7 +151,7 @@ EDITS = {
     swap_dims: "has dims ('frame', 'joint', 'trial')",
     rename_variable: "variable 'torque' is not declared",
     turn_to_words: "expected numbers",
-    turn_to_whole_numbers: "holds int64; expected numbers",
+    turn_to_whole_numbers: "has the type int64; expected numbers",
     drop_trial_names: "coordinate 'trial' ('trial',) [1] is missing",
     add_unknown: "variable 'surprise' is not declared",
     drop_source: "attribute 'source' is missing",

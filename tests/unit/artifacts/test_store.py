@@ -79,7 +79,7 @@ def test_a_wrong_dataset_is_refused_with_all_its_faults(tmp_path):
         save_artifact(wrong, SPEC, tmp_path / "toy.nc", ORIGIN)
     text = str(fault.value)
     assert "variable 'angle' has dims ('frame', 'trial'); expected ('trial', 'frame')" in text
-    assert "variable 'angle' holds -9 rad (4 values of 6); expected -3 to 3" in text
+    assert "variable 'angle' contains -9 rad (4 values of 6); expected -3 to 3" in text
     assert "variable 'kept' ('trial',) [1] is missing" in text
     assert "variable 'surprise' is not declared" in text
     assert "attribute 'campaign' is missing" in text
@@ -95,7 +95,9 @@ def test_missing_values_are_no_fault():
 
 def test_a_wrong_kind_is_a_fault():
     wrong = make_toy().assign(kept=("trial", [0.5, 1.0]))
-    assert list_faults(SPEC, wrong) == ["variable 'kept' holds float64; expected truth values"]
+    assert list_faults(SPEC, wrong) == [
+        "variable 'kept' has the type float64; expected truth values"
+    ]
 
 
 def test_another_artifact_and_an_older_version_are_refused(tmp_path):
@@ -140,7 +142,7 @@ def test_a_tree_keeps_its_groups_and_loses_clocks(tmp_path):
     assert (
         open_tree(tmp_path / "tree.nc", TREE)["independence"]["p"].attrs["long_name"] == "p-value"
     )
-    with pytest.raises(ArtifactFault, match="group 'independence': variable 'p' holds 2"):
+    with pytest.raises(ArtifactFault, match="group 'independence': variable 'p' contains 2"):
         save_tree(tree * 4, TREE, tmp_path / "other.nc", ORIGIN)
     del tree["posterior"]
     with pytest.raises(ArtifactFault, match="group 'posterior' is missing"):

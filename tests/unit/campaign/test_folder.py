@@ -57,7 +57,7 @@ def test_all_faults_are_listed_at_once(folder, damage):
     ("old", "new", "said"),
     [
         ("trial,started_at", "name,started_at", "column 'trial' is missing"),
-        ("second,", "first,", "the name 'first' stands more than once"),
+        ("second,", "first,", "the name 'first' appears more than once"),
         ("21.5", "warm", "row 2, column 'temperature_c': is 'warm'"),
     ],
 )

@@ -37,11 +37,11 @@ def test_a_first_row_with_load_is_a_step():
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("0.1,8", "0.1,-8", "holds -8 N"),
-        ("0.1,8", "0.1,8e6", "holds 8e+06 N"),
+        ("0.1,8", "0.1,-8", "is -8 N"),
+        ("0.1,8", "0.1,8e6", "is 8e+06 N"),
         ("0.1,8", "0.1,nan", "row 3, column 'tension_n'"),
         ("2.0,8", "0.05,8", "time runs backwards"),
-        ("tension_n", "newton", "none stands there"),
+        ("tension_n", "newton", "none is there"),
     ],
 )
 def test_a_wrong_log_sets_its_trials_aside(folder, damage, old, new, said):

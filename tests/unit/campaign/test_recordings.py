@@ -64,7 +64,7 @@ def test_markers_are_ordered_from_base_to_tip(folder):
     [
         ("0.5,base_1", "0.5,thumb_1", "'thumb_1' is unknown"),
         ("0.5,base_1", "0.5,link_3_1", "'link_3_1' is unknown"),
-        ("0.5,base_1", "0.5,base_2", "marker 'base_2' stands twice at 0.5 s"),
+        ("0.5,base_1", "0.5,base_2", "marker 'base_2' appears twice at 0.5 s"),
         ("base_1", "base_2", "base has 1 marker; its direction needs at least two"),
         (",0.1\n", ",0.0\n", "expected > 0"),
     ],

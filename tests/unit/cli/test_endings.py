@@ -30,7 +30,7 @@ def run(monkeypatch, capsys, tmp_path):
     ("arguments", "said"),
     [
         (["check", "x" * 5000], "cannot be read: File name too long"),
-        (["check", EXAMPLE / "trials.csv"], "it is no folder"),
+        (["check", EXAMPLE / "trials.csv"], "it is not a folder"),
         (["angles", EXAMPLE, "--out", "o", "--config", "x" * 5000], "File name too long"),
         (["angles", EXAMPLE, "--out", "file"], "file: File exists; a file is where a folder"),
         (["angles", EXAMPLE, "--out", "y" * 300], "File name too long; choose a shorter name"),

@@ -57,7 +57,7 @@ def test_a_template_whose_every_line_is_filled_in_is_a_description(tmp_path, kin
 
 def test_what_is_there_is_not_overwritten(tmp_path):
     (tmp_path / "mine").write_text("mine")
-    with pytest.raises(Fault, match="is there already; choose a folder that is new or empty"):
+    with pytest.raises(Fault, match="exists already; choose a folder that is new or empty"):
         write_template(tmp_path)
     assert [file.name for file in tmp_path.iterdir()] == ["mine"]
 
@@ -68,4 +68,4 @@ def test_an_empty_optional_key_is_named_too(tmp_path):
     )
     (tmp_path / "trials.csv").write_text("trial,angles\na,a.csv\n")
     done = run("check", tmp_path, "--json")
-    assert "line 6, finger.wire_offset_m: is still empty; fill in the way from" in done.stdout
+    assert "line 6, finger.wire_offset_m: is still empty; fill in the distance" in done.stdout

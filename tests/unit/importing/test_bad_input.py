@@ -46,18 +46,18 @@ def test_nothing_to_read(write, read, tmp_path):
     assert "it does not exist" in refuse(read, tmp_path / "nowhere")
     assert "the file is empty" in refuse(read, write("a.csv", ""))
     (tmp_path / "source/a.csv").unlink()
-    assert "it holds no table of numbers" in refuse(read, write("about.txt", "only words\n"))
+    assert "it contains no table of numbers" in refuse(read, write("about.txt", "only words\n"))
 
 
 def test_a_broken_workbook_and_a_foreign_hdf5_file(write, read, tmp_path):
     said = refuse(read, write("a.xlsx", b"PK broken"))
     assert "a.xlsx: it cannot be read as a workbook" in said
     (tmp_path / "source/a.xlsx").unlink()
-    assert "it is no HDF5 file" in refuse(read, write("a.h5", b"no"))
+    assert "it is not an HDF5 file" in refuse(read, write("a.h5", b"no"))
 
 
 def test_a_binary_file(write, read):
-    assert "it is no text" in refuse(read, write("a.dat", b"\0\1\2\0" * 100))
+    assert "it is not text" in refuse(read, write("a.dat", b"\0\1\2\0" * 100))
 
 
 @pytest.mark.parametrize(

@@ -232,7 +232,7 @@ def test_workbook_with_dates_hidden_and_other_sheets(write_book, read):
     assert found.trials[0].started_at == start.replace(tzinfo=dt.UTC)
     said = " ".join(found.dropped)
     assert "sheet 'old': it is hidden" in said
-    assert "sheet 'notes': it holds no table" in said
+    assert "sheet 'notes': it contains no table" in said
     assert len(read(source, "tables.hidden_sheets=true").trials) == 3
 
 

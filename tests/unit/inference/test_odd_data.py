@@ -30,7 +30,7 @@ def spread(posterior, name):
 def test_one_trial_is_no_population(draw):
     angles, _ = draw(1, 2, 1)
     prepared, posterior = fit(angles)
-    assert "One trial is no population" in describe_limits(prepared.recorded.problem.trials.present)
+    assert "One trial shows no spread" in describe_limits(prepared.recorded.problem.trials.present)
     log_sigma = np.log(posterior["sigma_log_k_v"])
     assert float(log_sigma.std()) == pytest.approx(prepared.given.prior.sigma_log_sd[0], rel=0.3)
     assert spread(posterior, "mu_log_k_v") > 3 * spread(posterior, "log_k_v")
@@ -39,7 +39,7 @@ def test_one_trial_is_no_population(draw):
 def test_two_trials_hardly_tell_the_spread(draw):
     angles, _ = draw(2, 1, 2)
     prepared, posterior = fit(angles)
-    assert "2 trials hardly tell" in describe_limits(prepared.recorded.problem.trials.present)
+    assert "2 trials hardly show" in describe_limits(prepared.recorded.problem.trials.present)
     assert float(np.log(posterior["sigma_log_c_v"]).std()) > 0.3
 
 

@@ -78,7 +78,7 @@ def test_a_fitted_model_returns_from_its_file(write, tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("id: second_retardation", "id: magic", "no such effect; there are second_retardation"),
+        ("id: second_retardation", "id: magic", "unknown effect; there are second_retardation"),
         ("form: own_compliance", "form: square", "no form 'square' here; there are proportional"),
         ("joints: [2, 3]", "joints: [2, 4]", r"joints are \[2, 4\]; expected different joints of"),
         ("joints: [2, 3]", "joints: []", r"joints are \[\]; expected different joints of 3"),

@@ -101,7 +101,7 @@ def test_an_effect_brings_physics_of_its_own(announce):
 
 def test_an_entry_point_that_is_no_effect_is_refused(announce):
     announce(["wrong = math:pi"])
-    with pytest.raises(Fault, match=r"math:pi.*is no Effect"):
+    with pytest.raises(Fault, match=r"math:pi.*is not an Effect"):
         list_effects()
 
 

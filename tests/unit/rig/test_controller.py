@@ -105,10 +105,10 @@ def test_what_a_controller_says_while_it_boots_is_skipped(plan):
 @pytest.mark.parametrize(
     ("settings", "said"),
     [
-        ({"hard_limit_n": 11.0}, "tension_limit_n is 12 N, but the controller bears 11 N"),
+        ({"hard_limit_n": 11.0}, "tension_limit_n is 12 N, but the controller allows 11 N"),
         ({"watchdog_s": 0.5}, "watchdog of 0.5 s needs at most a third"),
         ({"max_rate_hz": 99}, "samples at 99 Hz at most"),
-        ({"max_knots": 96}, "'swing' has 97 knots, but the controller holds 96"),
+        ({"max_knots": 96}, "'swing' has 97 knots, but the controller stores at most 96"),
     ],
 )
 def test_a_plan_beyond_the_controllers_powers_is_refused(plan, settings, said):

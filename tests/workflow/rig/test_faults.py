@@ -142,7 +142,7 @@ def test_a_port_that_is_missing_or_busy(rig, plan_file, tmp_path):
         record_campaign(plan_file, tmp_path / "c", "/dev/absent", rig.camera, {})
     with (
         SerialLink(rig.port),
-        pytest.raises(Fault, match=r"is busy: another program has it open"),
+        pytest.raises(Fault, match=r"is busy: another program uses it"),
     ):
         rig.record(plan_file, tmp_path / "c")
     assert not (tmp_path / "c").exists()

@@ -53,7 +53,7 @@ SPEC = ArtifactSpec(
             "whole number",
             compress=True,
         ),
-        "load_time": Variable(("trial", "knot"), "s", "knot of the load; a jump stands twice"),
+        "load_time": Variable(("trial", "knot"), "s", "knot of the load; a jump has two knots"),
         "load_torque": Variable(
             ("trial", "knot"),
             "N m",

@@ -35,14 +35,14 @@ SPEC = ArtifactSpec(
         "inside": Variable(
             ("estimate", *_POPULATION, "ci_prob"),
             "1",
-            "whether the interval holds the population's value",
+            "whether the interval contains the population's value",
             at_least=0.0,
             at_most=1.0,
         ),
         "trial_coverage": Variable(
             (*_TRIAL, "ci_prob"),
             "1",
-            "share of trials whose interval holds their own parameter",
+            "share of trials whose interval contains their own parameter",
             at_least=0.0,
             at_most=1.0,
         ),

@@ -75,7 +75,7 @@ def list_effects() -> dict[str, Effect]:
         effect = point.load()
         if not isinstance(effect, Effect):
             raise Fault(
-                f"entry point {point.value!r} in group softfinger.effects is no Effect: "
+                f"entry point {point.value!r} in group softfinger.effects is not an Effect: "
                 "it must name an instance of softfinger.mechanics.effects.effect.Effect"
             )
         if effect.id in effects:

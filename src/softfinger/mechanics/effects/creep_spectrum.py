@@ -1,7 +1,7 @@
 """A free spectrum of retardation times: the law of creep in time, whatever its shape.
 
 One narrow peak is a second retardation, a broad band a power of time. So the effects of creep share
-this form, and the shape tells which of them it is.
+this form, and the shape shows which of them it is.
 """
 
 import math

@@ -227,7 +227,7 @@ class Effect:
     level
         Where it shows.
     build_forms
-        The forms that a campaign allows; a sentence that says why it cannot show the effect at
+        The forms that a campaign allows; a sentence that states why it cannot show the effect at
         all, instead.
     part
         The part of a finger that it needs and a specimen lacks; empty where it needs none.
@@ -254,5 +254,5 @@ class Effect:
         if not self.of_motion or setting.levels:
             return self.build_forms(setting)
         if setting.one_course:
-            return "one trial under one load cannot tell a law of the motion from creep in time"
+            return "one trial under one load cannot separate a law of the motion from creep in time"
         return [form for form in self.build_forms(setting) if not form.is_free]

@@ -2,10 +2,10 @@
 
 It states which physics a stage uses, in place of the base model.
 
-`priors` says what is known of an effect's parameters: `{median, log_sd}` of one that is positive
+`priors` states what is known of an effect's parameters: `{median, log_sd}` of one that is positive
 and spans decades, `{mean, sd}` of any other; those that are absent have the catalogue's priors.
 Where a model was fitted, they are its posterior; a fit to the very same recordings, which
-`fitted_to` tells by the hash of their `angles` artifact, leaves them out, lest data count twice.
+`fitted_to` names by the hash of their `angles` artifact, leaves them out, lest data count twice.
 """
 
 import math
@@ -139,7 +139,7 @@ def build_model(content: ModelFile, setting: Setting, *, priors: bool = True) ->
         if piece is None:
             continue
         if any(piece.effect.id == other.effect.id for other in pieces):
-            faults.append(f"{place}: the effect stands twice; give it once, with all its joints")
+            faults.append(f"{place}: the effect appears twice; give it once, with all its joints")
         pieces.append(piece)
         alone = EffectModel(setting, (piece,))
         known |= _read_priors(entry, alone, place, faults)
@@ -209,7 +209,7 @@ def _build_piece(
 ) -> Piece | None:
     effects = list_effects()
     if entry.id not in effects:
-        faults.append(f"{place}: no such effect; there are {', '.join(effects)}")
+        faults.append(f"{place}: unknown effect; there are {', '.join(effects)}")
         return None
     forms = effects[entry.id].list_forms(setting)
     if isinstance(forms, str):

@@ -4,7 +4,7 @@ When the trial starts, an elastic angle is still relaxing.
 
 Constant (a share of the elastic angle of a usual load), or what the trial before has left after the
 rest between them: of a usual elastic angle, of that trial's, or of what the trial's own load gives
-at its own stiffness, which then stands in the angle at the start as well.
+at its own stiffness, which is then part of the angle at the start as well.
 """
 
 import math

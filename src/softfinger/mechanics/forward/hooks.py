@@ -123,10 +123,10 @@ class Hook:
         """Refuse what the kernel would never call."""
         if self.kind not in KINDS:
             kinds = ", ".join(KINDS)
-            raise Fault(f"{self.kind!r} is no kind of hook: it must be one of {kinds}")
+            raise Fault(f"{self.kind!r} is not a kind of hook: it must be one of {kinds}")
         for slot in self.slots:
             if slot not in SLOTS:
-                raise Fault(f"a hook is switched by {slot!r}, which is no slot: declare it")
+                raise Fault(f"a hook is switched by {slot!r}, which is not a slot: declare it")
 
 
 class Hooks(NamedTuple):

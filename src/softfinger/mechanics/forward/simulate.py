@@ -194,7 +194,7 @@ def simulate_joint_angle_array(
     slots, tangents
         Of `build_slots` and `build_tangent`, one tangent for each direction.
     by_own
-        Whether the gradient holds each trial's own parameters beside the directions.
+        Whether the gradient contains each trial's own parameters beside the directions.
     tolerance, longest_step
         [rad] inside a step, [s]; an infinite tolerance makes all steps the longest.
     route

@@ -3,7 +3,7 @@
 Hooks bend them; all derivatives are given.
 
 The spring's torque is k_v · free · factor: `free` begins as the elastic angle q_v, `factor` as 1,
-and hooks change them. The scratch `spring` holds (free, its slope by q_v, factor, its slopes by q_v
+and hooks change them. The scratch `spring` is (free, its slope by q_v, factor, its slopes by q_v
 and by the joint angle q, and how far beyond τ/k_v its balance may lie), `d_spring` the changes of
 free and factor. The dashpot's drive begins as the torque, the damper's factor as 1.
 """

@@ -2,6 +2,6 @@
 
 Springs, dashpots and springpots, in series and in parallel.
 
-`elements` builds networks and names the known ones, `response` says what they do; `prony` is exact
+`elements` builds networks and names the known ones, `response` is what they do; `prony` is exact
 for springs and dashpots, `laplace` for everything with a springpot.
 """

@@ -1,7 +1,7 @@
 """Hums: waves that go on whatever the load does.
 
-A trial's residual holds a cos ωt + b sin ωt, a and b normal of sd s, one size for all trials and
-free in each. Its rival is physics, which follows the load (`driven`). A wave that stands out is a
+A trial's residual contains a cos ωt + b sin ωt, a and b normal of sd s, one size for all trials and
+free in each. Its rival is physics, which follows the load (`driven`). A wave above the rest is a
 hum where that has at least as much evidence, averaged over sizes; it pays for the choice among
 frequencies and joints. The first wave that follows the load ends the search: what physics leaves
 beside it is not known before it is in the model.

@@ -138,7 +138,7 @@ def list_series(
     Only those in which enough was seen.
 
     What neighbouring joints have in common, they get from the link between them: a wave in all
-    joints stands out from their weighted sum (generalised least squares) and hardly from any one.
+    joints is clear in their weighted sum (generalised least squares) and hardly in any one.
     """
     shapes = list_shapes(problem.setting.stiffness)
     found: list[list[WaveSeries]] = [[] for _ in shapes]

@@ -24,7 +24,7 @@ from softfinger.mismatch.verdict.schema import (
 )
 from softfinger.mismatch.verdict.sufferings import describe_measurement
 
-NO_FRAME = "too few frames inform: they are missing, flagged, held or gross errors"
+NO_FRAME = "too few frames can be used: the others are missing, flagged, repeated or gross errors"
 
 
 def conclude(

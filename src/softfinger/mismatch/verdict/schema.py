@@ -194,9 +194,9 @@ class Verdict(_VerdictPart):
         if self.decision == "adequate" and (self.effects or self.location):
             raise ValueError("an adequate model leaves out nothing: effects and location are empty")
         if self.decision == "named" and not self.effects:
-            raise ValueError("a named verdict holds at least one effect")
+            raise ValueError("a named verdict contains at least one effect")
         if self.decision == "ambiguous" and not self.equivalent:
-            raise ValueError("an ambiguous verdict holds the set that cannot be told apart")
+            raise ValueError("an ambiguous verdict contains the set that cannot be told apart")
         return self
 
 

@@ -53,8 +53,8 @@ def test_an_edit_changes_the_digest_of_what_calls_it_alone():
 @pytest.mark.parametrize(
     ("kind", "slots", "sentence"),
     [
-        ("torque", ("lag",), "'torque' is no kind of hook: it must be one of clock, log, "),
-        ("balance", ("lag", "leg"), "a hook is switched by 'leg', which is no slot: declare it"),
+        ("torque", ("lag",), "'torque' is not a kind of hook: it must be one of clock, log, "),
+        ("balance", ("lag", "leg"), "a hook is switched by 'leg', which is not a slot: declare it"),
     ],
 )
 def test_a_hook_of_no_kind_or_switched_by_no_slot_is_refused(kind, slots, sentence):
