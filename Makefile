@@ -7,7 +7,7 @@ CORES ?= 2
 SEED ?= 1
 SNAKEMAKE := $(BIN)/snakemake --cores $(CORES)
 
-.PHONY: help setup run quick figures recovery docs browser reproduce manifest fuzz kill-test kills cluster coverage test calibration lint format benchmark benchmark-long concealed concealed-catalogue concealed-clean concealed-foreign concealed-long lock
+.PHONY: help setup run quick figures recovery docs browser demo wheel reproduce manifest fuzz kill-test kills cluster coverage test calibration lint format benchmark benchmark-long concealed concealed-catalogue concealed-clean concealed-foreign concealed-long lock
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)$$/\1\t\2/' | expand -t 18
@@ -19,6 +19,9 @@ run: setup ## set-up and the main job: 100 filmed trials to a report (9 minutes 
 
 quick: setup ## the same with 12 trials (minutes; longer the first time, when code is compiled)
 	$(SNAKEMAKE) --configfile config/default.yaml config/quick.yaml
+
+demo: setup ## the example's four recordings to a report: softfinger-demo/report.html
+	$(BIN)/softfinger demo
 
 figures: setup ## every figure of the main job as PDF, PNG and SVG, into results/default/figures
 	$(SNAKEMAKE) figures --configfile config/default.yaml
@@ -60,6 +63,9 @@ docs: setup ## the site of the documentation, into site/index.html
 
 browser: setup ## the report in headless Chromium at two widths; pictures into results/browser
 	$(BIN)/python -m pytest -m slow tests/unit/report/test_browser.py
+
+wheel: setup ## the built wheel alone, in an empty home: `demo` and `run` end in a report (10 minutes)
+	$(BIN)/python -m pytest -m "slow or not slow" tests/workflow/test_wheel.py
 
 REBUILD = rm -rf results/reproduce && mkdir -p results/reproduce && $(SNAKEMAKE) --directory results/reproduce --configfile config/default.yaml config/quick.yaml --config out=.
 

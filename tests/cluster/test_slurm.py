@@ -33,8 +33,7 @@ def project(tmp_path_factory):
     root = tmp_path_factory.mktemp("cluster")
     for name in ("src", "workflow", "config", "profiles"):
         shutil.copytree(PROJECT / name, root / name, ignore=shutil.ignore_patterns("*.nb?"))
-    for name in ("environment.lock",):
-        shutil.copy(PROJECT / name, root / name)
+    shutil.copy(PROJECT / "environment.lock", root)
     return root
 
 

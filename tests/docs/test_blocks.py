@@ -39,7 +39,8 @@ def test_the_blocks_of_a_page_run(name, tmp_path, monkeypatch):
     # what a reader sees in the folder of the project; data are copied, for a page may change them
     for there in (".venv", "config"):
         (tmp_path / there).symlink_to(PROJECT / there)
-    shutil.copytree(PROJECT / "data/example", tmp_path / "data/example")
+    for there in ("data/example", "docs/own_effect"):
+        shutil.copytree(PROJECT / there, tmp_path / there)
     monkeypatch.chdir(tmp_path)
     names: dict = {}
     for number, (kind, body) in enumerate(find_blocks(PAGES[name], RUNS)):

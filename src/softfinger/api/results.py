@@ -1,4 +1,4 @@
-"""A folder of results, opened by the names of its artifacts."""
+"""A folder of results, opened by artifact name."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -9,7 +9,7 @@ from softfinger.faults import Fault
 def run(
     campaign: Path | str, out: Path | str, *, config: Path | str | None = None, cores: int = 2
 ) -> Results:
-    """Run the workflow on a campaign folder, as ``softfinger run`` does.
+    """Run the workflow, as ``softfinger run`` does.
 
     What is up to date is not made again. Call it from the main thread, for Ctrl-C to end it.
 

@@ -1,4 +1,4 @@
-"""The camera of a campaign, and the markers or dots that it sees."""
+"""The camera, and the markers or dots it sees."""
 
 from typing import Annotated, Self
 

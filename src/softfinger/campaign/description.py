@@ -208,7 +208,7 @@ def _known_keys(place: Place) -> list[str]:
 
 
 def describe_empty(place: Place) -> str:
-    """Say with what an empty key is to be filled.
+    """Sentence on how to fill an empty key.
 
     >>> describe_empty(("finger", "joints"))
     'is still empty; fill in the number of joints, base to tip, as in 3'

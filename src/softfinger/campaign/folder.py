@@ -88,7 +88,7 @@ def read_campaign(folder: Path | str) -> Campaign:
 def _read_both(
     folder: Path,
 ) -> tuple[Description, tuple[pd.DataFrame, dict[str, np.ndarray]]]:
-    """Read description and table, and list the faults of both."""
+    """Read description and table; list both their faults."""
     faults: list[CampaignFault] = []
     read: list[Any] = []
     for reader in (read_description, read_trials_table):

@@ -1,4 +1,4 @@
-"""A campaign folder to fill in, written from the declared keys."""
+"""A campaign folder to fill in, from declared keys."""
 
 import json
 from collections.abc import Iterator
@@ -75,7 +75,7 @@ def _list_keys(
     indent: int = 0,
     needed: tuple[str, ...] = (),
 ) -> Iterator[str]:
-    """Lines of a section: required keys are empty, the others are comments."""
+    """Lines of a section: empty keys, or comments."""
     for name in names or list(section.model_fields):
         field = section.model_fields[name]
         if field.description:

@@ -34,7 +34,7 @@ class Trial:
 
 
 def read_trials_table(folder: Path) -> tuple[pd.DataFrame, dict[str, np.ndarray]]:
-    """Read the table's text, and the numbers in other columns.
+    """Read the table's text, and its covariates.
 
     Raises
     ------

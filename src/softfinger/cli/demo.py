@@ -1,4 +1,4 @@
-"""Verb `demo`: from nothing to a report, on the example."""
+"""Verb `demo`: a report of the example."""
 
 import contextlib
 import filecmp
@@ -58,7 +58,7 @@ def _refuse_another(campaign: Path) -> None:
 
 
 def _take_every_step(campaign: Path, out: Path) -> None:
-    """Run the verbs of a campaign; the diagnosis beside those that do not need it."""
+    """Run all verbs, the diagnosis beside the others."""
     angles(campaign, out, SETTINGS)
     spawned = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(1, mp_context=spawned) as beside:

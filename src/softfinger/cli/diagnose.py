@@ -83,7 +83,7 @@ def write_verdict(
 
 
 def describe_verdict(file: Path) -> Iterator[str]:
-    """Sentences of a verdict: the decision, the effects, what to record next."""
+    """Decision, effects and next experiment, in sentences."""
     from softfinger.mismatch.verdict.schema import read_verdict
 
     verdict = read_verdict(file)

@@ -1,4 +1,4 @@
-"""Verb `effects`: the catalogue of left-out physics in the terminal."""
+"""Verb `effects`: the catalogue in the terminal."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ TERMS_SHOWN = 4
 
 
 def complete_effect(incomplete: str) -> list[str]:
-    """Ids that begin with what was typed, for the shell."""
+    """Ids that begin with what was typed."""
     from softfinger.mechanics.effects import list_effects
 
     return [name for name in list_effects() if name.startswith(incomplete)]
@@ -108,7 +108,7 @@ def _shorten(names: tuple[str, ...]) -> str:
 
 
 def draw_effect(shown: xr.Dataset) -> list[str]:
-    """Lines of a small plot: a joint's angle with the effect and without."""
+    """Lines of a plot, with and without the effect."""
     from softfinger.cli.text_plot import plot_text
     from softfinger.figures.effects import choose_curves
 

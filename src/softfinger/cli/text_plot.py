@@ -9,7 +9,9 @@ WIDTH, HEIGHT = 64, 12
 
 
 def plot_text(x: ArrayLike, curves: Mapping[str, ArrayLike], label: str) -> list[str]:
-    """Draw curves over x (n,), each by the first sign of its name; later ones lie on top.
+    """Draw curves over x (n,) as lines of text.
+
+    Each is drawn by the first sign of its name; later ones lie on top.
 
     >>> plot_text([0.0, 1.0], {"o up": [0.0, 1.0]}, "time")[1]
     '      │                                                       oooooo'

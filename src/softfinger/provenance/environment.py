@@ -1,4 +1,4 @@
-"""The libraries that are installed, beside those that are locked."""
+"""The installed libraries, beside the locked ones."""
 
 import hashlib
 import re

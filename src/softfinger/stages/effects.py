@@ -1,4 +1,4 @@
-"""Verb `effects`: what the catalogue declares of an effect, in words."""
+"""Verb `effects`: what an effect declares, in words."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ def _describe_law(form: Form) -> str:
 
 
 def _fill_at_middle(form: Form) -> dict[str, Any]:
-    """Slots that a form fills, at the middle of its priors."""
+    """Slots that a form fills at its priors."""
     return form.slots({parameter.name: _spread(parameter) for parameter in form.parameters})
 
 
@@ -137,7 +137,7 @@ def _spread(parameter: Parameter) -> np.ndarray:
 
 
 def _list_poorer(whole: Setting) -> Iterator[tuple[str, Setting]]:
-    """The same campaign without one thing: what it lacks, and the rest."""
+    """What a campaign may lack, and the rest."""
     yield "a load log", replace(whole, load_known=False, tension=False)
     yield "the wire's tension in the load log", replace(whole, tension=False)
     yield "a load that falls after it has risen", replace(whole, reversals=False, rests=False)
