@@ -103,12 +103,12 @@ def _leave(fade: Size) -> Move:
     return move
 
 
-def _worked(heat: float, power: float) -> Move:
+def _worked(heat: float) -> Move:
     """Build a softening by motion, undone by rest."""
 
     def move(physics: Physics, dose: Dose, trial: Circumstances) -> Physics:
         cooling = 1.0 / dose.shape["softening_time_s"]
-        return soften(physics, dose, (0.0, power, heat, cooling))
+        return soften(physics, dose, (0.0, 1.0, heat, cooling))
 
     return move
 
@@ -214,14 +214,14 @@ LAWS = (
         "by_work",
         "softening that a joint's own motion drives and rest undoes",
         typical=0.2,
-        move=_worked(4.0, 1.0),
+        move=_worked(4.0),
     ),
     build_law(
         softening_within_trial.EFFECT,
         "by_much_work",
         "the same with a stronger drive, so that it saturates within a step",
         typical=0.2,
-        move=_worked(15.0, 1.0),
+        move=_worked(15.0),
     ),
     build_law(
         softening_within_trial.EFFECT,
