@@ -27,7 +27,7 @@ app = typer.Typer(
 )
 
 CampaignFolder = Annotated[Path, typer.Argument(help="Campaign folder.", metavar="CAMPAIGN")]
-Out = Annotated[Path, typer.Option(help="Folder that holds the artifacts.", callback=hold_folder)]
+Out = Annotated[Path, typer.Option(help="Folder of the artifacts.", callback=hold_folder)]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON document, for programs.")]
 ConfigFile = Annotated[
     Path | None, typer.Option("--config", help="YAML file whose keys replace the defaults.")

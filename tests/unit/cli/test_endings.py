@@ -36,7 +36,7 @@ def run(monkeypatch, capsys, tmp_path):
         (["angles", EXAMPLE, "--out", "y" * 300], "File name too long; choose a shorter name"),
         (["angles", EXAMPLE, "--out", "taken"], "angles.nc: is a folder"),
         (["calibrate", "none", "--columns=5", "--rows=4", "--square-m=0.01"], "it is no folder"),
-        (["virtual-rig", "--example", "--out", EXAMPLE], "holds a campaign already"),
+        (["virtual-rig", "--example", "--out", EXAMPLE], "contains a campaign already"),
     ],
 )
 def test_paths_that_cannot_be_used_are_one_sentence(run, tmp_path, arguments, said):
