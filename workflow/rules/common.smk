@@ -1,4 +1,4 @@
-# What every rule needs: where things are, and which trials are made together.
+# Shared by all rules: where things are, and which trials are made together.
 from pathlib import Path
 
 from snakemake.exceptions import WorkflowError

@@ -42,7 +42,7 @@ def virtual_rig(
         from softfinger.virtual_rig.example import write_example_campaign
 
         if (out / "campaign.yaml").exists():
-            raise Fault(f"{out}: contains a campaign already; choose another folder for the example")
+            raise Fault(f"{out}: contains a campaign already; choose another folder")
         write_example_campaign(out)
         return
     from softfinger.stages.film import film
