@@ -32,8 +32,8 @@ CODE = re.compile(
     r"|(?<=\n\n)(?: {4}[^\n]*\n)+",  # indented code
     re.M | re.S,
 )
-LINES = re.compile(r"^\s*[|#].*?$", re.M)
-"""Rows of tables, and headings."""
+LINES = re.compile(r"^\s*[|#].*?$|#[ ].*?$", re.M)
+"""Rows of tables, headings and comments."""
 BREAKS = re.compile(r"\n\s*\n|^\s*(?:[-*]|\d+\.)\s", re.M)
 ENDS = re.compile(r"(?<=[.!?])[\"*)_]*\s+(?=[^a-z])")
 ATOMS = re.compile(r"`[^`]*`|\$[^$]*\$")
@@ -78,7 +78,7 @@ def list_sentences(markdown: str) -> Iterator[str]:
 
 
 def list_lines(markdown: str) -> Iterator[str]:
-    """Rows of tables and headings of a document."""
+    """Rows of tables, headings and comments of a file."""
     for line in LINES.findall(CODE.sub("\n\n", markdown)):
         yield ATOMS.sub("X", line).strip()
 
@@ -122,7 +122,7 @@ def measure_words(root: Path = PROJECT) -> list[Figure]:
     """Figures of a project's words.
 
     Documents are README.md, CONTRIBUTING.md and docs/**/*.md; messages and docstrings are those
-    in src.
+    in src. Avoided words count in CHANGELOG.md and in the comments of config/*.yaml, too.
 
     Raises
     ------
@@ -130,7 +130,8 @@ def measure_words(root: Path = PROJECT) -> list[Figure]:
         The folder has no documents or no docstrings.
     """
     documents = [root / "README.md", root / "CONTRIBUTING.md", *root.glob("docs/**/*.md")]
-    rows = _gather(list_lines, documents, root)
+    rows = _gather(list_lines, [*documents, *root.glob("config/*.yaml")], root)
+    news = _gather(list_sentences, [root / "CHANGELOG.md"], root)
     modules = list(root.glob("src/**/*.py"))
     sentences = _gather(list_sentences, documents, root)
     strings = _gather(list_messages, modules, root)
@@ -143,7 +144,7 @@ def measure_words(root: Path = PROJECT) -> list[Figure]:
         *_measure_lengths("words of a sentence", sentences, 16, LONGEST_SENTENCE, 5),
         *_measure_lengths("words of a message", messages, 16, LONGEST_SENTENCE, 5),
         *_measure_lengths("words of a docstring's first line", lines, 9, LONGEST_LINE, None),
-        *(_count(word, sentences + rows + strings + docstrings) for word in AVOIDED),
+        *(_count(word, sentences + rows + news + strings + docstrings) for word in AVOIDED),
     ]
 
 

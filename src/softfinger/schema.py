@@ -22,7 +22,7 @@ from softfinger.virtual_rig.config import VirtualRigConfig
 
 
 class Configuration(Settings):
-    """Every knob, once."""
+    """Every setting, once."""
 
     campaign: str | None
     model: str | None
@@ -42,9 +42,8 @@ def format_schema() -> str:
     stream = io.StringIO()
     dialect = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
     YAML().dump(dialect | _drop_titles(Configuration.model_json_schema()), stream)
-    return "# Generated from the declared blocks; renew with: python -m softfinger.schema\n" + (
-        stream.getvalue()
-    )
+    head = "# Generated from the declared blocks; renew with: python -m softfinger.schema FILE\n"
+    return head + stream.getvalue()
 
 
 def _drop_titles(node: Any) -> Any:  # noqa: ANN401 (a JSON tree contains anything)

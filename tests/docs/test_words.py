@@ -106,6 +106,15 @@ def test_messages(code, messages):
     assert list(words.list_messages(code)) == messages
 
 
+def test_avoided_words_count_in_changes_and_settings(tmp_path):
+    root = write_project(tmp_path)
+    (root / "CHANGELOG.md").write_text("- It says why.\n")
+    (root / "config").mkdir()
+    (root / "config/default.yaml").write_text("seed: 1 # tells draws apart\n")
+    assert measure(root)['"says"'] == 1
+    assert measure(root)['"tells"'] == 1
+
+
 def test_labels_are_no_sentences(tmp_path):
     root = write_project(tmp_path, code="a = 'time of frame'\nb = 'one two three four'")
     assert measure(root)["words of a message, median"] == 4

@@ -14,7 +14,7 @@ rule conceal:
         code=code_hash("conceal"),
         environment=ENVIRONMENT,
     message:
-        "Conceal physics in campaign {wildcards.case}, and seal what it was"
+        "Conceal physics in campaign {wildcards.case}, and seal the truth"
     script:
         "../scripts/conceal.py"
 
@@ -36,7 +36,7 @@ rule diagnose_blind:
         environment=ENVIRONMENT,
         settings=DIAGNOSED,
     message:
-        "Diagnose campaign {wildcards.case}, of which nothing is known"
+        "Diagnose campaign {wildcards.case} blind"
     script:
         "../scripts/diagnose_blind.py"
 

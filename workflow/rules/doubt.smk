@@ -9,6 +9,6 @@ rule doubt:
         code=code_hash("doubt"),
         environment=ENVIRONMENT,
     message:
-        "Look for what is wrong in the recordings"
+        "Look for what looks wrong in the recordings"
     script:
         "../scripts/doubt.py"

@@ -70,6 +70,6 @@ if SIMULATED:
             code=code_hash("recovery"),
             environment=ENVIRONMENT,
         message:
-            "Hold both ways of fitting against the simulated truth"
+            "Compare both ways of fitting with the simulated truth"
         script:
             "../scripts/recovery.py"

@@ -34,6 +34,6 @@ rule shapley:
         code=code_hash("shapley"),
         environment=ENVIRONMENT,
     message:
-        "Look for parameters that go together, and share the spread among them"
+        "Look for correlated parameters, and share the spread among them"
     script:
         "../scripts/shapley.py"

@@ -31,7 +31,7 @@ rule picture:
         code=code_hash("picture"),
         environment=ENVIRONMENT,
     message:
-        "Keep one frame to look at"
+        "Keep one frame, to show the markers on"
     script:
         "../scripts/picture.py"
 

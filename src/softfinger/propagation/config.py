@@ -52,7 +52,7 @@ class SobolConfig(ShapleyConfig):
 
 
 class PropagationConfig(PropagateConfig, SobolConfig):
-    """Every knob of the propagation."""
+    """Every setting of the propagation."""
 
 
 def read_config[Part: SpreadConfig](

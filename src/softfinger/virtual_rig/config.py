@@ -65,7 +65,7 @@ class RigConfig(SceneConfig):
 
 
 class VirtualRigConfig(RigConfig, FilmConfig):
-    """Every knob of the virtual rig."""
+    """Every setting of the virtual rig."""
 
 
 def read_film_config(config: Mapping[str, Any]) -> FilmConfig:
