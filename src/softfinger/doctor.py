@@ -96,6 +96,8 @@ def check_folder(folder: Path) -> Finding:
             free = shutil.disk_usage(there).free / 1e9
     except OSError as error:
         said = f"{there}: {error.strerror}"
-        return Finding("disk", False, said, "choose another folder, or ask for its permission")
+        return Finding(
+            "disk", False, said, "choose another folder, or ask for permission to write there"
+        )
     said = f"{there}: {free:.0f} GB free"
     return Finding("disk", free >= LEAST_SPACE_GB, said, f"make room: {LEAST_SPACE_GB:g} GB")

@@ -189,7 +189,7 @@ def compare_run(folder: Path, manifest: Path) -> Iterator[Answer]:
             else Answer(name, "missing", False, "the run did not make it")
         )
     for name in sorted(set(list_files(folder)) - set(known["files"])):
-        yield Answer(name, "new", True, "the manifest does not know it")
+        yield Answer(name, "new", True, "the manifest does not list it")
 
 
 def compare_file(name: str, was: Mapping[str, Any], now: Mapping[str, Any]) -> Answer:

@@ -33,11 +33,11 @@ from softfinger.propagation.routes import choose_route
 from softfinger.propagation.sobol import build_sobol_times, compute_quantiles
 from softfinger.propagation.subsets import compute_shapley_effects
 
-DEFINITION = "Shapley effects (Owen 2014) of correlated parameters; {}; truncation of c_p: {}"
+DEFINITION = "Shapley effects (Owen 2014) of correlated parameters; truncation of c_p: {}; {}"
 FITTED = "correlations of the fitted population"
 AFTERWARDS = (
-    "correlations from the trials' posterior parameters with an inverse-Wishart prior of uniform "
-    "margins, for the fitted model itself takes the parameters as independent, which shrinks "
+    "correlations from the trials' posterior parameters, with an inverse-Wishart prior of uniform "
+    "margins. The fitted model itself takes the parameters as independent; this shrinks "
     "correlations of parameters that single trials hardly determine"
 )
 
@@ -83,7 +83,7 @@ def compute_shapley(
         ),
     ]
     parts += [compute_quantiles(part) for part in parts]
-    text = DEFINITION.format(source, describe_truncation(knobs.c_p_truncation_sd))
+    text = DEFINITION.format(describe_truncation(knobs.c_p_truncation_sd), source)
     means = [part.mean("draw") if "draw" in part.dims else part for part in parts]
     return xr.merge(means).assign_attrs(definition=text, protocol=protocol.name)
 

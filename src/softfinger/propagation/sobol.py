@@ -24,15 +24,17 @@ from softfinger.propagation.subsets import PAIR_NAMES, compute_sobol_indices
 
 QUANTILES = (0.05, 0.5, 0.95)
 DEFINITION = (
-    "variance-based Sobol indices of the joint angle with independent parameters; the log-normal "
-    "populations of k_v, c_v, c_p and the normal one of q_ini vary, the measurement noise does not"
+    "variance-based Sobol indices of the joint angle with independent parameters. k_v, c_v and c_p "
+    "(log-normal) and q_ini (normal) vary; the measurement noise does not"
 )
 DEPENDENT = (
     "variance-based indices of the joint angle with the fitted correlations of the parameters "
-    "(those of the two-stage estimate are independent): first order is Var E[q|x] / Var q, with "
-    "all that goes with x; total is E Var[q|all others] / Var q, what x adds alone, and may be the "
-    "smaller of the two; second order is negative where two parameters say the same; Shapley "
-    "effects share the variance out; the measurement noise does not vary"
+    "(those of the two-stage estimate are independent). First order is Var E[q|x] / Var q, with "
+    "all that is correlated with x. Total is E Var[q|all others] / Var q, what x adds alone; "
+    "it may "
+    "be the smaller of the two. Second order is negative where two parameters give the same "
+    "information. Shapley effects divide the variance among the parameters. The measurement noise "
+    "does not vary"
 )
 
 

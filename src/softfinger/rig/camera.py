@@ -67,7 +67,7 @@ class OpenCvCamera:
         seen, picture = self._capture.read()
         arrived = time.monotonic()
         if not seen:
-            raise Fault(f"camera {self._name} gives no picture any more; is it unplugged?")
+            raise Fault(f"camera {self._name} sends no picture any more; check its cable")
         stamp = self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1e3
         if self._stamped is None:
             self._stamped = stamp > 0

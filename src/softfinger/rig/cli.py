@@ -30,9 +30,7 @@ def simulate(
 ) -> None:
     """Simulate a rig: controller, finger and camera.
 
-    The controller is on a pseudo-terminal.
-
-    Prints port and camera, then serves until interrupted.
+    The controller is on a pseudo-terminal. Prints port and camera, then runs until interrupted.
     """
     from softfinger.rig.device import DeviceSettings
     from softfinger.rig.simulator import simulate as serve
@@ -47,8 +45,8 @@ def simulate(
     epilog="Example: `softfinger rig record plan.yaml --out my_campaign --port /dev/ttyACM0`"
 )
 def record(
-    plan: Annotated[Path, typer.Argument(help="What to pull; docs/rig/plan.yaml is an example.")],
-    out: Annotated[Path, typer.Option(help="Campaign folder, new or to go on with.")],
+    plan: Annotated[Path, typer.Argument(help="The plan; docs/rig/plan.yaml is an example.")],
+    out: Annotated[Path, typer.Option(help="Campaign folder, new or to continue.")],
     port: Annotated[str, typer.Option(help="Serial port of the motor controller.")],
     camera: Annotated[str, typer.Option(help="Camera: number, path, or virtual:PORT.")] = "0",
     environment: Annotated[
@@ -56,7 +54,7 @@ def record(
         typer.Option(help="Column for trials.csv, as in temperature_c=23.5; may be repeated."),
     ] = None,
 ) -> None:
-    """Record the trials that PLAN still misses in OUT.
+    """Record the trials of PLAN that OUT lacks.
 
     Ctrl-C releases the wire and ends.
     """

@@ -108,7 +108,8 @@ def estimate_clock_offset(
     if brightness[seen[0]] < brightness[seen[0] - 1] or len(seen) != len(edges):
         raise Fault(
             f"the sync light was switched {len(edges)} times but seen to change {len(seen)} times; "
-            "keep other light off recording.sync_light_px, and see whether the camera drops frames"
+            "keep other light off recording.sync_light_px, and check whether the camera drops "
+            "frames"
         )
     latest = (stamp[seen] - edges).min()
     earliest = (stamp[seen - 1] - edges).max()

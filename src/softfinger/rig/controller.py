@@ -99,7 +99,7 @@ class Controller:
         if self._may_pull and time.monotonic() - self._last_arrival > self._safety.stream_timeout_s:
             raise Fault(
                 "the controller answers, but has sent no sample of the tension for "
-                f"{self._safety.stream_timeout_s:g} s; see whether its load cell is connected"
+                f"{self._safety.stream_timeout_s:g} s; check that its load cell is connected"
             )
 
     def take_samples(self) -> list[Sample]:
@@ -178,7 +178,7 @@ class Controller:
         if sample.tension > self._safety.tension_limit_n:
             raise Fault(
                 f"the wire's tension is {sample.tension:.3g} N, above safety.tension_limit_n "
-                f"{self._safety.tension_limit_n:g} N; see what blocks the finger or the motor"
+                f"{self._safety.tension_limit_n:g} N; find what blocks the finger or the motor"
             )
 
     def _take_event(self, message: Message) -> None:
@@ -190,7 +190,7 @@ class Controller:
                 "heartbeat": "it heard no heartbeat; is this computer too busy?",
             }
             reason = message.fields.get("reason", "")
-            raise Fault(f"the controller let the wire go: {reasons.get(reason, reason)}")
+            raise Fault(f"the controller released the wire: {reasons.get(reason, reason)}")
         self._events.append((name, message.get_integer("t_us") / 1e6))
 
 

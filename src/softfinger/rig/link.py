@@ -132,7 +132,7 @@ class SerialLink:
 
     def _describe_loss(self, error: Exception) -> Fault:
         return Fault(
-            f"port {self.port} is gone ({error}); plug the cable in again and see whether the "
+            f"port {self.port} is gone ({error}); plug the cable in again and check that the "
             "controller has power"
         )
 

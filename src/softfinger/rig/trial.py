@@ -207,7 +207,7 @@ def _check_samples(pull: Pull, rate_hz: float) -> None:
     if sampled < pull.ended - 1.5 / rate_hz:
         raise Fault(
             f"the tension was sampled for {sampled - pull.started:.2f} s of a pull of "
-            f"{pull.ended - pull.started:.2f} s; see whether its load cell is connected"
+            f"{pull.ended - pull.started:.2f} s; check that its load cell is connected"
         )
 
 

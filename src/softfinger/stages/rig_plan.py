@@ -95,7 +95,9 @@ def rig_plan(
     known = sorted({str(effect) for table in tables.values() for effect in table["effect"].values})
     unknown = sorted(set(wanted) - set(known))
     if unknown:
-        raise Fault(f"no protocol can have '{unknown[0]}' on this rig; it can have {known}")
+        raise Fault(
+            f"no protocol can show '{unknown[0]}' on this rig; choose from {', '.join(known)}"
+        )
     best = choose_protocol(tables, wanted or known, DECISIONS.shows)
     gathered = gather_tables(tables, wanted or known)
     save_artifact(gathered, visibility_spec.SPEC, visibility, provenance)

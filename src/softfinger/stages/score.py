@@ -129,7 +129,7 @@ def _find_buried(
     sentence = (
         f"Campaign {case['campaign']} ({case['trials']} trials, {case['protocol']}) concealed "
         f"{case['truth']}. The base model's residual is at the noise: its parameters have "
-        f"swallowed the effect. The oracle gains {case['oracle_nats']:.0f} nats. The verdict: "
+        f"absorbed the effect. The oracle gains {case['oracle_nats']:.0f} nats. The verdict: "
         f"{said}"
     )
     repair = open_artifact(Path(diagnoses[k]) / "repair.nc", REPAIR)

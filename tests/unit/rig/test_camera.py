@@ -35,7 +35,7 @@ def test_opencv_gives_every_frame_and_says_when_there_are_no_more(tmp_path):
     frames = [camera.read() for _ in range(5)]
     assert np.all(np.diff([stamp for stamp, _ in frames]) > 0)
     np.testing.assert_allclose([p.mean() for _, p in frames], 20 * np.arange(5), atol=1.5)
-    with pytest.raises(Fault, match="gives no picture any more"):
+    with pytest.raises(Fault, match="sends no picture any more"):
         camera.read()
     camera.close()
 

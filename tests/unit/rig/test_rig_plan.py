@@ -46,5 +46,5 @@ def test_a_step_gives_way_to_a_protocol_that_shows_friction_and_flow(short_plan,
 
 
 def test_an_effect_that_no_protocol_can_have_is_named(short_plan, tmp_path):
-    with pytest.raises(Fault, match="no protocol can have 'ghosts' on this rig"):
+    with pytest.raises(Fault, match="no protocol can show 'ghosts' on this rig"):
         propose(short_plan, tmp_path, ["ghosts"])

@@ -15,7 +15,7 @@ SPEC = ArtifactSpec(
     variables={
         "kind": Variable(("doubt",), "1", "id of the kind of doubt", "text"),
         "statement": Variable(("doubt",), "1", "evidence, likely cause, what to do", "text"),
-        "trial_doubted": Variable(("doubt", "trial"), "1", "whether it is about it", "truth value"),
-        "joint_doubted": Variable(("doubt", "joint"), "1", "whether it is about it", "truth value"),
+        "trial_doubted": Variable(("doubt", "trial"), "1", "whether it is doubted", "truth value"),
+        "joint_doubted": Variable(("doubt", "joint"), "1", "whether it is doubted", "truth value"),
     },
 )

@@ -15,7 +15,7 @@ SPEC = ArtifactSpec(
         "model": Variable(("model",), "1", "base or final", "text"),
         "joint": Variable(("joint",), "1", "number of the joint, base to tip", "whole number"),
         "phase": Variable(("phase",), "1", "what the load does", "text"),
-        "window": Variable(("window",), "s", "begin of the time since the last change of load"),
+        "window": Variable(("window",), "s", "start of the time since the last change of load"),
         "parameter": Variable(("parameter",), "1", "a trial's own parameter", "text"),
         "covariate": Variable(("covariate",), "1", "what differs between trials", "text"),
     },

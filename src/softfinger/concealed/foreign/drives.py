@@ -90,7 +90,7 @@ LAWS = (
     build_law(
         actuator_lag.EFFECT,
         "two_paths",
-        "most of the tension comes soon and a rest much later: stages in a row hide no such tail",
+        "most of the tension comes soon and a rest much later: stages in a row have no such tail",
         move=_lag(np.array([0.25, 2.5]), np.array([0.7, 0.3])),
     ),
     build_law(

@@ -112,7 +112,8 @@ LAWS = (
     build_law(
         wire_friction.EFFECT,
         "ratchet",
-        "a braid rubs less when it is let go than when it is pulled: one coefficient has no side",
+        "a braid rubs less when it is released than when it is pulled: one coefficient has no "
+        "direction",
         shape=_WIDTH,
         move=_rub(lambda q: 0.2 + q, back=0.35),
     ),
