@@ -11,6 +11,8 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from typer import Context
+from typer.core import TyperGroup
 
 from softfinger.campaign import Campaign, list_tables, read_campaign
 from softfinger.cli.supervision import hold_folder
@@ -19,8 +21,28 @@ from softfinger.faults import Fault
 from softfinger.progress import silence_progress
 from softfinger.stages.keys import choose_settings
 
+FIRST = ("demo", "new", "import", "check", "run", "diagnose", "effects", "doctor", "rig")
+STEPS = "Single steps"
+HELP = """\
+From rig videos of a wire-driven soft finger to its posterior, its spread and a report.
+
+Exit status of every command: 0, done and well; 1, refused or not well, and what to do; 2, the
+command line is wrong; 130, interrupted.
+"""
+
+
+class InOrder(TyperGroup):
+    """Verbs in the order of a first hour."""
+
+    def list_commands(self, ctx: Context) -> list[str]:
+        """Names of the verbs, those to begin with first."""
+        places = {name: place for place, name in enumerate(FIRST)}
+        return sorted(self.commands, key=lambda name: places.get(name, len(FIRST)))
+
+
 app = typer.Typer(
-    help="From rig videos of a wire-driven soft finger to its posterior, its spread and a report.",
+    cls=InOrder,
+    help=HELP,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
@@ -68,13 +90,7 @@ def options(
         ),
     ] = False,
 ) -> None:
-    """From videos of a soft finger to its posterior.
-
-    The finger is driven by wires; its spread and a report are made too.
-
-    Exit status of every command: 0, done and well; 1, refused or not well, with what to do; 2, the
-    command line is wrong; 130, interrupted.
-    """
+    """Options of every verb."""
     del version
     if quiet:
         silence_progress()

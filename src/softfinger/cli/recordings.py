@@ -12,6 +12,7 @@ import typer
 
 from softfinger.campaign import list_tables, read_campaign
 from softfinger.cli.application import (
+    STEPS,
     CampaignFolder,
     ConfigFile,
     Out,
@@ -25,7 +26,7 @@ from softfinger.faults import Fault
 from softfinger.stages.keys import choose_settings
 
 
-@app.command(epilog=show_example("softfinger virtual-rig --out simulated"))
+@app.command(rich_help_panel=STEPS, epilog=show_example("softfinger virtual-rig --out simulated"))
 def virtual_rig(
     out: Out,
     config: ConfigFile = None,
@@ -61,7 +62,10 @@ def virtual_rig(
         film(truth=truth, videos=videos, config=knobs, seed=seed)
 
 
-@app.command(epilog=show_example("softfinger track my_campaign --out my_results --overlays"))
+@app.command(
+    rich_help_panel=STEPS,
+    epilog=show_example("softfinger track my_campaign --out my_results --overlays"),
+)
 def track(
     campaign: CampaignFolder,
     out: Out,
@@ -107,7 +111,8 @@ def track(
 
 
 @app.command(
-    epilog=show_example("softfinger calibrate pictures --columns 9 --rows 6 --square-m 0.010")
+    rich_help_panel=STEPS,
+    epilog=show_example("softfinger calibrate pictures --columns 9 --rows 6 --square-m 0.010"),
 )
 def calibrate(
     pictures: Annotated[Path, typer.Argument(help="Folder of pictures of the board.")],
@@ -139,7 +144,9 @@ def calibrate(
     typer.echo(found.to_yaml(), nl=False)
 
 
-@app.command(epilog=show_example("softfinger angles my_campaign --out my_results"))
+@app.command(
+    rich_help_panel=STEPS, epilog=show_example("softfinger angles my_campaign --out my_results")
+)
 def angles(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None:
     """Gather joint angles and loads of all trials.
 

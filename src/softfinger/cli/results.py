@@ -13,6 +13,7 @@ import typer
 
 from softfinger.campaign import read_campaign
 from softfinger.cli.application import (
+    STEPS,
     CampaignFolder,
     ConfigFile,
     Json,
@@ -32,7 +33,9 @@ from softfinger.stages.keys import choose_settings
 FITTED = ["angles", "least_squares", "posterior"]
 
 
-@app.command(epilog=show_example("softfinger fit my_campaign --out my_results"))
+@app.command(
+    rich_help_panel=STEPS, epilog=show_example("softfinger fit my_campaign --out my_results")
+)
 def fit(
     campaign: CampaignFolder, out: Out, config: ConfigFile = None, model: PhysicsFile = None
 ) -> None:
@@ -59,7 +62,7 @@ def fit(
     sampling(sampling=out / "sampling.nc", **inputs)
 
 
-@app.command(epilog=show_example("softfinger recovery --out my_results"))
+@app.command(rich_help_panel=STEPS, epilog=show_example("softfinger recovery --out my_results"))
 def recovery(out: Out, json: Json = False) -> None:
     """Compare both fits with a simulated campaign's truth.
 
@@ -78,7 +81,9 @@ def recovery(out: Out, json: Json = False) -> None:
     typer.echo(dump_json(list(csv.DictReader(text.splitlines()))) if json else text, nl=json)
 
 
-@app.command(epilog=show_example("softfinger propagate my_campaign --out my_results"))
+@app.command(
+    rich_help_panel=STEPS, epilog=show_example("softfinger propagate my_campaign --out my_results")
+)
 def propagate(
     campaign: CampaignFolder, out: Out, config: ConfigFile = None, model: PhysicsFile = None
 ) -> None:
@@ -94,7 +99,9 @@ def propagate(
     propagate(bands=out / "bands.nc", densities=out / "densities.nc", **inputs)
 
 
-@app.command(epilog=show_example("softfinger sobol my_campaign --out my_results"))
+@app.command(
+    rich_help_panel=STEPS, epilog=show_example("softfinger sobol my_campaign --out my_results")
+)
 def sobol(
     campaign: CampaignFolder, out: Out, config: ConfigFile = None, model: PhysicsFile = None
 ) -> None:
@@ -113,7 +120,7 @@ def sobol(
     shapley(shapley=out / "shapley.nc", **own, **inputs)
 
 
-@app.command(epilog=show_example("softfinger assumptions --out my_results"))
+@app.command(rich_help_panel=STEPS, epilog=show_example("softfinger assumptions --out my_results"))
 def assumptions(out: Out, config: ConfigFile = None, json: Json = False) -> None:
     """Check what the paper takes for granted.
 
@@ -131,7 +138,9 @@ def assumptions(out: Out, config: ConfigFile = None, json: Json = False) -> None
     typer.echo(dump_json({"statements": sentences}) if json else "\n".join(sentences))
 
 
-@app.command(epilog=show_example("softfinger summarise my_campaign --out my_results"))
+@app.command(
+    rich_help_panel=STEPS, epilog=show_example("softfinger summarise my_campaign --out my_results")
+)
 def summarise(
     campaign: CampaignFolder, out: Out, config: ConfigFile = None, model: PhysicsFile = None
 ) -> None:
@@ -152,7 +161,9 @@ def summarise(
     )
 
 
-@app.command(epilog=show_example("softfinger report my_campaign --out my_results"))
+@app.command(
+    rich_help_panel=STEPS, epilog=show_example("softfinger report my_campaign --out my_results")
+)
 def report(campaign: CampaignFolder, out: Out, config: ConfigFile = None) -> None:
     """Write OUT/report.html from the artifacts in OUT (after `summarise`)."""
     from softfinger.stages.opening import SUMMED
