@@ -98,6 +98,7 @@ def build_campaign(trials: int) -> xr.Dataset:
         {
             "noise_sd": ("joint", np.full(JOINTS, 0.003)),
             "noise_autocorrelation": ("joint", np.full(JOINTS, 0.3)),
+            "noise_white": ("joint", np.zeros(JOINTS)),
             "noise_correlation": (("joint", "other_joint"), np.eye(JOINTS)),
         }
     )

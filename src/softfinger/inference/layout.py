@@ -78,13 +78,14 @@ def name_draws(
 def _name_noise(scale: NDArray[np.float64], noise: xr.Dataset) -> dict[str, tuple]:
     """The noise of each draw, times its scale."""
     dims, lead = ("chain", "draw"), scale.shape
-    rho, correlation = (
-        noise[f"noise_{name}"].values for name in ("autocorrelation", "correlation")
+    rho, white, correlation = (
+        noise[f"noise_{name}"].values for name in ("autocorrelation", "white", "correlation")
     )
     return {
         "noise_scale": (dims, scale),
         "noise_sd": ((*dims, "joint"), scale[..., None] * noise["noise_sd"].values),
         "noise_autocorrelation": ((*dims, "joint"), np.broadcast_to(rho, (*lead, *rho.shape))),
+        "noise_white": ((*dims, "joint"), np.broadcast_to(white, (*lead, *white.shape))),
         "noise_correlation": (
             (*dims, "joint", "other_joint"),
             np.broadcast_to(correlation, (*lead, *correlation.shape)),

@@ -98,6 +98,7 @@ def describe_noise(
         {
             "noise_sd": ("joint", np.asarray(sd, float)),
             "noise_autocorrelation": ("joint", np.asarray(autocorrelation, float)),
+            "noise_white": ("joint", np.zeros(joints)),
             "noise_correlation": (("joint", "other_joint"), np.eye(joints) + neighbours * beside),
         }
     )
@@ -132,8 +133,8 @@ def draw_angles(
     parameters
         k_v, c_v, c_p, q_ini (trial, joint).
     noise
-        noise_sd, noise_autocorrelation (joint) per median interval, noise_correlation
-        (joint, other_joint).
+        noise_sd, noise_autocorrelation (joint) per median interval, noise_white (joint),
+        noise_correlation (joint, other_joint).
 
     Returns
     -------
@@ -171,18 +172,21 @@ def draw_noise_array(
     noise
         As for `draw_angles`.
     """
-    sd = noise["noise_sd"].values
-    rho = noise["noise_autocorrelation"].values
+    sd, white = noise["noise_sd"].values, noise["noise_white"].values
+    rho, lasting = noise["noise_autocorrelation"].values, sd * np.sqrt(1.0 - white)
     correlation = noise["noise_correlation"].values
     known = np.isfinite(time)
     kinds, index = np.unique(
         np.round(np.diff(time[known], prepend=-np.inf), 9), return_inverse=True
     )
-    covariance = [compute_innovation_covariance_array(g, sd, rho, correlation) for g in kinds]
+    covariance = [compute_innovation_covariance_array(g, lasting, rho, correlation) for g in kinds]
     factor = np.linalg.cholesky(np.stack(covariance))
     normal = rng.standard_normal((trials, index.size, len(sd)))
     drawn = np.full((trials, len(sd), time.size), np.nan)
     drawn[:, :, known] = _accumulate(normal, factor, rho ** kinds[:, None], index)
+    if white.any():
+        fresh = np.linalg.cholesky(correlation) @ rng.standard_normal((trials, len(sd), time.size))
+        drawn += (sd * np.sqrt(white))[:, None] * fresh
     return drawn
 
 

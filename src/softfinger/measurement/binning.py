@@ -8,6 +8,9 @@ symmetric. Noise is Ornstein–Uhlenbeck at the frames, so between bins a before
 joints j, k splits into a tail, a gap and a head:
 
     cov(ε̄_aj, ε̄_bk) = Σ_jk · mean_a(s ρ_k^(end_a − t)) · ρ_k^gap · mean_b(s ρ_k^(t − begin_b))
+
+A share w of the noise may be white beside it: Σ_jk √((1 − w_j)(1 − w_k)) lasts, and the mean of n
+frames has Σ_jk √(w_j w_k) mean(s²)/n more.
 """
 
 from typing import NamedTuple
@@ -95,6 +98,7 @@ def compute_bin_covariance_array(
     starts: NDArray[np.int64],
     stationary: NDArray[np.float64],
     autocorrelation: NDArray[np.float64],
+    white: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     """Compute the covariance of bin means, joints fastest.
 
@@ -112,12 +116,21 @@ def compute_bin_covariance_array(
         (joint, joint) [rad²], covariance of the joints' noise at one frame of scale 1.
     autocorrelation
         (joint,) ρ in [0, 1), over one median interval.
+    white
+        (joint,) share of the noise that is new in every frame.
     """
     bins, joints = starts.size - 1, len(autocorrelation)
     rate = -np.log(np.maximum(autocorrelation, 1e-300))
-    return _fill_covariance(time, scale, starts, stationary, rate).reshape(
-        bins * joints, bins * joints
+    lasting, fresh = np.sqrt(1.0 - white), np.sqrt(white)
+    covariance = _fill_covariance(
+        time, scale, starts, stationary * np.outer(lasting, lasting), rate
     )
+    mean_square = np.add.reduceat(scale**2, starts[:-1]) / np.diff(starts) ** 2
+    place = np.arange(bins)
+    covariance[place, :, place] += np.multiply.outer(
+        mean_square, stationary * np.outer(fresh, fresh)
+    )
+    return covariance.reshape(bins * joints, bins * joints)
 
 
 @compiled

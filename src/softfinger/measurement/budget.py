@@ -12,6 +12,8 @@ class MeasurementBudget:
 
     evaluations: int = 60
     """Evaluations that refine the sizes of components. Why: sizes to 3 %."""
+    memory_evaluations: int = 80
+    """Evaluations that refine a white share of the noise. Why: the share to 2 %."""
     scale_rounds: int = 3
     """Rounds in which the noise of trials is scaled. Why: the third changes it by 1 %.
 

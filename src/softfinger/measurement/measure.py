@@ -45,7 +45,7 @@ def measure(angles: xr.Dataset, motion: Array | None = None) -> xr.Dataset:
         out as an outlier, else 0; present, trial_factor (trial, joint); frame_scale (trial,
         frame); noise_factor (trial, joint, frame); frame_interval [s]; noise_sd [rad],
         recorded_noise_sd [rad], which differs where an sd is declared, noise_autocorrelation,
-        window_count (joint), noise_correlation (joint, other_joint);
+        noise_white, window_count (joint), noise_correlation (joint, other_joint);
         noise_per_rad; component_size, component_evidence [nats] (component), of what is present.
 
     Raises
@@ -187,11 +187,11 @@ def _list_variances(
     factor = frames["noise_factor"].values
     trials, joints, count = moved.shape
     parts = [np.empty((0, 5))]
-    for joint, (windows, rho) in enumerate(zip(fit.windows, fit.autocorrelation, strict=True)):
-        if windows.dof <= 0 or not np.isfinite(rho):
+    for joint, (windows, memory) in enumerate(zip(fit.windows, fit.memories, strict=True)):
+        if windows.dof <= 0 or not np.isfinite(memory.autocorrelation):
             continue
         residual = np.empty(len(windows.rows))
-        rss, _ = profile_windows(rho, *windows[:3], residual)
+        rss, _ = profile_windows(*memory, *windows[:3], residual)
         freedom = np.diff(windows.start) - PRIORS.degree - 1.0
         usual = declared**2 if np.isfinite(declared) else rss.sum() / freedom.sum()
         begin = windows.start[:-1]
@@ -256,10 +256,10 @@ def _weigh_outliers(frames: xr.Dataset) -> dict[str, tuple[float, float]]:
 def _weigh_tails(fit: NoiseFit) -> dict[str, tuple[float, float]]:
     """Evidence for Student's t in quiet windows."""
     units = [np.empty(0)]
-    for windows, rho in zip(fit.windows, fit.autocorrelation, strict=True):
-        if windows.dof > 0 and np.isfinite(rho):
+    for windows, memory in zip(fit.windows, fit.memories, strict=True):
+        if windows.dof > 0 and np.isfinite(memory.autocorrelation):
             residual = np.empty(len(windows.rows))
-            profile_windows(rho, *windows[:3], residual)
+            profile_windows(*memory, *windows[:3], residual)
             sizes = np.diff(windows.start)
             sd = np.sqrt(np.add.reduceat(residual**2, windows.start[:-1]) / sizes)
             units.append(residual / np.repeat(np.maximum(sd, LEAST_SD), sizes))

@@ -1,7 +1,8 @@
 """Measurement noise without a model of the motion.
 
-Noise of joint j is a stationary Ornstein–Uhlenbeck process seen at the frames: sd σ_j and
-correlation ρ_j^(Δt/median interval) across Δt, from quiet windows (`measurement.reml`).
+Noise of joint j is a stationary Ornstein–Uhlenbeck process seen at the frames; a share w_j may be
+white beside it. It has sd σ_j and correlation (1 − w_j) ρ_j^(Δt/median interval) across Δt, from
+quiet windows (`measurement.reml`).
 """
 
 from typing import NamedTuple
@@ -11,11 +12,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from softfinger.measurement.decisions import DECISIONS
+from softfinger.measurement.memory import Memory, list_memories
 from softfinger.measurement.reml import (
     Windows,
     cut_windows,
     evaluate_reml,
-    find_autocorrelation,
+    find_memory,
     fit_joint,
     profile_windows,
 )
@@ -31,9 +33,9 @@ class NoiseFit(NamedTuple):
     windows: list[Windows]
 
     @property
-    def autocorrelation(self) -> NDArray[np.float64]:
-        """ρ of each joint (joint,)."""
-        return self.noise["noise_autocorrelation"].values
+    def memories(self) -> list[Memory]:
+        """How long each joint's noise lasts."""
+        return list_memories(self.noise)
 
 
 def fit_noise(angles: xr.Dataset, frames: xr.Dataset) -> NoiseFit:
@@ -51,12 +53,13 @@ def fit_noise(angles: xr.Dataset, frames: xr.Dataset) -> NoiseFit:
     -------
     NoiseFit
         noise: noise_sd (joint) [rad]; noise_autocorrelation (joint), per median frame interval;
-        noise_correlation (joint, other_joint), of the innovations; window_count (joint); NaN for a
-        joint without a window. windows: the quiet ones that show it.
+        noise_white (joint), the share that is new in every frame; noise_correlation (joint,
+        other_joint), of the innovations; window_count (joint); NaN for a joint without a window.
+        windows: the quiet ones that show it.
     """
     declared = float(angles.attrs.get("noise_sd_rad", np.nan))
     windows = [cut_windows(angles, frames, joint) for joint in range(angles.sizes["joint"])]
-    fits = _share_autocorrelation(
+    fits = _share_memory(
         [fit_joint(joint_windows, declared) for joint_windows in windows], declared
     )
     correlation = _correlate_joints([fit[2] for fit in fits], [fit[1] for fit in fits])
@@ -64,7 +67,8 @@ def fit_noise(angles: xr.Dataset, frames: xr.Dataset) -> NoiseFit:
     noise = xr.Dataset(
         {
             "noise_sd": ("joint", np.array([fit[0] for fit in fits])),
-            "noise_autocorrelation": ("joint", np.array([fit[1] for fit in fits])),
+            "noise_autocorrelation": ("joint", np.array([fit[1].autocorrelation for fit in fits])),
+            "noise_white": ("joint", np.array([fit[1].white for fit in fits])),
             "noise_correlation": (("joint", "other_joint"), correlation),
             "window_count": ("joint", np.array([len(fit[2].start) - 1 for fit in fits])),
         },
@@ -91,28 +95,30 @@ def complete_noise(noise: xr.Dataset, angles: xr.Dataset, frames: xr.Dataset) ->
     moving = sd[sd > 1e-3 * np.nanmax(sd)] if np.isfinite(sd).any() else np.array([1e-6])
     sd = np.where(np.isin(sd, moving), sd, np.median(moving))
     rho = np.nan_to_num(noise["noise_autocorrelation"].values, nan=0.0)
+    white = np.nan_to_num(noise["noise_white"].values, nan=0.0)
     correlation = np.nan_to_num(noise["noise_correlation"].values, nan=0.0)
     return noise.assign(
         noise_sd=("joint", sd),
         noise_autocorrelation=("joint", rho),
+        noise_white=("joint", white),
         noise_correlation=(("joint", "other_joint"), correlation),
     )
 
 
-def _share_autocorrelation(
-    fits: list[tuple[float, float, Windows]], declared: float
-) -> list[tuple[float, float, Windows]]:
-    """Let joints share one ρ.
+def _share_memory(
+    fits: list[tuple[float, Memory, Windows]], declared: float
+) -> list[tuple[float, Memory, Windows]]:
+    """Let joints share one memory.
 
-    One camera gives one ρ, unless the windows show otherwise.
+    One camera gives one, unless the windows show otherwise.
     """
     known = [fit[2] for fit in fits if fit[2].dof > 0]
     if len(known) < 2:
         return fits
 
-    rho = find_autocorrelation(known, declared)
+    memory = find_memory(known, declared)
     shared = [
-        (evaluate_reml(fit[2], rho, declared)[1], rho, fit[2]) if fit[2].dof > 0 else fit
+        (evaluate_reml(fit[2], memory, declared)[1], memory, fit[2]) if fit[2].dof > 0 else fit
         for fit in fits
     ]
     apart, together = (
@@ -122,16 +128,16 @@ def _share_autocorrelation(
     return fits if together - apart > DECISIONS.own_rho * (len(known) - 1) else shared
 
 
-def _correlate_joints(windows: list[Windows], autocorrelation: list[float]) -> NDArray:
+def _correlate_joints(windows: list[Windows], memories: list[Memory]) -> NDArray:
     """Correlation of two joints' whitened residuals.
 
     It is over the calm frames that they share.
     """
     leftover = []
-    for part, rho in zip(windows, autocorrelation, strict=True):
+    for part, memory in zip(windows, memories, strict=True):
         residual = np.empty(len(part.rows))
-        if np.isfinite(rho):
-            profile_windows(rho, *part[:3], residual)
+        if np.isfinite(memory.autocorrelation):
+            profile_windows(*memory, *part[:3], residual)
         leftover.append(residual)
     correlation = np.eye(len(windows))
     for a in range(len(windows)):

@@ -77,10 +77,11 @@ def find_outliers(
     return np.where(too_many[:, None], 0.0, found)
 
 
-def _read(noise: xr.Dataset, here: NDArray) -> tuple[Array, Array, Array]:
-    """Sd, autocorrelation and correlation of the present joints."""
-    sd, rho = noise["noise_sd"].values[here], noise["noise_autocorrelation"].values[here]
-    return sd, rho, noise["noise_correlation"].values[np.ix_(here, here)]
+def _read(noise: xr.Dataset, here: NDArray) -> tuple[Array, Array, Array, Array]:
+    """Sd, memory and correlation of the present joints' noise."""
+    names = ("noise_sd", "noise_autocorrelation", "noise_white")
+    sd, rho, white = (noise[name].values[here] for name in names)
+    return sd, rho, white, noise["noise_correlation"].values[np.ix_(here, here)]
 
 
 def subtract_median_array(rows: Array, gap: Array) -> Array:
@@ -109,7 +110,7 @@ def compare_usual_array(rows: Array) -> Array:
 
 
 def measure_distance_array(
-    residual: Array, gap: Array, sd: Array, autocorrelation: Array, correlation: Array
+    residual: Array, gap: Array, sd: Array, autocorrelation: Array, white: Array, correlation: Array
 ) -> Array:
     """Measure t² (n,) of each frame against its neighbours.
 
@@ -119,15 +120,15 @@ def measure_distance_array(
         (n, joint) [rad], of the joints that are present.
     gap
         (n − 1,) between frames, in median intervals; infinite between those to be kept apart.
-    sd, autocorrelation, correlation
-        (joint,), (joint,), (joint, joint) of their noise.
+    sd, autocorrelation, white, correlation
+        (joint,), (joint,), (joint,), (joint, joint) of their noise.
     """
-    noise = sd, autocorrelation, correlation
     kinds, index = np.unique(np.round(gap, 3), return_inverse=True)
-    covariance = [compute_innovation_covariance_array(g, *noise) for g in kinds]
-    first = compute_innovation_covariance_array(np.inf, *noise)
+    kept = (1.0 - white) * autocorrelation ** kinds[:, None]
+    covariance = [compute_innovation_covariance_array(1.0, sd, k, correlation) for k in kept]
+    first = compute_innovation_covariance_array(np.inf, sd, autocorrelation, correlation)
     precision = np.linalg.inv(np.stack([*covariance, first]))
-    return _sum_distance(residual, autocorrelation ** kinds[:, None], precision, index)
+    return _sum_distance(residual, kept, precision, index)
 
 
 @compiled(error_model="numpy")

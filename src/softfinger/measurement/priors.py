@@ -30,6 +30,11 @@ class MeasurementPriors:
 
     Test: `test_noise.py::test_noise_that_outlasts_the_windows_is_not_taken_for_an_endless_drift`.
     """
+    white_shares: tuple[float, ...] = (0.1, 0.3, 0.6)
+    """Shares of the noise that are tried as white. Why: hardly seen up to most of it.
+
+    Test: `test_noise.py::test_noise_of_two_kinds_is_told_from_one`.
+    """
 
 
 PRIORS = MeasurementPriors()

@@ -1,12 +1,12 @@
-"""Restricted likelihood of AR(1) noise in quiet windows.
+"""Restricted likelihood of the noise in quiet windows.
 
-The windows may contain any smooth motion.
+The windows may contain any smooth motion; how long the noise lasts is a `memory.Memory`.
 
 In quiet zones, away from changes of load, every motion of the finger is smooth: a quartic in time
 follows it over a window of at most 200 frames. What the quartic leaves is noise, and the restricted
 likelihood (REML) of the window takes account of the noise that the quartic swallowed:
 
-    −2 log L(σ, ρ) = (n − p) log σ² + log|R| + log|XᵀR⁻¹X| + yᵀ(R⁻¹ − R⁻¹X(XᵀR⁻¹X)⁻¹XᵀR⁻¹)y / σ²
+    −2 log L(σ, ρ, w) = (n − p) log σ² + log|R| + log|XᵀR⁻¹X| + yᵀ(R⁻¹ − R⁻¹X(XᵀR⁻¹X)⁻¹XᵀR⁻¹)y / σ²
 
 Windows cannot separate noise that outlasts them from a drift without end. So how long it lasts,
 τ = −1/log ρ frames, has an exponential prior with a mean of a quarter of a window.
@@ -22,68 +22,23 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
-from scipy.special import expit
+from scipy.optimize import minimize, minimize_scalar
+from scipy.special import expit, logit
 
 from softfinger.compiled import compiled
+from softfinger.measurement.budget import BUDGET
 from softfinger.measurement.decisions import DECISIONS
+from softfinger.measurement.memory import Memory, fill_white
 from softfinger.measurement.priors import PRIORS
 from softfinger.measurement.quiet import find_quiet_array
 
+LONGEST = 0.9995  # ρ of noise that lasts ten windows
 LEAST_SD = 1e-9  # [rad] far below any camera's noise: a frozen recording has none
-
-
-def whiten_array(
-    rows: NDArray[np.float64], gap: NDArray[np.float64], autocorrelation: float
-) -> tuple[NDArray[np.float64], float]:
-    """Whiten the rows of a series with AR(1) noise.
-
-    The rows are (n, k), the noise has unit sd; W with WᵀW = R⁻¹.
-
-    Row i becomes (row_i − ρ^g_i row_{i−1}) / √(1 − ρ^{2 g_i}); the first, and any with an infinite
-    gap, stays as it is.
-
-    Parameters
-    ----------
-    rows
-        (n, k).
-    gap
-        (n,) time since the row before, in units over which the correlation is `autocorrelation`;
-        the first is not read.
-    autocorrelation
-        ρ in [0, 1).
-
-    Returns
-    -------
-    whitened, logdet : (n, k) and log|R|.
-
-    Examples
-    --------
-    >>> white, logdet = whiten_array(np.array([[1.0], [1.0]]), np.array([np.inf, 1.0]), 0.6)
-    >>> white.ravel(), round(logdet, 6)
-    (array([1. , 0.5]), -0.446287)
-    """
-    rows, gap = np.ascontiguousarray(rows, float), np.asarray(gap, float)
-    white = np.empty_like(rows)
-    return white, _whiten(rows, gap, float(autocorrelation), white)
-
-
-@compiled
-def _whiten(rows: NDArray, gap: NDArray, rho: float, white: NDArray) -> float:
-    logdet = 0.0
-    white[0] = rows[0]
-    for i in range(1, rows.shape[0]):
-        carried = rho ** gap[i]
-        spread = np.sqrt(1.0 - carried * carried)
-        logdet += 2.0 * np.log(spread)
-        for k in range(rows.shape[1]):
-            white[i, k] = (rows[i, k] - carried * rows[i - 1, k]) / spread
-    return logdet
 
 
 @compiled
 def profile_windows(
-    rho: float, rows: NDArray, gap: NDArray, start: NDArray, residual: NDArray
+    rho: float, share: float, rows: NDArray, gap: NDArray, start: NDArray, residual: NDArray
 ) -> tuple[NDArray, float]:
     """RSS of each window, and Σ (log|R| + log|XᵀR⁻¹X|).
 
@@ -93,7 +48,7 @@ def profile_windows(
     for window in range(start.size - 1):
         part = slice(start[window], start[window + 1])
         white = np.empty((start[window + 1] - start[window], rows.shape[1]))
-        logdet += _whiten(rows[part], gap[part], rho, white)
+        logdet += fill_white(rows[part], gap[part], rho, share, white)
         design, value = np.ascontiguousarray(white[:, :-1]), np.ascontiguousarray(white[:, -1])
         gram = design.T @ design
         left = value - design @ np.linalg.solve(gram, design.T @ value)
@@ -171,44 +126,60 @@ def _split_quiet(index: NDArray, quiet: NDArray[np.bool_]) -> list[NDArray]:
     return [window for window in windows if len(window) >= DECISIONS.least_window_frames]
 
 
-def fit_joint(windows: Windows, declared: float) -> tuple[float, float, Windows]:
-    """Fit σ and ρ, then again in calm windows.
+def fit_joint(windows: Windows, declared: float) -> tuple[float, Memory, Windows]:
+    """Fit σ and the memory, then again in calm windows.
 
     Calm windows are not three times as lively as most.
     """
     if windows.dof <= 0:
-        return declared, np.nan, windows
-    sd, rho = _maximise_reml(windows, declared)
-    rss, _ = profile_windows(rho, *windows[:3], np.empty(len(windows.rows)))
+        return declared, Memory(np.nan), windows
+    _, memory = _maximise_reml(windows, declared)
+    rss, _ = profile_windows(*memory, *windows[:3], np.empty(len(windows.rows)))
     variance = rss / (np.diff(windows.start) - PRIORS.degree - 1)
     calm = windows.keep(variance <= DECISIONS.lively * np.median(variance))
-    sd, rho = _maximise_reml(calm, declared)
-    return sd, rho, calm
+    return *_maximise_reml(calm, declared), calm
 
 
-def _maximise_reml(windows: Windows, declared: float) -> tuple[float, float]:
-    rho = find_autocorrelation([windows], declared)
-    return evaluate_reml(windows, rho, declared)[1], rho
+def _maximise_reml(windows: Windows, declared: float) -> tuple[float, Memory]:
+    memory = find_memory([windows], declared)
+    return evaluate_reml(windows, memory, declared)[1], memory
 
 
-def find_autocorrelation(windows: list[Windows], declared: float) -> float:
-    """Find the most probable ρ that all joints share.
+def find_memory(windows: list[Windows], declared: float) -> Memory:
+    """Find the most probable memory that all joints share.
 
-    Each joint has its own best σ.
+    Each joint has its own best σ. A white share is there where it has evidence: first a few shares
+    are tried, at the ρ that has the same correlation over a frame.
     """
     frames = PRIORS.lasting_windows * DECISIONS.window_frames
 
-    def deviance(logit: float) -> float:
-        rho = expit(logit)
-        lasting = -2.0 / np.log(rho) / frames
-        return lasting + sum(evaluate_reml(part, rho, declared)[0] for part in windows)
+    def deviance(memory: Memory) -> float:
+        lasting = -2.0 / np.log(memory.autocorrelation) / frames
+        return lasting + sum(evaluate_reml(part, memory, declared)[0] for part in windows)
 
-    return float(expit(minimise_deviance(deviance)))
+    alone = Memory(float(expit(minimise_deviance(lambda x: deviance(Memory(float(expit(x))))))))
+    worth = deviance(alone) - 2.0 * DECISIONS.present_nats
+    starts = [
+        Memory(alone.autocorrelation / (1.0 - share), share)
+        for share in PRIORS.white_shares
+        if alone.autocorrelation < LONGEST * (1.0 - share)
+    ]
+    start = min(starts, key=deviance, default=alone)
+    if deviance(start) > worth:
+        return alone
+    found = minimize(
+        lambda x: deviance(Memory(*expit(x))),
+        logit(start),
+        method="Nelder-Mead",
+        bounds=[(-7.0, 7.6), (-5.0, 5.0)],
+        options={"xatol": 0.02, "fatol": 0.05, "maxfev": BUDGET.memory_evaluations},
+    )
+    return Memory(*map(float, expit(found.x)))
 
 
-def evaluate_reml(windows: Windows, rho: float, declared: float) -> tuple[float, float]:
-    """−2 log L at ρ, and its best σ."""
-    rss, logdet = profile_windows(rho, *windows[:3], np.empty(len(windows.rows)))
+def evaluate_reml(windows: Windows, memory: Memory, declared: float) -> tuple[float, float]:
+    """−2 log L at a memory, and its best σ."""
+    rss, logdet = profile_windows(*memory, *windows[:3], np.empty(len(windows.rows)))
     variance = declared**2 if np.isfinite(declared) else rss.sum() / windows.dof
     variance = max(variance, LEAST_SD**2)
     return windows.dof * np.log(variance) + logdet + rss.sum() / variance, float(np.sqrt(variance))

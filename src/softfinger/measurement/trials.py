@@ -168,10 +168,12 @@ def _whiten_trial(
     time: NDArray, scale: NDArray, starts: NDArray, present: NDArray, noise: xr.Dataset
 ) -> Whitening:
     sd, rho = noise["noise_sd"].values, noise["noise_autocorrelation"].values
-    correlation = noise["noise_correlation"].values
+    correlation, white = noise["noise_correlation"].values, noise["noise_white"].values
     stationary = compute_innovation_covariance_array(np.inf, sd, rho, correlation)
     seen = np.ix_(present, present)
-    covariance = compute_bin_covariance_array(time, scale, starts, stationary[seen], rho[present])
+    covariance = compute_bin_covariance_array(
+        time, scale, starts, stationary[seen], rho[present], white[present]
+    )
     return build_whitening(covariance)
 
 

@@ -189,7 +189,7 @@ def draw_noise(
     clock
         (time,) in median frame intervals.
     """
-    shape = population[["noise_autocorrelation", "noise_correlation"]]
+    shape = population[["noise_autocorrelation", "noise_white", "noise_correlation"]]
     shape = shape.assign(noise_sd=xr.ones_like(population["noise_sd"]))
     noise = np.empty((draw.size, population.sizes["joint"], clock.size))
     for place in np.unique(draw):

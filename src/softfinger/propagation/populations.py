@@ -37,7 +37,8 @@ def select_two_stage(least_squares: xr.Dataset) -> xr.Dataset:
         }
     )
     population = population.drop_vars(["trial"], errors="ignore").expand_dims(draw=1)
-    population["noise_autocorrelation"] = xr.zeros_like(population["noise_sd"])
+    for name in ("noise_autocorrelation", "noise_white"):
+        population[name] = xr.zeros_like(population["noise_sd"])
     return _fill_correlations(population)
 
 
@@ -48,21 +49,21 @@ def select_posterior(posterior: xr.DataTree, draws: int) -> xr.Dataset:
     ----------
     posterior
         The `posterior` artifact: mu_* and sigma_* (chain, draw, joint) of every population,
-        noise_sd [rad], noise_autocorrelation (chain, draw, joint) and, where they were fitted,
+        noise_sd [rad], noise_autocorrelation, noise_white (chain, draw, joint) and, where fitted,
         parameter_correlation (…, own, other_own), noise_correlation (…, joint, other_joint).
 
     Returns
     -------
     Dataset
-        As `select_two_stage`, with as many draws as asked for or there are; noise_autocorrelation
-        (draw, joint) and noise_correlation (draw, joint, other_joint) of the innovations.
+        As `select_two_stage`, with as many draws as asked for or there are; noise_autocorrelation,
+        noise_white (draw, joint) and noise_correlation (draw, joint, other_joint) of innovations.
 
     Raises
     ------
     Fault
         If a hyperparameter is missing.
     """
-    noise = ["noise_sd", "noise_autocorrelation"]
+    noise = ["noise_sd", "noise_autocorrelation", "noise_white"]
     wanted = [f"{kind}_{name}" for kind in ("mu", "sigma") for name in LOG_PARAMETERS] + noise
     fitted = [
         name

@@ -72,6 +72,7 @@ def draw_posterior(eta, coords, rng):
     dims = ("chain", "draw", "joint")
     data = {"noise_sd": (dims, np.full((1, N_DRAW, 1), NOISE_SD))}
     data["noise_autocorrelation"] = (dims, np.zeros((1, N_DRAW, 1)))
+    data["noise_white"] = (dims, np.zeros((1, N_DRAW, 1)))
     for place, name in enumerate(("log_k_v", "log_c_v", "log_c_p", "q_ini")):
         data[f"mu_{name}"] = (dims, mu[None, ..., place])
         data[f"sigma_{name}"] = (dims, sigma[None, ..., place])

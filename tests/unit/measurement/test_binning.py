@@ -20,9 +20,10 @@ def trial():
 def test_covariance_of_bins_is_the_average_of_that_of_frames(trial):
     time, scale, starts = trial
     sd, rho = np.array([1.0, 2.0, 0.5]), np.array([0.0, 0.6, 0.95])
+    white = np.array([0.0, 0.5, 0.2])
     mixing = np.array([[1.0, -0.5, 0.1], [-0.5, 1.0, -0.4], [0.1, -0.4, 1.0]])
     stationary = np.outer(sd, sd) * mixing
-    got = compute_bin_covariance_array(time, scale, starts, stationary, rho)
+    got = compute_bin_covariance_array(time, scale, starts, stationary, rho, white)
     average = np.zeros((8, 61))
     for b in range(8):
         average[b, starts[b] : starts[b + 1]] = 1.0 / (starts[b + 1] - starts[b])
@@ -31,13 +32,17 @@ def test_covariance_of_bins_is_the_average_of_that_of_frames(trial):
     for j in range(3):
         for k in range(3):
             later = np.where(gap > 0, rho[k], rho[j]) ** np.abs(gap)
+            later *= np.sqrt((1 - white[j]) * (1 - white[k]))
+            later += np.sqrt(white[j] * white[k]) * np.eye(61)
             frames = stationary[j, k] * later * np.outer(scale, scale)
             np.testing.assert_allclose(got[:, j, :, k], average @ frames @ average.T, atol=1e-12)
 
 
 def test_whitened_noise_has_unit_covariance(trial):
     time, scale, starts = trial
-    covariance = compute_bin_covariance_array(time, scale, starts, np.eye(1), np.array([0.9]))
+    covariance = compute_bin_covariance_array(
+        time, scale, starts, np.eye(1), np.array([0.9]), np.zeros(1)
+    )
     whitening = build_whitening(covariance)
     factor = np.linalg.cholesky(covariance)
     np.testing.assert_allclose(whitening.matrix @ factor, np.eye(8), atol=1e-7)

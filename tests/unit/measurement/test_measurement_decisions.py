@@ -41,6 +41,7 @@ def clean_outliers(make_campaign, share):
         {
             "noise_sd": ("joint", [0.003]),
             "noise_autocorrelation": ("joint", [0.0]),
+            "noise_white": ("joint", [0.0]),
             "noise_correlation": (("joint", "other_joint"), np.eye(1)),
         }
     )

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from softfinger.measurement.frames import select_frames
+from softfinger.measurement.memory import Memory, whiten_array, whiten_neighbours
 from softfinger.measurement.noise import fit_noise
 from softfinger.measurement.quiet import find_load_changes_array, find_quiet_array
-from softfinger.measurement.reml import whiten_array
 
 
 def estimate_noise(angles):
@@ -66,9 +66,30 @@ def test_whitened_rows_give_the_inverse_correlation():
     gap = np.array([np.inf, 1.0, 2.5, 1.0])
     place = np.array([0.0, 1.0, 3.5, 4.5])
     correlation = 0.7 ** np.abs(place[:, None] - place)
-    white, logdet = whiten_array(np.eye(4), gap, 0.7)
-    assert white.T @ white == pytest.approx(np.linalg.inv(correlation))
-    assert logdet == pytest.approx(np.linalg.slogdet(correlation)[1])
+    for share in (0.0, 0.4):
+        mixed = (1.0 - share) * correlation + share * np.eye(4)
+        white, logdet = whiten_array(np.eye(4), gap, Memory(0.7, share))
+        assert white.T @ white == pytest.approx(np.linalg.inv(mixed))
+        assert logdet == pytest.approx(np.linalg.slogdet(mixed)[1])
+
+
+def test_without_a_white_share_the_frame_before_is_enough():
+    rng = np.random.default_rng(5)
+    rows, gap = rng.normal(size=(9, 3)), np.append(np.inf, rng.uniform(0.5, 3.0, 8))
+    kept = np.where(np.isfinite(gap), 0.8**gap, 0.0)
+    assert whiten_neighbours(rows, kept) == pytest.approx(whiten_array(rows, gap, Memory(0.8))[0])
+
+
+def test_noise_of_two_kinds_is_told_from_one(make_campaign, rng):
+    """Rounding or detection errors beside noise that lasts half a second."""
+    angles, _, noise = make_campaign(rng, trials=12, time=np.arange(600) / 30, rho=0.95)
+    fresh = rng.normal(size=angles["joint_angle"].shape) * noise["noise_sd"].values[:, None]
+    both = estimate_noise(angles.assign(joint_angle=angles["joint_angle"] + fresh))
+    assert both["noise_white"].values == pytest.approx(0.5, abs=0.1)
+    expected = noise["noise_autocorrelation"].values
+    assert both["noise_autocorrelation"].values == pytest.approx(expected, abs=0.12)
+    assert both["noise_sd"].values == pytest.approx(np.sqrt(2) * noise["noise_sd"].values, rel=0.1)
+    assert estimate_noise(angles)["noise_white"].values.tolist() == [0.0] * 3
 
 
 def test_joints_share_one_autocorrelation_unless_it_plainly_differs(make_campaign, rng):

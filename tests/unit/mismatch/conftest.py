@@ -73,6 +73,7 @@ def draw_campaign():
             {
                 "noise_sd": ("joint", [0.002]),
                 "noise_autocorrelation": ("joint", [rho]),
+                "noise_white": ("joint", [0.0]),
                 "noise_correlation": (("joint", "other_joint"), np.eye(1)),
             }
         )

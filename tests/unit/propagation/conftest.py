@@ -90,6 +90,7 @@ def posterior():
     shape = (3, 17, 2)
     data = {"noise_sd": (dims, np.full(shape, NOISE_SD))}
     data["noise_autocorrelation"] = (dims, np.full(shape, 0.3))
+    data["noise_white"] = (dims, np.zeros(shape))
     for place, name in enumerate(names):
         jitter = 0.1 * SIGMA[:, place] * rng.standard_normal(shape)
         data[f"mu_{name}"] = (dims, MU[:, place] + jitter)

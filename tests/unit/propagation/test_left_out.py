@@ -66,7 +66,9 @@ def test_posterior_weights_take_a_trial_out_of_a_conjugate_posterior(correlation
     own = 1.0 + rng.standard_normal((n, 8)) @ root.T
     mu = own.mean(axis=0) + rng.standard_normal((draws, 8)) @ root.T / np.sqrt(n)
     dims = ("chain", "draw", "joint")
-    data = dict.fromkeys(["noise_sd", "noise_autocorrelation"], (dims, np.ones((1, draws, 2))))
+    data = dict.fromkeys(
+        ["noise_sd", "noise_autocorrelation", "noise_white"], (dims, np.ones((1, draws, 2)))
+    )
     for place, name in enumerate(NAMES):
         data[f"mu_{name}"] = (dims, mu[None, :, place::4])
         data[f"sigma_{name}"] = (dims, np.full((1, draws, 2), sigma[place]))

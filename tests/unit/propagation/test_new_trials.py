@@ -58,6 +58,7 @@ def test_noise_of_recordings_is_correlated_over_time_and_joints_as_fitted():
         {
             "noise_sd": (("draw", "joint"), [[0.003, 0.001], [0.006, 0.002]]),
             "noise_autocorrelation": (("draw", "joint"), np.full(shape, 0.8)),
+            "noise_white": (("draw", "joint"), np.zeros(shape)),
             "noise_correlation": (
                 ("draw", "joint", "other_joint"),
                 np.tile([[1.0, 0.5], [0.5, 1.0]], (2, 1, 1)),

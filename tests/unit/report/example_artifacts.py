@@ -162,6 +162,7 @@ def make_posterior(angles, least_squares, n_chain=4, n_draw=60):
     noise = {
         "noise_sd": 0.003 * np.exp(0.01 * rng.standard_normal(shape)),
         "noise_autocorrelation": 0.3 + 0.02 * rng.standard_normal(shape),
+        "noise_white": np.zeros(shape),
     }
     groups["posterior"] |= {key: (("chain", "draw", "joint"), v) for key, v in noise.items()}
     coords = {"joint": joint.values, "trial": trial.values}

@@ -161,6 +161,7 @@ def make_measurement(angles, attrs):
             "trial_factor": (("trial", "joint"), factor),
             "noise_sd": ("joint", np.full(joints.size, 0.002)),
             "noise_autocorrelation": ("joint", np.full(joints.size, 0.3)),
+            "noise_white": ("joint", np.zeros(joints.size)),
             "noise_correlation": (("joint", "other_joint"), np.eye(joints.size)),
             "noise_per_rad": ((), 2.0),
             "window_count": ("joint", np.full(joints.size, 12)),

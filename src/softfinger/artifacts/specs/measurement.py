@@ -38,6 +38,9 @@ SPEC = ArtifactSpec(
         "noise_autocorrelation": Variable(
             ("joint",), "1", "of the noise over a median frame interval", at_least=0.0, at_most=1.0
         ),
+        "noise_white": Variable(
+            ("joint",), "1", "share of the noise new in every frame", at_least=0.0, at_most=1.0
+        ),
         "noise_correlation": Variable(
             ("joint", "other_joint"), "1", "of the innovations", at_least=-1.0, at_most=1.0
         ),

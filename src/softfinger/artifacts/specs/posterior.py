@@ -52,6 +52,9 @@ SPEC = ArtifactSpec(
                 at_least=-1.0,
                 at_most=1.0,
             ),
+            "noise_white": Variable(
+                _POPULATION, "1", "share of it new in every frame", at_least=0.0, at_most=1.0
+            ),
         },
         "sample_stats": {
             "diverging": Variable(

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from softfinger.inference.problem import Problem
+from softfinger.measurement.memory import Memory, list_memories, whiten_array
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.priors import PRIORS
@@ -48,8 +49,8 @@ class WaveSeries(NamedTuple):
         (n,) [s].
     gap
         (n − 1,) between them, in median frame intervals.
-    rho
-        ρ by which a wave is whitened.
+    memory
+        That by which a wave is whitened.
     values
         (n,) white, of mean 0 and variance 1.
     per_rad
@@ -60,7 +61,7 @@ class WaveSeries(NamedTuple):
     shape: int
     time: NDArray[np.float64]
     gap: NDArray[np.float64]
-    rho: float
+    memory: Memory
     values: NDArray[np.float64]
     per_rad: float
 
@@ -160,9 +161,9 @@ def _weigh_joints(
     if not seen.any() or used.sum() < DECISIONS.wave_frames:
         return
     gap = np.diff(time[used]) / problem.trials.interval
-    rho = problem.noise["noise_autocorrelation"].values[seen]
-    pairs = zip(residual[seen][:, used], rho, strict=True)
-    white = np.array([whiten_series(values, gap, r) for values, r in pairs])
+    memories = [list_memories(problem.noise)[j] for j in np.flatnonzero(seen)]
+    pairs = zip(residual[seen][:, used], memories, strict=True)
+    white = np.array([whiten_series(values, gap, memory) for values, memory in pairs])
     white -= white.mean(axis=1, keepdims=True)
     scale = white.std(axis=1)
     correlation = problem.noise["noise_correlation"].values[np.ix_(seen, seen)]
@@ -171,7 +172,7 @@ def _weigh_joints(
             weight = np.linalg.solve(correlation, shape[seen] / scale) / scale
             values = weight @ white
             sd = values.std()  # its own variance is the measure: a model's may be wrong
-            kept = float(rho[np.abs(shape[seen]).argmax()])
+            kept = memories[int(np.abs(shape[seen]).argmax())]
             yield WaveSeries(trial, k, time[used], gap, kept, values / sd, float(sd))
 
 
@@ -194,14 +195,15 @@ def transform_series(
 
 
 def whiten_series(
-    values: NDArray[np.float64], gap: NDArray[np.float64], rho: float
-) -> NDArray[np.float64]:
-    """Whiten an AR(1) series seen with gaps.
+    values: NDArray[np.float64] | NDArray[np.complex128], gap: NDArray[np.float64], memory: Memory
+) -> NDArray[np.float64] | NDArray[np.complex128]:
+    """Whiten a series (n,), real or complex, whose noise has a memory.
 
-    The gaps are in intervals over which its correlation is ρ.
+    The gaps (n − 1,) are in median frame intervals.
 
-    >>> whiten_series(np.array([1.0, 1.0]), np.array([1.0]), 0.6)
+    >>> whiten_series(np.array([1.0, 1.0]), np.array([1.0]), Memory(0.6)).round(9)
     array([1. , 0.5])
     """
-    kept = rho**gap
-    return np.append(values[:1], (values[1:] - kept * values[:-1]) / np.sqrt(1 - kept**2))
+    rows = np.stack([values.real, values.imag], axis=1)
+    white = whiten_array(rows, np.insert(gap, 0, np.inf), memory)[0]
+    return white[:, 0] + 1j * white[:, 1] if np.iscomplexobj(values) else white[:, 0]

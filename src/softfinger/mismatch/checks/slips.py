@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 
 from softfinger.inference.disturbances import locate_disturbances
 from softfinger.inference.problem import LAYOUT, Candidate, Problem, simulate_frames
+from softfinger.measurement.memory import correlate_frames, list_memories, whiten_neighbours
 from softfinger.measurement.quiet import find_quiet_array
-from softfinger.measurement.reml import whiten_array
 from softfinger.mechanics import OWN
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.priors import PRIORS
@@ -124,7 +124,7 @@ def _list_series(
 ) -> list[tuple[int, int, Series, float]]:
     """Series with enough seen: place, values, sd."""
     trials, fit = problem.trials, candidate.fit
-    noise = problem.noise[["noise_sd", "noise_autocorrelation"]].to_dataarray().values
+    sds, memories = problem.noise["noise_sd"].values, list_memories(problem.noise)
     factor = problem.noise["noise_factor"].sel(trial=trials.name).transpose(*LAYOUT).values
     chosen = angles.sel(trial=trials.name)
     recorded = chosen["joint_angle"].transpose(*LAYOUT).values
@@ -138,15 +138,15 @@ def _list_series(
         if quiet.sum() < DECISIONS.slip_frames:
             continue
         for j in np.flatnonzero(trials.present[i]):
-            sd, rho = noise[:, j]
+            sd = sds[j]
             own = slice(OWN * j, OWN * (j + 1))
             residual = recorded[i, j, used] - angle[i, j, used]
             rows = np.column_stack([slope[i, j, used, own], residual]) / sd
             rows /= factor[i, j, used, None]
-            carried = np.where(np.isfinite(gap), rho**gap, 0.0)
+            carried = correlate_frames(memories[j], gap)
             precision = np.linalg.inv(fit.omega[own, own])
             series = Series(
-                whiten_array(rows, gap, rho)[0],
+                whiten_neighbours(rows, carried),
                 1.0 / np.sqrt(1.0 - carried**2),
                 carried,
                 precision @ (fit.mean[own] - fit.own[i, own]),

@@ -39,7 +39,7 @@ def project_wave(series: list[WaveSeries], waves: list[Wave]) -> Products:
     """Project each trial's whitened numbers on its wave (n,)."""
     square, pull = np.zeros((len(series), 2, 2)), np.zeros((len(series), 2))
     for i, (one, wave) in enumerate(zip(series, waves, strict=True)):
-        white = one.per_rad * whiten_series(wave, one.gap, one.rho)
+        white = one.per_rad * whiten_series(wave, one.gap, one.memory)
         columns = np.stack([white.real, white.imag])
         columns -= columns.mean(axis=1, keepdims=True)
         square[i], pull[i] = columns @ columns.T, columns @ one.values

@@ -23,6 +23,7 @@ MEASURED = (
     "trial_factor",
     "noise_sd",
     "noise_autocorrelation",
+    "noise_white",
     "noise_correlation",
     "noise_per_rad",
     "window_count",

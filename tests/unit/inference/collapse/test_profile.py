@@ -8,7 +8,7 @@ from softfinger.inference.collapse.profile import (
 )
 from softfinger.inference.collapse.table import collapse_angles
 from softfinger.measurement.frames import select_frames
-from softfinger.measurement.reml import whiten_array
+from softfinger.measurement.memory import Memory, whiten_array
 from softfinger.mechanics.three_element import compute_joint_angle_array
 
 
@@ -46,5 +46,5 @@ def test_squares_left_over_are_those_of_the_frames(campaign):
         k_v, k_v * np.exp(-profile.log_rate[3]), 1 / flow, start, angles["time"].values[3], *load
     )
     residual = (angles["joint_angle"].values[3, 2] - motion)[:, None]
-    white, _ = whiten_array(residual, np.ones(90), 0.6)
+    white, _ = whiten_array(residual, np.ones(90), Memory(0.6))
     assert profile.rss[3] == pytest.approx((white**2).sum() / 0.004**2, rel=1e-6)

@@ -23,6 +23,7 @@ def draw_step():
         {
             "noise_sd": ("joint", [0.002]),
             "noise_autocorrelation": ("joint", [0.0]),
+            "noise_white": ("joint", [0.0]),
             "noise_correlation": (("joint", "other_joint"), np.eye(1)),
         }
     )

@@ -42,6 +42,7 @@ def draw(seed, trials, wave=None, *, log=STEPS, rho=0.0, level=(1.0,)):
         noise=xr.Dataset(
             {
                 "noise_autocorrelation": ("joint", np.full(JOINTS, rho)),
+                "noise_white": ("joint", np.zeros(JOINTS)),
                 "noise_correlation": (("joint", "other_joint"), np.eye(JOINTS)),
             }
         ),

@@ -27,6 +27,7 @@ def build(rng, amplitude, *, everywhere=False):
         noise=xr.Dataset(
             {
                 "noise_autocorrelation": ("joint", np.zeros(JOINTS)),
+                "noise_white": ("joint", np.zeros(JOINTS)),
                 "noise_correlation": (("joint", "other_joint"), [[1.0, -0.5], [-0.5, 1.0]]),
             }
         ),

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from softfinger.inference.problem import Candidate, pose_problem
-from softfinger.measurement.reml import whiten_array
+from softfinger.measurement.memory import Memory, whiten_array
 from softfinger.mismatch.checks.slips import Series, find_slips, project_outliers, project_steps
 
 
@@ -69,6 +69,6 @@ def test_projections_are_those_of_whitened_columns():
     decay = np.where(later, rho ** np.maximum(place[:, None] - place, 0.0), 0.0)
     found = [project_steps(series), *project_outliers(series)]
     for (product, square), shapes in zip(found, (1.0 * later, np.eye(n), decay), strict=True):
-        white, _ = whiten_array(shapes, gap, rho)
+        white, _ = whiten_array(shapes, gap, Memory(rho))
         np.testing.assert_allclose(product, white.T @ rows, atol=1e-10)
         np.testing.assert_allclose(square, (white**2).sum(axis=0), atol=1e-10)
