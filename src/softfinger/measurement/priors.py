@@ -35,6 +35,11 @@ class MeasurementPriors:
 
     Test: `test_noise.py::test_noise_of_two_kinds_is_told_from_one`.
     """
+    longest_memory: float = 0.9995
+    """ρ of the longest noise beside a white share. Why: it lasts ten windows.
+
+    Test: `test_noise.py::test_noise_of_two_kinds_is_told_from_one`.
+    """
 
 
 PRIORS = MeasurementPriors()

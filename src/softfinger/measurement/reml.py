@@ -32,7 +32,6 @@ from softfinger.measurement.memory import Memory, fill_white
 from softfinger.measurement.priors import PRIORS
 from softfinger.measurement.quiet import find_quiet_array
 
-LONGEST = 0.9995  # ρ of noise that lasts ten windows
 LEAST_SD = 1e-9  # [rad] far below any camera's noise: a frozen recording has none
 
 
@@ -162,7 +161,7 @@ def find_memory(windows: list[Windows], declared: float) -> Memory:
     starts = [
         Memory(alone.autocorrelation / (1.0 - share), share)
         for share in PRIORS.white_shares
-        if alone.autocorrelation < LONGEST * (1.0 - share)
+        if alone.autocorrelation < PRIORS.longest_memory * (1.0 - share)
     ]
     start = min(starts, key=deviance, default=alone)
     if deviance(start) > worth:

@@ -10,17 +10,17 @@ import math
 import numpy as np
 
 from softfinger.compiled import compiled
-from softfinger.mechanics.effects.creep_spectrum import SPECTRUM, build_spectra
+from softfinger.mechanics.effects.creep_spectrum import SPECTRUM, build_spectrum
 from softfinger.mechanics.effects.effect import Effect, Form, Parameter, Setting, Values, positive
 from softfinger.mechanics.forward.hooks import Hook
 from softfinger.mechanics.forward.modes import FAST, FLOW, LADDER, RATES, SPACING, WITH_LADDER
-from softfinger.mechanics.forward.slot import LOG_C_P, LOG_C_V, LOG_K_V, Slot, declare
+from softfinger.mechanics.forward.slot import LOG_C_P, LOG_K_V, Slot, declare
 from softfinger.mechanics.forward.work import Linear, Model
 
 LEAST_LOSS = 1e-4  # an exponent of exactly 1 is the dashpot and no springpot
 
 
-_COMPLIANCE, _ELASTIC, _FLOW, _EXPONENT, _FOLLOWS, _FLOW_SHARE = declare(
+_COMPLIANCE, _ELASTIC, _FLOW, _EXPONENT, _FLOW_SHARE = declare(
     springpot_compliance=Slot(
         "joint", "rad/(N m s^a)", 0.0, "springpot in series: creep · t^a / Γ(1 + a)"
     ),
@@ -28,9 +28,6 @@ _COMPLIANCE, _ELASTIC, _FLOW, _EXPONENT, _FOLLOWS, _FLOW_SHARE = declare(
     springpot_flow_share=Slot("joint", "s^(1-a)", 0.0, "the same, as a share of 1/c_p"),
     springpot_exponent=Slot(
         "joint", "1", 0.5, "its exponent a, 0 = spring, 1 = dashpot", "nonnegative", at_most=1.0
-    ),
-    springpot_follows=Slot(
-        "joint", "1", 0.0, "1: the elastic share's time is in units of c_v/k_v", constant=True
     ),
     flow_share=Slot("joint", "1", 1.0, "factor on the dashpot's flow; 0 takes it away"),
 )
@@ -57,17 +54,13 @@ def add_springpot(model: Model, linear: Linear, j: int) -> None:
     """
     value = model.joint[j]
     soft, thin = math.exp(-value[LOG_K_V]), math.exp(-value[LOG_C_P])
-    late = value[_FOLLOWS] * (value[LOG_K_V] - value[LOG_C_V])  # log of the unit of time
-    soft *= math.exp(value[_EXPONENT] * late)
     compliance = value[_COMPLIANCE] + value[_ELASTIC] * soft + value[_FLOW] * thin
     for step in range(WITH_LADDER - LADDER):
         weight, by_exponent = springpot_weight(step, value[_EXPONENT])
         linear.gain[j, LADDER + step] += compliance * weight
         for c in model.columns[j]:
             change = model.d_joint[c, j]
-            d_late = value[_FOLLOWS] * (change[LOG_K_V] - change[LOG_C_V])
-            d_soft = value[_EXPONENT] * d_late + change[_EXPONENT] * late - change[LOG_K_V]
-            d_compliance = (change[_ELASTIC] + value[_ELASTIC] * d_soft) * soft
+            d_compliance = (change[_ELASTIC] - value[_ELASTIC] * change[LOG_K_V]) * soft
             d_compliance += (change[_FLOW] - value[_FLOW] * change[LOG_C_P]) * thin
             d_gain = (change[_COMPLIANCE] + d_compliance) * weight
             d_gain += compliance * by_exponent * change[_EXPONENT]
@@ -124,14 +117,6 @@ def _build_forms(setting: Setting) -> list[Form]:
             "springpot_exponent": values["exponent"],
         }
 
-    def superposed(values: Values) -> dict:
-        return {
-            "springpot_elastic_share": values["springpot_share"]
-            * math.gamma(1 + float(values["exponent"])),
-            "springpot_exponent": values["exponent"],
-            "springpot_follows": 1.0,
-        }
-
     def own_compliance(values: Values) -> dict:
         return {
             "springpot_compliance": values["springpot_share"] / setting.stiffness * scale(values),
@@ -141,9 +126,8 @@ def _build_forms(setting: Setting) -> list[Form]:
     return [
         Form("beside", (share, exponent), beside),
         Form("own_compliance", (share, exponent), own_compliance),
-        Form("superposed", (share, exponent), superposed),
         _replace_dashpot(setting),
-        *build_spectra(setting),
+        build_spectrum(setting),
     ]
 
 

@@ -3,39 +3,31 @@
 import math
 
 from softfinger.compiled import compiled
-from softfinger.mechanics.effects.creep_spectrum import OWN_TIMES, SPECTRUM, build_spectra
+from softfinger.mechanics.effects.creep_spectrum import SPECTRUM, build_spectrum
 from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, positive
 from softfinger.mechanics.effects.effect import time_constant as between
 from softfinger.mechanics.forward.hooks import Hook
 from softfinger.mechanics.forward.modes import OWN, WITH_OWN
-from softfinger.mechanics.forward.slot import LOG_C_V, LOG_K_V, Slot, declare
+from softfinger.mechanics.forward.slot import LOG_K_V, Slot, declare
 from softfinger.mechanics.forward.work import Linear, Model
 
-_COMPLIANCE, _SHARE, _TIME, _FOLLOWS = declare(
+_COMPLIANCE, _SHARE, _TIME = declare(
     second_compliance=Slot("joint", "rad/(N m)", 0.0, "compliance of a second Voigt element"),
     second_share=Slot("joint", "1", 0.0, "the same, as a share of 1/k_v"),
     second_time=Slot("joint", "s", 1.0, "its retardation time", "positive"),
-    second_follows=Slot(
-        "joint", "1", 0.0, "1: that time is a multiple of the trial's own c_v/k_v", constant=True
-    ),
 )
 
 
 @compiled
 def add_element(model: Model, linear: Linear, j: int) -> None:
-    """One more Voigt element.
-
-    λ = 1/T, g = J/T; T may be a multiple of the trial's own c_v/k_v.
-    """
+    """One more Voigt element: λ = 1/T, g = J/T."""
     value, soft = model.joint[j], math.exp(-model.joint[j, LOG_K_V])
-    follows = value[_FOLLOWS]
-    rate = math.exp(follows * (value[LOG_K_V] - value[LOG_C_V])) / value[_TIME]
+    rate = 1.0 / value[_TIME]
     gain = (value[_COMPLIANCE] + value[_SHARE] * soft) * rate
     linear.rate[j, OWN], linear.gain[j, OWN] = rate, gain
     for c in model.columns[j]:
         change = model.d_joint[c, j]
-        slower = change[_TIME] / value[_TIME]
-        slower += follows * (change[LOG_C_V] - change[LOG_K_V])
+        slower = change[_TIME] * rate
         d_share = change[_SHARE] - value[_SHARE] * change[LOG_K_V]
         linear.d_rate[j, OWN, c] = -rate * slower
         linear.d_gain[j, OWN, c] = (change[_COMPLIANCE] + d_share * soft) * rate - gain * slower
@@ -55,20 +47,10 @@ def _build_forms(setting: Setting) -> list[Form]:
             "second_time": values["retardation_time_s"],
         }
 
-    ratio = between("retardation_time_ratio", *OWN_TIMES, starts=4)
-
-    def superposed(values: Values) -> dict:
-        return {
-            "second_share": values["compliance_share"],
-            "second_time": values["retardation_time_ratio"],
-            "second_follows": 1.0,
-        }
-
     return [
         Form("proportional", (share, time), proportional),
         Form("own_compliance", (share, time), own_compliance),
-        Form("superposed", (share, ratio), superposed),
-        *build_spectra(setting),
+        build_spectrum(setting),
     ]
 
 

@@ -23,7 +23,7 @@ def test_the_nearest_textbook_is_the_likelier_and_a_tie_is_a_tie():
 def test_a_law_that_effects_share_is_tried_once(named):
     pieces, _ = list_pieces(named.problem.setting)
     tried = [(p.effect.id, p.form.name) for p in pieces if p.form.kin == "creep_spectrum"]
-    assert tried == [("second_retardation", "free"), ("second_retardation", "free_superposed")]
+    assert tried == [("second_retardation", "free")]
     free = next(p.form for p in pieces if p.form.kin)
     kin = list_kin(named.problem, free)
     assert [one.effect.id for one in kin] == ["second_retardation", "fractional_creep"]
