@@ -167,8 +167,8 @@ def check_times(path: Path, time: np.ndarray) -> None:
         row = int(np.argmax(late))
         raise TrialFault(
             f"{path.name}, row {row + 2}, column 'time_s': is {time[row]:g} s; expected the time "
-            f"since the trial began, at most {LATEST_S:g} s; subtract the clock's "
-            "stamp of the start here and in the load log"
+            f"since the trial began, at most {LATEST_S:g} s; subtract the start's "
+            "stamp here and in the load log"
         )
     backwards = np.diff(time) < 0
     if backwards.any():

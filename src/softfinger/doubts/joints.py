@@ -114,9 +114,9 @@ def _doubt_order(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
         moved = [k + 1 for k in range(count) if order[k] != k]
         yield Doubt(
             "joints_exchanged",
-            f"in {name_trials(names, len(trials))} the noise of the joints is that of a chain in "
-            f"the order {', '.join(str(k + 1) for k in order)}: neighbours that share a link have "
-            "opposite errors; likely exchanged columns or markers; check the order",
+            f"in {name_trials(names, len(trials))} the noise shows the joints in the order "
+            f"{', '.join(str(k + 1) for k in order)}: neighbours that share a link have opposite "
+            "errors; likely exchanged columns or markers; check the order",
             tuple(names),
             tuple(moved),
         )

@@ -68,8 +68,9 @@ def _describe_joint(
     return Doubt(
         "scale_of_joint",
         f"joint {joint} of {name_trials(names, len(trials))} moved {ratio:.3g} times as far per "
-        f"load as in the others: {name_factor(ratio)}; likely a sensor that is stuck, or a wrong "
-        f"unit in column q{joint}_rad; check this column",
+        f"load as in the others: {name_factor(ratio)}; likely a stuck sensor, or a wrong unit; "
+        "check "
+        f"column q{joint}_rad",
         tuple(names),
         (joint,),
     )

@@ -34,7 +34,7 @@ def _doubt_intervals(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
         yield Doubt(
             "frame_interval",
             f"the frames of all trials are {usual:.3g} s apart; expected {INTERVALS[0]:g} to "
-            f"{INTERVALS[1]:g} s of a finger; likely the times are in {unit} ({other:.3g} frames "
+            f"{INTERVALS[1]:g} s; likely the times are in {unit} ({other:.3g} frames "
             "per second then); check the column time_s",
         )
     apart = find_apart(np.log(interval), np.log(LEAST_RATIO))
@@ -90,7 +90,7 @@ def _doubt_starts(trials: Sequence[TrialFeatures], started_at: Array) -> Iterato
             "trials_overlap",
             f"{name_trials(names, len(trials))} still ran when the next one started: "
             f"{first.name} lasts {first.span:.3g} s, and the next starts {gap[early[0]]:.3g} s "
-            f"after it ({name_factor(first.span / gap[early[0]])}); likely time_s is in another "
-            "unit, or started_at is wrong; check both",
+            f"after it ({name_factor(first.span / gap[early[0]])}); likely another unit of "
+            "time_s, or a wrong started_at",
             tuple(names),
         )

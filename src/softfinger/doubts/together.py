@@ -111,9 +111,8 @@ def _doubt_unexplained(trials: Sequence[TrialFeatures], of: int) -> Iterator[Dou
     yield Doubt(
         "load_unrelated",
         f"the load of {name_trials(names, of)} leaves {np.median(left[apart]):.0%} of the motion "
-        f"unexplained, whatever the material ({np.median(left):.0%} is usual here); likely the "
-        "log of another trial, another clock rate, or a recording that runs backwards; check "
-        "its load log",
+        f"unexplained ({np.median(left):.0%} is usual here); likely the log of another trial, "
+        "another clock rate, or a reversed recording; check its load log",
         tuple(names),
     )
 

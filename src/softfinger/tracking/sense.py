@@ -37,8 +37,8 @@ def refuse_wrong_sign(name: str, trials: Sequence[xr.Dataset]) -> None:
             [
                 (
                     f"{against} of {len(trials)} trials move against the load; a positive load "
-                    "must bend the finger positively: set finger.bends in campaign.yaml (videos "
-                    "and markers), or turn the sign of the angles or of the load"
+                    "must bend the finger positively: set finger.bends in campaign.yaml, or change "
+                    "the sign of angles or load"
                 )
             ],
         )

@@ -75,10 +75,9 @@ def find_start(
     scaled = camera.metres_per_pixel is not None
     size = f" of radius {_list_radii(camera)[0]:.1f} px" if scaled else ""
     raise TrialFault(
-        f"{path.name}: the {len(marker_names(camera))} declared markers are in none of its "
-        f"{len(before)} frames of {shape[1]} × {shape[0]} px (at most {most} discs{size} were "
-        "found in one); check marker_colour, marker_diameter_m, metres_per_pixel and markers in "
-        "campaign.yaml"
+        f"{path.name}: none of its {len(before)} frames of {shape[1]} × {shape[0]} px shows the "
+        f"{len(marker_names(camera))} declared markers (at most {most} discs{size} in one); check "
+        "marker_colour, marker_diameter_m, metres_per_pixel and markers in campaign.yaml"
     )
 
 

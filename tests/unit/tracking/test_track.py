@@ -50,7 +50,7 @@ def test_light_markers_on_a_dark_finger(rig, truth):
     film = rig.film([rig.draw(places, level=40.0, contrast=140.0) for places in truth])
     found = track(rig, film, marker_colour="light")
     assert np.abs(found["marker_position"].to_numpy() - truth).max() < 0.06
-    with pytest.raises(TrialFault, match="declared markers are in none"):
+    with pytest.raises(TrialFault, match="shows the 7 declared markers"):
         track(rig, film, marker_colour="dark")
 
 
