@@ -26,8 +26,8 @@ ADVICE = {
     errno.ENAMETOOLONG: "choose a shorter name",
 }
 DEGENERATE = (
-    "; the recordings may be degenerate (no noise, equal joints, extreme numbers): see what "
-    "`softfinger check` doubts"
+    "; the recordings may be degenerate (no noise, equal joints, extreme numbers): run "
+    "`softfinger check`"
 )
 
 

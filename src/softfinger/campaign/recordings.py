@@ -106,7 +106,7 @@ def _refuse_dead_joints(file_name: str, columns: list[str], angle: np.ndarray) -
             if seen.size >= LEAST_ROWS and np.array_equal(values, angle[other], equal_nan=True):
                 raise TrialFault(
                     f"{file_name}: the columns '{columns[other]}' and '{columns[joint]}' are "
-                    "equal in every row; one is a copy: export the joints anew"
+                    "equal in every row; one is a copy: export the joints again"
                 )
 
 

@@ -14,8 +14,8 @@ from softfinger.campaign.trials import TABLE_NAME
 from softfinger.faults import Fault
 
 HEAD = """\
-# One finger or specimen, on one rig: a campaign. Fill in what is empty; what begins with # may stay
-# as it is, or lose its #. `softfinger check` lists what is still to be filled in.
+# One finger or specimen, on one rig: a campaign. Fill in what is empty. A line after # is
+# optional: to use it, remove its #. `softfinger check` lists what is still empty.
 """
 
 

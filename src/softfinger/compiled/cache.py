@@ -138,7 +138,7 @@ class SourceCache(_Cache):
 @cache
 def _warn_of_no_folder(source: str) -> None:
     warnings.warn(
-        f"the machine code of {source} is compiled in every process anew, because neither its "
+        f"the machine code of {source} is compiled again in every process, because neither its "
         "folder nor the user's cache folder can be written to: set NUMBA_CACHE_DIR to one that can",
         RuntimeWarning,
         stacklevel=2,

@@ -48,7 +48,9 @@ def generate_campaign(
     """
     folder, truth_path = Path(folder), Path(truth_path)
     if folder.resolve() in truth_path.resolve().parents:
-        raise ValueError(f"{truth_path}: the truth would lie inside the campaign; put it beside")
+        raise ValueError(
+            f"{truth_path}: the truth would be inside the campaign; put it beside the campaign"
+        )
     if spec.filmed and film is None:
         raise ValueError(f"{folder}: this case is filmed; pass the function that films a trial")
     setting = draw_setting(spec)

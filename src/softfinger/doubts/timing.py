@@ -61,7 +61,7 @@ def _doubt_spans(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
         names = [name for name, _ in wrong]
         yield Doubt(
             "span_of_load_log",
-            f"the load log of {name_trials(names, len(trials))} is some {wrong[0][1]:g} times as "
+            f"the load log of {name_trials(names, len(trials))} is about {wrong[0][1]:g} times as "
             "long as the recording; likely its time is in another unit (milliseconds, minutes); "
             "check the column time_s of both",
             tuple(names),

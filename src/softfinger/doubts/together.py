@@ -72,8 +72,8 @@ def _describe_shift(shifted: list[TrialFeatures], of: int) -> Doubt:
     word = "after" if shift > 0 else "before"
     return Doubt(
         "load_shifted",
-        f"{name_trials(names, of)} moved some {abs(shift):.2g} s {word} its load, and then as if "
-        "at once; likely the recording and the load log have different zeros of time; check "
+        f"{name_trials(names, of)} moved about {abs(shift):.2g} s {word} its load, as if the "
+        "load came then; likely the recording and the load log have different zeros of time; check "
         "their columns time_s",
         tuple(names),
     )

@@ -170,7 +170,7 @@ def _find_cut(table: RawTable, tables: Sequence[RawTable]) -> tuple[str, str | N
     if single and not (_has(table, MOTION) or _has(table, LOAD) or find_points(table.columns)):
         return "columns", None, f"{', '.join(single[:4])} are alike"
     if _restarts(table):
-        return "clock", None, "the clock starts anew"
+        return "clock", None, "the clock starts again"
     by = "file"
     if len({t.sheet for t in tables}) > 1:
         by = "sheet"

@@ -55,7 +55,10 @@ def split_groups(table: RawTable) -> list[tuple[str, RawTable]]:
     """
     groups = list_groups(table)
     if not groups:
-        said = f"{table.place}: its columns form no groups of the same names; choose trials.by anew"
+        said = (
+            f"{table.place}: its columns do not form groups of the same names; choose "
+            "another trials.by"
+        )
         raise ImportFault(said)
     grouped = {column for members in groups.values() for column in members.values()}
     shared = [column for column in table.columns if column not in grouped]

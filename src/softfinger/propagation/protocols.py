@@ -68,7 +68,7 @@ def name_protocols(protocols: list[Protocol], n_trials: int) -> list[str]:
 def describe_truncation(c_p_truncation_sd: float | None) -> str:
     """Name the part of c_p's population that is propagated."""
     if c_p_truncation_sd is None:
-        return "none: the log-normal population of c_p is taken whole"
+        return "none: the log-normal population of c_p is complete"
     return f"|log c_p − μ| ≤ {c_p_truncation_sd:g} σ"
 
 

@@ -141,8 +141,8 @@ def _require_same(path: Path, plan_text: str, described: dict[str, object]) -> N
         return
     if begun_by.read_text(encoding="utf-8") != plan_text:
         raise Fault(
-            f"{path}: the folder was begun with another plan, kept in {begun_by}; go on with that "
-            "one, or name another folder"
+            f"{path}: the folder was begun with another plan, kept in {begun_by}; continue with "
+            "that one, or name another folder"
         )
     if not (path / _DESCRIPTION).is_file():
         return

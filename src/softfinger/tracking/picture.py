@@ -31,7 +31,7 @@ def take_picture(campaign: Campaign, markers: xr.Dataset) -> xr.Dataset:
     """
     used = np.flatnonzero(markers["set_aside_reason"].to_numpy().astype(str) == "")
     if not used.size:
-        raise Fault("no trial of this batch was tracked, so there is no picture to show of it")
+        raise Fault("no trial of this batch was tracked, so it has no picture to show")
     one = markers.isel(trial=used[0])
     name, wanted = str(one["trial"].item()), find_most_bent(one)
     trial = next(trial for trial in campaign.trials if trial.name == name)

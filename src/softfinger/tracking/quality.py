@@ -89,7 +89,7 @@ def list_poor(quality: xr.Dataset, limits: Mapping[str, float]) -> dict[str, str
             if beyond:
                 reasons[str(trial)] = (
                     f"marker {quality['marker'].to_numpy()[worst]} {said.format(values[worst])}; "
-                    f"tracking.{key} asks for at {'least' if least else 'most'} {limits[key]:g}"
+                    f"tracking.{key} requires at {'least' if least else 'most'} {limits[key]:g}"
                 )
                 break
     return reasons

@@ -94,8 +94,8 @@ def _open(path: Path) -> cv2.VideoCapture:
     if not capture.isOpened():
         capture.release()
         raise TrialFault(
-            f"{path.name}: cannot be decoded; it is cut off, no video, or in a codec that OpenCV "
-            "does not know; convert it to Motion JPEG or FFV1"
+            f"{path.name}: cannot be decoded; it is cut off, is not a video, or has a codec "
+            "that OpenCV does not know; convert it to Motion JPEG or FFV1"
         )
     width, height = (
         int(capture.get(key)) for key in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT)
@@ -128,5 +128,5 @@ def _check_count(path: Path, count: int, claimed: float, rate: float) -> None:
     if 0 < claimed < _PLAUSIBLE_COUNT and count < claimed - slack:
         raise TrialFault(
             f"{path.name}: is cut off: {count} frames ({count / rate:.2f} s) of the {claimed:.0f} "
-            "that it should hold can be decoded; copy or record it again"
+            "that it should have can be decoded; copy or record it again"
         )

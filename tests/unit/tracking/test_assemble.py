@@ -140,7 +140,7 @@ def test_limits_of_the_configuration_set_poor_trials_aside(folder):
     angles = assemble(folder, limits=limits)
     assert "pixels" in angles["set_aside_trial"].values
     reasons = " ".join(angles["set_aside_reason"].values)
-    assert "largest_sd_px asks for at most 0.019" in reasons
+    assert "largest_sd_px requires at most 0.019" in reasons
 
 
 def test_a_finger_said_to_bend_the_wrong_way_stops_the_campaign(folder):

@@ -36,6 +36,6 @@ SPEC = ArtifactSpec(
             (*_FINGER, "parameter"), "1", "fitted over true, less 1; of q_ini the difference [rad]"
         ),
         "fitted_residual_rms": Variable(_FINGER, "rad", "what the fit leaves", at_least=0.0),
-        "statement": Variable(("sentence",), "1", "what the numbers say", "text"),
+        "statement": Variable(("sentence",), "1", "the numbers in words", "text"),
     },
 )

@@ -89,7 +89,7 @@ LAWS = (
     build_law(
         joint_play.EFFECT,
         "backlash",
-        "play on both sides, taken up anew at each turn of the motion",
+        "play on both sides, taken up again at each turn of the motion",
         record=_backlash,
     ),
     build_law(

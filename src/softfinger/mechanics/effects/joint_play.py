@@ -17,7 +17,7 @@ WIDTH_RAD = 0.005  # over which the torque sets in
 
 _PLAY, _WIDTH = declare(
     play=Slot(
-        "joint", "rad", 0.0, "elastic angle, either way, that asks for no torque", "nonnegative"
+        "joint", "rad", 0.0, "elastic angle, either way, that requires no torque", "nonnegative"
     ),
     play_width=Slot(
         "joint", "rad", 1e-3, "angle over which the torque sets in", "positive", constant=True
