@@ -22,7 +22,11 @@ OUT = Path(config["out"]) / f"seed_{config['seed']}"
 ENVIRONMENT = environment_hash()
 DEFAULTS = read_config()  # which the command line reads by itself
 DIAGNOSED = {k: DEFAULTS[k] for k in ("tracking", "mismatch", "seed", "trials_per_job")}
-COMMAND_LINE = ("softfinger.cli", "softfinger.cli.diagnose")
+COMMAND_LINE = (  # what `diagnose --no-report` runs, and not the report
+    "softfinger.cli.application",
+    "softfinger.stages.prepare",
+    "softfinger.stages.diagnose",
+)
 DRAWN = (
     "kind",
     "campaigns",

@@ -20,6 +20,7 @@ from softfinger.cli.application import (
     choose_model,
     show_example,
 )
+from softfinger.cli.results import report, summarise
 from softfinger.config import read_config
 from softfinger.stages.keys import choose_settings
 
@@ -33,21 +34,30 @@ def diagnose(
     mcmc: Annotated[
         bool | None, typer.Option("--mcmc/--no-mcmc", help="Sample the repaired model.")
     ] = None,
+    page: Annotated[
+        bool, typer.Option("--report/--no-report", help="Write OUT/report.html too.")
+    ] = True,
     json: Json = False,
 ) -> None:
     """Find out which physics was left out.
 
     The campaign may have any level.
 
-    Writes OUT/verdict.json, OUT/model.yaml (the repaired model) and the artifacts behind them.
+    Writes OUT/verdict.json, OUT/model.yaml (the repaired model), the artifacts behind them and
+    OUT/report.html. Where OUT has a fit too, the report is that of both.
     Exit status 0: there is a verdict, whatever it is. 1: the campaign is refused.
     """
     file = write_verdict(campaign, out, config, model, mcmc)
+    if page:
+        summarise(campaign, out, config, model)
+        report(campaign, out, config)
     if json:
         typer.echo(file.read_text(encoding="utf-8"), nl=False)
         return
     for line in describe_verdict(file):
         typer.echo(line)
+    if page:
+        typer.echo(f"the report is {out / 'report.html'}")
 
 
 def write_verdict(

@@ -51,7 +51,7 @@ def diagnose_blind(
         shutil.copytree(campaign, place / "campaign")
         out = place / "out"
         out.mkdir()
-        told = ["campaign", "--out", "out", "--mcmc" if mcmc else "--no-mcmc"]
+        told = ["campaign", "--out", "out", "--mcmc" if mcmc else "--no-mcmc", "--no-report"]
         reason = _run([*command, *told], place, patience)
         seconds = time.monotonic() - begin
         found = out / "verdict.json"

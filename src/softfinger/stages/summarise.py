@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from softfinger.artifacts import save_tree
+from softfinger.faults import Fault
 from softfinger.inference.motion import Move, build_mover, move_paper_joint
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.model_file import read_model_file
@@ -62,8 +63,10 @@ def _open_moves(
     angles: xr.Dataset, posterior: xr.DataTree | None, model: Path | None
 ) -> tuple[Move, Move]:
     """Open the model at middle and drawn effects."""
-    if posterior is None or model is None:
+    if posterior is None or not posterior["posterior"].sizes.get("effect_parameter", 0):
         return move_paper_joint, move_paper_joint
+    if model is None:
+        raise Fault("the fit has effects: name the model file that it was made with (--model)")
     content, constant = read_model_file(model), posterior["constant_data"].to_dataset()
     middle = posterior["posterior"]["effect"].median(("chain", "draw")).expand_dims("draw")
     fitted = build_mover(constant, content, middle, angles["trial"])

@@ -37,7 +37,7 @@ def test_the_process_gets_a_copy_of_the_campaign_and_nothing_else(campaign):
     answer, diagnosis = _answer(campaign, TELLTALE)
     verdict = answer["verdict"]
     assert answer["reason"] is None
-    assert verdict["given"] == ["campaign", "--out", "out", "--no-mcmc"]
+    assert verdict["given"] == ["campaign", "--out", "out", "--no-mcmc", "--no-report"]
     assert verdict["found"] == ["campaign/campaign.yaml"]
     assert not verdict["place"].startswith(str(campaign.parents[1]))
     assert json.loads((diagnosis / "verdict.json").read_text()) == verdict

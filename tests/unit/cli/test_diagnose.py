@@ -1,0 +1,46 @@
+"""`softfinger diagnose` on a small campaign: its report of its own."""
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from softfinger.mismatch.verdict.schema import read_verdict
+
+EXAMPLE = Path(__file__).parents[3] / "data/example"
+
+
+@pytest.fixture(scope="module")
+def diagnosed(tmp_path_factory):
+    out = tmp_path_factory.mktemp("diagnosis") / "out"
+    code = "from softfinger.cli import main; main()"
+    arguments = ["diagnose", str(EXAMPLE), "--out", str(out), "--no-mcmc", "--json"]
+    done = subprocess.run(
+        [sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return out, done.stdout
+
+
+def test_the_verdict_goes_to_programs(diagnosed):
+    out, said = diagnosed
+    assert json.loads(said) == json.loads((out / "verdict.json").read_text(encoding="utf-8"))
+
+
+def test_a_diagnosis_writes_a_report_of_its_own(diagnosed):
+    out, _ = diagnosed
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert re.findall(r'<section id="(\w+)"', page) == [
+        "verdict", "motion", "remains", "measurement", "explained", "next",
+    ]  # fmt: skip
+    assert not re.search(r"(?:src|href|url)\s*[=(]\s*[\"']?https?:", page)
+    for name in ("evidence", "repair", "location"):
+        assert f'id="figure-{name}"' in page
+    verdict = read_verdict(out / "verdict.json")
+    for finding in verdict.measurement[:3]:
+        assert finding.statement[:30] in page
+    size = f"{verdict.remaining.rms_over_noise:.2g} times the noise"
+    assert f"Under the final model the residuals within trials are {size}" in page
