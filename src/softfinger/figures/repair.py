@@ -21,6 +21,8 @@ from softfinger.figures.style import (
     styled,
 )
 
+WIDEST_BAND = 0.8
+"""How far a band is drawn beyond the recordings, over their range."""
 MODEL_STYLES = {"base": (RED, "--", "base model"), "final": (BLUE, "-", "repaired model")}
 
 
@@ -51,6 +53,7 @@ def draw_repair(repair: xr.Dataset, trial: str, like: NDArray[np.bool_]) -> Figu
         draw_recorded(column[0], here.sel(trial=like))
         for model in repair["model"].values:
             draw_model(column[0], here.sel(trial=trial, model=model))
+        limit_to_recorded(column[0], here.sel(trial=like)["recorded_angle"].values)
         draw_leftover(column[1], here.sel(trial=trial))
         column[0].set(title=f"joint {joint}")
     for ax in axes[-1] if joints.size <= 4 else axes.T[-1]:
@@ -69,6 +72,14 @@ def draw_recorded(ax: Axes, repair: xr.Dataset) -> None:
         for name in ("time", "recorded_angle")
     )
     ax.plot(time, angle, color=RECORDED, lw=0.4, alpha=0.7, label="recordings")
+
+
+def limit_to_recorded(ax: Axes, recorded: NDArray[np.float64]) -> None:
+    """Keep a wide band from flattening the recordings."""
+    low, high = np.nanmin(recorded), np.nanmax(recorded)
+    reach = WIDEST_BAND * (high - low)
+    bottom, top = ax.get_ylim()
+    ax.set_ylim(max(bottom, low - reach), min(top, high + reach))
 
 
 def draw_model(ax: Axes, repair: xr.Dataset) -> None:

@@ -95,7 +95,7 @@ def state_left(verdict: Verdict) -> str:
     """State how large the residuals are that remain."""
     left = verdict.get("remaining")
     size = format_number(left["rms_over_noise"], 2) if left else ""
-    return size and f"the residuals are {size} times the noise"
+    return size and f"what remains is {size} times what the measurement allows"
 
 
 def state_explained(verdict: Verdict) -> list[str]:

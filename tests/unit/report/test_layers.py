@@ -145,7 +145,7 @@ def test_what_is_unlisted_tells_all_that_is_known(render):
     page = Page(render("unlisted")[1]).text
     for words in (
         "explains 90 % of the missing evidence",
-        "the residuals are 5.3 times the noise",
+        "what remains is 5.3 times what the measurement allows",
         "chance alone leaves as much in less than 0.1 % of campaigns",
         "Where it shows most: joint 2, holding",
         "It shows within trials in joints 1 and 2",

@@ -14,8 +14,10 @@ def build_measurement(material: Material) -> Section:
     verdict = material.artifacts.get("verdict") or {}
     found = [str(part["statement"]) for part in verdict.get("measurement") or ()]
     none = [] if found or not verdict else ["The diagnosis found nothing in the measurement."]
-    items = shorten_list([*list_warnings(material), *found], MOST_FINDINGS, "the numbers") + none
-    items.append(describe_flags(material))
+    items = [*list_warnings(material), *found]
+    if material.is_fitted:  # the page of a diagnosis has room for all
+        items = shorten_list(items, MOST_FINDINGS, "the numbers")
+    items += [*none, describe_flags(material)]
     aside = material.angles["set_aside_trial"].size
     if aside:
         items.append(f"{count_things(aside, 'trial')} set aside, each with its reason.")

@@ -59,11 +59,15 @@ def build_limits(verdict: Mapping[str, Any]) -> Listing | None:
         f"Cannot be told apart by these recordings: {join_words([spell(n) for n in names])}."
         for names in verdict["equivalent"]
     ]
-    if verdict["not_testable"]:
-        names = join_words([spell(name) for name in verdict["not_testable"]])
-        items.append(f"Could not show at any plausible strength: {names}.")
+    reasons: dict[str, list[str]] = {}
+    for one in verdict.get("not_tried", ()):
+        reasons.setdefault(one["reason"].rstrip("."), []).append(one["id"])
+    untried = {name for names in reasons.values() for name in names}
+    blind = [spell(name) for name in verdict["not_testable"] if name not in untried]
+    if blind:
+        items.append(f"Could not show at any plausible strength: {join_words(blind)}.")
     items += [
-        f"Not tried: {spell(one['id'])}; {one['reason'].rstrip('.')}."
-        for one in verdict.get("not_tried", ())
+        f"Not tried: {join_words([spell(name) for name in names])}; {reason}."
+        for reason, names in reasons.items()
     ]
     return Listing(tuple(items)) if items else None

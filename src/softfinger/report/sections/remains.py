@@ -60,8 +60,9 @@ def state_remaining(left: Mapping[str, Any]) -> str:
     often = "less than 0.1 %" if p < SMALL else format_percent(p, 0 if p > 0.1 else 1)
     size = format_number(left["rms_over_noise"], 2)
     return (
-        f"Under the final model the residuals within trials are {size} times the noise; chance "
-        f"alone leaves as much in {often} of campaigns. Where it shows most: {left['where']}."
+        f"Under the final model what remains within trials is {size} times what the measurement "
+        f"allows; chance alone leaves as much in {often} of campaigns. Where it shows most: "
+        f"{left['where']}."
     )
 
 
