@@ -23,7 +23,7 @@ quick: setup ## the same with 12 trials (minutes; longer the first time, when co
 demo: setup ## the example's four recordings to a report: softfinger-demo/report.html
 	$(BIN)/softfinger demo
 
-figures: setup ## every figure of the main job as PDF, PNG and SVG, into results/default/figures
+figures: setup ## every figure of the main job as PDF, PNG and SVG with its data and caption, into results/default/figures
 	$(SNAKEMAKE) figures --configfile config/default.yaml
 
 recovery: setup ## what both ways of fitting do to the main job's known truth: a table (after `make run`)

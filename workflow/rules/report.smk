@@ -17,6 +17,7 @@ FIGURES += [
 ]
 FIGURES += [
     "assumptions",
+    "evidence",
     "repair",
     "ranking",
     "location",
@@ -61,6 +62,8 @@ rule figure:
         figures=[
             OUT / "figures/{name}.pdf",
             OUT / "figures/{name}.png",
+            OUT / "figures/{name}.csv",
+            OUT / "figures/{name}.txt",
             report(
                 OUT / "figures/{name}.svg",
                 caption="../report/figure.rst",

@@ -54,13 +54,15 @@ def draw_gaps(ax: Axes, assumptions: xr.Dataset) -> None:
         for name, line, kind in (("gap_largest_at", "-", "largest"), ("gap_rms_at", ":", "rms")):
             gap = 1e3 * later[name].sel(cause=cause)
             ax.plot(later["time"], gap, line, color=colour, label=f"{words}, {kind}")
-    ax.axhline(MATTERS_MRAD, color=GREY, linewidth=0.5)
+    ax.axhline(MATTERS_MRAD, color=GREY, linewidth=0.5, label="_")
     ax.set(xscale="log", yscale="log", xlabel="time [s]", ylim=(1e-3, None))
 
 
 def draw_growth(ax: Axes, assumptions: xr.Dataset) -> None:
     """Draw the torque's growth, with the fingers' ends."""
-    ax.plot(assumptions["angle"], 100 * assumptions["arm_growth"], color=RED, zorder=3)
+    ax.plot(
+        assumptions["angle"], 100 * assumptions["arm_growth"], color=RED, zorder=3, label="_growth"
+    )
     reached = (assumptions[name].values.ravel() for name in ("angle_reached", "torque_growth"))
     angle, growth = reached
     ax.plot(angle, 100 * growth, "|", color=GREY, markersize=5, label="reached in 30 s")
@@ -76,12 +78,12 @@ def draw_changes(ax: Axes, changes: xr.Dataset) -> None:
         low, middle, high = change.transpose("quantile", "joint").values
         at = place * (change["joint"].size + 1) + np.arange(change["joint"].size)
         colour = PARAMETER_STYLES[parameter][0]
-        ax.vlines(at, low, high, color=colour)
-        ax.plot(at, middle, "o", color=colour, markersize=3)
+        ax.vlines(at, low, high, color=colour, label=f"_{parameter}")
+        ax.plot(at, middle, "o", color=colour, markersize=3, label=f"_{parameter}")
         ticks += [
             (x, f"{PARAMETER_LABELS[parameter]}, {j}")
             for x, j in zip(at, change["joint"].values, strict=True)
         ]
-    ax.axhline(0.0, color=GREY, linewidth=0.5)
+    ax.axhline(0.0, color=GREY, linewidth=0.5, label="_")
     ax.set_xticks(*zip(*ticks, strict=True))
     ax.set(xlabel="parameter, joint", ylabel="fitted − true [%]")

@@ -79,12 +79,13 @@ def draw_panel(ax: Axes, bands: xr.Dataset) -> None:
         if not np.isfinite(low).any():
             continue
         if estimate == "posterior":
-            ax.fill_between(time, low, high, color=colour, alpha=0.22, linewidth=0)
+            ax.fill_between(time, low, high, color=colour, alpha=0.22, lw=0, label=f"_{label}")
             ax.plot(time, quantiles.sel(**middle).values, color=colour, label=label)
         else:
             ax.plot(time, low, color=colour, linestyle="--", linewidth=0.8, label=label)
-            ax.plot(time, high, color=colour, linestyle="--", linewidth=0.8)
+            ax.plot(time, high, color=colour, ls="--", linewidth=0.8, label=f"_{label}, upper")
     recorded = bands["recorded_quantile"]
     ax.plot(time, recorded.sel(**middle).values, color=RECORDED, linewidth=0.8, label="recorded")
     for place in (0, -1):
-        ax.plot(time, recorded.isel(quantile=place).values, color=RECORDED, lw=0.7, ls=":")
+        limit = recorded.isel(quantile=place).values
+        ax.plot(time, limit, color=RECORDED, lw=0.7, ls=":", label="_recorded, limit")

@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 from softfinger.figures.repair import MODEL_STYLES
 from softfinger.figures.style import (
     BLUE,
-    DOUBLE_COLUMN,
     GREY,
     PALE,
+    SINGLE_COLUMN,
     get_source,
     label_log_axis,
     new_figure,
@@ -61,7 +61,7 @@ def draw_ranking(ranking: xr.Dataset, evidence: xr.Dataset) -> Figure:
         needed (effect), chance_range (end) [nats].
     """
     rows = min(max(ranking.sizes["effect"], 3), MOST_ROWS)
-    figure = new_figure(get_source(ranking), 0.7 + 0.17 * rows, DOUBLE_COLUMN * 0.62)
+    figure = new_figure(get_source(ranking), 0.7 + 0.17 * rows, SINGLE_COLUMN)
     ax = figure.subplots()
     draw_gains(ax, ranking, evidence, MOST_ROWS)
     figure.legend(*ax.get_legend_handles_labels(), loc="outside lower center", ncols=2)
@@ -77,7 +77,7 @@ def draw_gains(ax: Axes, ranking: xr.Dataset, evidence: xr.Dataset, most: int) -
     included = evidence["needed"].sel(effect=shown["effect"]).values
     ax.axvspan(*evidence["chance_range"].values, color=PALE, lw=0, label="what chance gains")
     ax.axvline(float(ranking["needed_gain"]), color=GREY, ls=":", label="believed from here")
-    ax.hlines(rows, 0.0, gain, color=GREY, lw=0.6)
+    ax.hlines(rows, 0.0, gain, color=GREY, lw=0.6, label="_gain")
     ax.plot(gain[~included], rows[~included], "o", mfc="white", color=GREY, label="not needed")
     ax.plot(gain[included], rows[included], "o", color=BLUE, label="needed (probability > ½)")
     ax.set_yticks(rows, [str(name).replace("_", " ") for name in shown["effect"].values])
@@ -92,7 +92,7 @@ def draw_misfit(ax: Axes, misfit: xr.Dataset) -> None:
 
     The axis is the time since the load changed; each joint has its mark.
     """
-    ax.axhline(1.0, color=GREY, lw=0.7, label="_noise alone")
+    ax.axhline(1.0, color=GREY, lw=0.7, label="_")
     for model in misfit["model"].values:
         colour, line, label = MODEL_STYLES[str(model)]
         for k, joint in enumerate(misfit["joint"].values):

@@ -11,6 +11,7 @@ from softfinger.figures.style import (
     ORANGE,
     PARAMETER_LABELS,
     RED,
+    SINGLE_COLUMN,
     get_source,
     new_figure,
     styled,
@@ -43,7 +44,7 @@ def draw_free_form(free_form: xr.Dataset, load_unit: str) -> Figure:
     """
     split = [str(name).rsplit("_", 1) for name in free_form["quantity"].values]
     kinds = list(dict.fromkeys(kind for kind, _ in split))
-    width = DOUBLE_COLUMN * min(1.0, 0.4 + 0.2 * len(kinds))
+    width = DOUBLE_COLUMN if len(kinds) > 1 else SINGLE_COLUMN
     figure = new_figure(get_source(free_form), 2.4, width)
     axes = dict(zip(kinds, figure.subplots(1, len(kinds), squeeze=False)[0], strict=True))
     place = free_form["place"].values
@@ -51,10 +52,12 @@ def draw_free_form(free_form: xr.Dataset, load_unit: str) -> Figure:
         value, sd = (free_form[name].values[row] for name in ("value", "sd"))
         colour, line = JOINT_STYLES[(int(joint) - 1) % len(JOINT_STYLES)]
         band = value - 2 * sd, value + 2 * sd
-        axes[kind].fill_between(place, *band, color=colour, alpha=0.2, lw=0)
+        axes[kind].fill_between(
+            place, *band, color=colour, alpha=0.2, lw=0, label=f"_joint {joint}"
+        )
         axes[kind].plot(place, value, line, color=colour, label=f"joint {joint}")
     for kind, ax in axes.items():
-        ax.axhline(0.0, color=GREY, lw=0.6)
+        ax.axhline(0.0, color=GREY, lw=0.6, label="_")
         ax.set_xlabel(label_argument(str(free_form.attrs["argument"]), load_unit))
         ax.set_ylabel(label_quantity(kind))
         if free_form.attrs["argument"] == "time_since_change_s":

@@ -67,8 +67,8 @@ def draw_forest(ax: Axes, hyperparameters: xr.Dataset) -> None:
     """Draw one hyperparameter's intervals, one row per joint."""
     low, lower, middle, upper, high = hyperparameters["quantile_value"].transpose("quantile", ...)
     rows = np.arange(middle.size)
-    ax.hlines(rows, low, high, color=POSTERIOR, linewidth=0.9)
-    ax.hlines(rows, lower, upper, color=POSTERIOR, linewidth=2.6)
+    ax.hlines(rows, low, high, color=POSTERIOR, linewidth=0.9, label="_posterior, wide")
+    ax.hlines(rows, lower, upper, color=POSTERIOR, linewidth=2.6, label="_posterior, 50 %")
     ax.plot(middle, rows, "o", color=POSTERIOR, mec="white", mew=0.5, ms=4.5, label="posterior")
     for name in hyperparameters["rival"].values if "rival" in hyperparameters.dims else ():
         colour, marker, label = MARKERS[str(name)]

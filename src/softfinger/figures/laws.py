@@ -10,6 +10,7 @@ from softfinger.figures.style import (
     GREY,
     ORANGE,
     RED,
+    SINGLE_COLUMN,
     get_source,
     new_figure,
     styled,
@@ -23,7 +24,7 @@ NULL = {"factor": 1.0, "exponential": 1.0, "sum": 0.0}
 def draw_laws(laws: xr.Dataset) -> Figure:
     """Draw every free law with its band."""
     effects = list(dict.fromkeys(laws["effect"].values.astype(str).tolist()))
-    width = DOUBLE_COLUMN * min(1.0, 0.2 + 0.3 * len(effects))
+    width = DOUBLE_COLUMN if len(effects) > 1 else SINGLE_COLUMN
     figure = new_figure(get_source(laws), 2.4, width)
     axes = dict(zip(effects, figure.subplots(1, len(effects), squeeze=False)[0], strict=True))
     drawn = dict.fromkeys(effects, 0)
@@ -33,9 +34,10 @@ def draw_laws(laws: xr.Dataset) -> Figure:
         colour, line = STYLES[drawn[name] % len(STYLES)]
         drawn[name] += 1
         place, label = here["argument"].values, f"joint {joint}" if joint else "all joints"
-        axes[name].fill_between(place, here["low"], here["high"], color=colour, alpha=0.2, lw=0)
+        band = {"color": colour, "alpha": 0.2, "lw": 0, "label": f"_{label}"}
+        axes[name].fill_between(place, here["low"], here["high"], **band)
         axes[name].plot(place, here["value"], line, color=colour, label=label)
-        axes[name].axhline(NULL[str(here["kind"].values)], color=GREY, lw=0.6)
+        axes[name].axhline(NULL[str(here["kind"].values)], color=GREY, lw=0.6, label="_")
         axes[name].set(
             title=name.replace("_", " "),
             xlabel=label_argument(str(here["argument_name"].values)),

@@ -29,8 +29,8 @@ def draw_measurement(noise: xr.Dataset, unit: str) -> Figure:
         here, label = noise.sel(joint=joint), f"joint {joint}"
         beside = number + 0.15 * (k - (noise.sizes["joint"] - 1) / 2)
         ratio.plot(beside, here["noise_ratio"], mark, ms=2.5, color=colour, label=label)
-        growth.plot(noise["deflection"], 1e3 * here["grown_sd"], line, color=colour)
-    ratio.axhline(1.0, color=GREY, lw=0.6)
+        growth.plot(noise["deflection"], 1e3 * here["grown_sd"], line, color=colour, label=label)
+    ratio.axhline(1.0, color=GREY, lw=0.6, label="_")
     ratio.set(xlabel="trial [1]", ylabel="noise over the campaign's [1]", ylim=(0, None))
     _draw_shares(frames, number, noise)
     growth.set(xlabel="deflection [rad]", ylabel=f"sd of the noise [{unit}]", ylim=(0, None))

@@ -33,7 +33,12 @@ def draw_location(location: xr.Dataset) -> Figure:
     for row, joint in zip(axes, joints, strict=True):
         for ax, model in zip(row, models, strict=True):
             value = location["q_value"].sel(joint=joint, model=model).values
-            drawn = ax.pcolormesh(np.maximum(value, SMALLEST_Q), norm=scale, cmap="cividis")
+            drawn = ax.pcolormesh(
+                np.maximum(value, SMALLEST_Q),
+                norm=scale,
+                cmap="cividis",
+                label="_false-discovery rate",
+            )
             ax.set_title(f"{MODEL_STYLES[model][2]}, joint {joint}")
             ax.set_yticks(np.arange(value.shape[0]) + 0.5, location["phase"].values.tolist())
             ax.grid(visible=False)
@@ -61,16 +66,16 @@ def draw_masking(masking: xr.Dataset) -> Figure:
     figure = new_figure(get_source(masking), height=0.9 + 0.19 * max(len(names), 4))
     left, right = figure.subplots(1, 2, width_ratios=[1, 1.25], sharey=True)
     rows = np.arange(len(names))
-    left.barh(rows, 100 * shown["share_left"].values, color=SKY, height=0.7)
+    left.barh(rows, 100 * shown["share_left"].values, color=SKY, height=0.7, label="_signal left")
     for row, gain in zip(rows, shown["expected_gain"].values, strict=True):
         left.annotate(write_gain(gain), (1, row), (34, 0), xycoords=("axes fraction", "data"),
-                      textcoords="offset points", ha="right", va="center", fontsize=6)  # fmt: skip
+                      textcoords="offset points", ha="right", va="center", fontsize=7)  # fmt: skip
     left.set_yticks(rows, names)
     left.set(xlabel="signal left after refitting [%]", xlim=(0, 100))
     left.set_title("signal left; right: gain to expect [nats]")
     left.grid(axis="y", visible=False)
     drawn = right.imshow(np.abs(shown["likeness"].values), cmap="cividis", vmin=0, vmax=1,
-                         aspect="auto")  # fmt: skip
+                         aspect="auto", label="_likeness")  # fmt: skip
     right.set_xticks(rows, names, rotation=90)
     right.set_title("likeness of what is left, |cosine|")
     right.grid(visible=False)

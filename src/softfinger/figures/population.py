@@ -83,14 +83,14 @@ def draw_histogram(ax: Axes, population: xr.Dataset, *, logarithmic: bool) -> No
         ("dropped_density", "dropped", {"color": "none", "ec": GREY}),
     ):
         height = drop_missing(population[name].values)
-        shown = label if height.any() or name == "kept_density" else None
+        shown = label if height.any() or name == "kept_density" else "_"
         ax.bar(edges[:-1], height, np.diff(edges), align="edge", label=shown, **style)
     place, two_stage = (population[n].values for n in ("abscissa", "two_stage_density"))
     if np.isfinite(two_stage).all():
         ax.plot(place, two_stage, color=TWO_STAGE, ls="--", label="two-stage")
     low, middle, high = population["posterior_density"].transpose("quantile", "place").values
     if np.isfinite(middle).all():
-        ax.fill_between(place, low, high, color=POSTERIOR, alpha=0.25, linewidth=0)
+        ax.fill_between(place, low, high, color=POSTERIOR, alpha=0.25, lw=0, label="_posterior")
         ax.plot(place, middle, color=POSTERIOR, label="posterior")
     if logarithmic:
         label_decades(ax, place[-1] / place[0])

@@ -52,13 +52,13 @@ def draw_indices(ax: Axes, sobol: xr.Dataset) -> None:
     time = sobol["time"].values
     for parameter in sobol["parameter"].values:
         colour, line = PARAMETER_STYLES[str(parameter)]
+        label = PARAMETER_LABELS[str(parameter)]
         first, total = (sobol[name].sel(parameter=parameter) for name in ("first_order", "total"))
         if "quantile" in first.dims:
             low, high = (first.isel(quantile=place) for place in (0, -1))
-            ax.fill_between(time, low, high, color=colour, alpha=0.2, linewidth=0)
-        label = PARAMETER_LABELS[str(parameter)]
+            ax.fill_between(time, low, high, color=colour, alpha=0.2, lw=0, label=f"_{label}")
         ax.plot(time, take_middle(first), color=colour, linestyle=line, label=label)
-        ax.plot(time, take_middle(total), color=colour, linewidth=0.5)
+        ax.plot(time, take_middle(total), color=colour, linewidth=0.5, label=f"_{label}, total")
 
 
 @styled
@@ -79,8 +79,8 @@ def draw_shapley(shapley: xr.Dataset) -> Figure:
             colour, line = PARAMETER_STYLES[str(parameter)]
             one = effects.sel(joint=joint, parameter=parameter)
             time, low, high = one["time"], one.isel(quantile=0), one.isel(quantile=-1)
-            ax.fill_between(time, low, high, color=colour, alpha=0.2, linewidth=0)
             label = PARAMETER_LABELS[str(parameter)]
+            ax.fill_between(time, low, high, color=colour, alpha=0.2, lw=0, label=f"_{label}")
             ax.plot(time, take_middle(one), color=colour, linestyle=line, label=label)
     axes[0, 0].set_ylim(-0.02, 1.02)
     figure.supylabel("share of the variance", size=7)
@@ -131,7 +131,9 @@ def draw_ridge(ax: Axes, densities: xr.Dataset, base: float, colour: np.ndarray)
     low, high = (densities["density_bound"].sel(bound=end).values for end in ("lower", "upper"))
     scale = 1.6 / np.nanmax(density)
     order = {"zorder": 2 - base}
-    ax.fill_between(angle, base, base + scale * density, color="white", alpha=0.7, lw=0, **order)
+    white = {"color": "white", "alpha": 0.7, "lw": 0, "label": "_"}
+    ax.fill_between(angle, base, base + scale * density, **white, **order)
+    order["label"] = f"_{float(densities['time']):g} s"
     ax.fill_between(
         angle, base + scale * low, base + scale * high, color=colour, alpha=0.25, lw=0, **order
     )

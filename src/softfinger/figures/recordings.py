@@ -67,7 +67,9 @@ def draw_trials(ax: Axes, angles: xr.Dataset, series: xr.DataArray, colours: np.
     lines = [np.column_stack(pair) for pair in pairs]
     alpha = float(np.clip(6 / max(len(lines), 1), 0.25, 0.9))
     ax.add_collection(
-        LineCollection(lines, colors=colours, linewidths=0.6, alpha=alpha, rasterized=True)
+        LineCollection(
+            lines, colors=colours, linewidths=0.6, alpha=alpha, rasterized=True, label="_trials"
+        )
     )
     ax.autoscale_view()
 
@@ -83,5 +85,6 @@ def draw_loads(ax: Axes, angles: xr.Dataset, colours: np.ndarray) -> None:
         start = min(0.0, time[0])
         padded = np.concatenate([[start, time[0]], time, [max(end, time[-1])]])
         lines.append(np.column_stack([padded, np.concatenate([[0.0, 0.0], load, load[-1:]])]))
-    ax.add_collection(LineCollection(lines, colors=colours, linewidths=0.8, rasterized=True))
+    style = {"colors": colours, "linewidths": 0.8, "rasterized": True, "label": "_load"}
+    ax.add_collection(LineCollection(lines, **style))
     ax.autoscale_view()

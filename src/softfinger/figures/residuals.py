@@ -60,12 +60,12 @@ def draw_residuals(residuals: xr.Dataset) -> Figure:
 def draw_mean_residual(ax: Axes, residuals: xr.Dataset) -> None:
     """Draw one joint's mean residual [mrad] and chance."""
     time = residuals["since_change"].values
-    ax.axhline(0, color=GREY, linewidth=0.6)
+    ax.axhline(0, color=GREY, linewidth=0.6, label="_")
     for change in residuals["change"].values:
         colour, label = CHANGE_STYLES[str(change)]
         here = residuals.sel(change=change)
         chance = 2e3 * here["residual_se"].values
-        ax.fill_between(time, -chance, chance, color=PALE, alpha=0.6, linewidth=0)
+        ax.fill_between(time, -chance, chance, color=PALE, alpha=0.6, lw=0, label="_chance")
         ax.plot(time, 1e3 * here["mean_residual"].values, color=colour, label=label)
 
 
@@ -73,10 +73,10 @@ def draw_spectrum(ax: Axes, residuals: xr.Dataset) -> None:
     """Draw one joint's spectrum and name its ring."""
     frequency = residuals["frequency"].values
     for change in residuals["change"].values:
-        colour, _ = CHANGE_STYLES[str(change)]
+        colour, label = CHANGE_STYLES[str(change)]
         here = residuals.sel(change=change)
         power = 1e6 * here["residual_power"].values
-        ax.plot(frequency, power, color=colour)
+        ax.plot(frequency, power, color=colour, label=f"_{label}")
         peak = float(here["peak_frequency"])
         if np.isfinite(peak):
             height = power[np.abs(frequency - peak).argmin()]

@@ -46,7 +46,7 @@ def draw_sampling(sampling: xr.Dataset, worst: xr.Dataset) -> Figure:
     return figure
 
 
-def draw_sorted(ax: Axes, values: np.ndarray, colour: str, label: str | None = None) -> None:
+def draw_sorted(ax: Axes, values: np.ndarray, colour: str, label: str = "_R-hat") -> None:
     """Draw values in ascending order."""
     style = {"marker": ".", "ms": 3, "ls": "none", "color": colour, "rasterized": True}
     ax.plot(np.arange(1, values.size + 1), np.sort(values), label=label, **style)
@@ -57,7 +57,7 @@ def draw_limit(ax: Axes, limit: float, place: float) -> None:
 
     The name is placed at a share of the axis.
     """
-    ax.axhline(limit, color=RED, linewidth=0.8, linestyle="--")
+    ax.axhline(limit, color=RED, linewidth=0.8, linestyle="--", label="_limit")
     ax.annotate(
         f"limit {limit:g}",
         (place, limit),
@@ -65,7 +65,7 @@ def draw_limit(ax: Axes, limit: float, place: float) -> None:
         ("axes fraction", "data"),
         textcoords="offset points",
         color=RED,
-        size=6,
+        size=7,
     )
 
 
@@ -75,7 +75,14 @@ def draw_trace(ax: Axes, worst: xr.Dataset) -> None:
         colour = CHAIN_COLOURS[chain % len(CHAIN_COLOURS)]
         here = worst.isel(chain=chain)
         draws, running = here["worst_draws"].values, here["running_mean"].values
-        ax.plot(draws, color=colour, linewidth=0.4, alpha=0.6, rasterized=True)
-        ax.plot(running, color=colour, linewidth=1.4)
-    ax.axhline(0, color=GREY, linewidth=0.5)
+        ax.plot(
+            draws,
+            color=colour,
+            linewidth=0.4,
+            alpha=0.6,
+            rasterized=True,
+            label=f"_chain {chain + 1}",
+        )
+        ax.plot(running, color=colour, linewidth=1.4, label=f"_chain {chain + 1}, running mean")
+    ax.axhline(0, color=GREY, linewidth=0.5, label="_")
     ax.set(xlabel="draw", ylabel="standard deviations", title="the least agreed quantity")

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 STYLE_FILE = Path(__file__).with_name("softfinger.mplstyle")
-SINGLE_COLUMN, DOUBLE_COLUMN = 89 / 25.4, 183 / 25.4
+SINGLE_COLUMN, DOUBLE_COLUMN = 85 / 25.4, 170 / 25.4
 """Journal column widths [inch], the unit of matplotlib."""
 
 BLACK, GREY, PALE = "#000000", "#767676", "#cccccc"

@@ -37,7 +37,7 @@ def draw_tracking(trial: xr.Dataset, frame: int, image: xr.DataArray | None = No
     image
         Its picture, (row, column) grey or (row, column, channel) RGB.
     """
-    figure = new_figure(get_source(trial), height=3.0, width=SINGLE_COLUMN * 1.3)
+    figure = new_figure(get_source(trial), height=3.0, width=SINGLE_COLUMN)
     ax = figure.subplots()
     if image is not None:
         grey = image.ndim == 2
@@ -68,10 +68,10 @@ def draw_links(ax: Axes, trial: xr.Dataset, frame: int) -> None:
         here = trial.isel(marker=[i for i, name in enumerate(names) if name == link])
         colour = GREY if link == "base" else LINK_COLOURS[(place - 1) % len(LINK_COLOURS)]
         path = here["marker_position"].transpose("axis", "frame", "marker").values
-        ax.plot(*path, color=colour, linewidth=0.5, alpha=0.7)
+        ax.plot(*path, color=colour, linewidth=0.5, alpha=0.7, label=f"_{link}, path")
         x, y = path[:, frame]
-        ax.plot(x, y, color=colour, linewidth=1.2)
+        ax.plot(x, y, color=colour, linewidth=1.2, label=f"_{link}, line")
         style = {"mec": colour, "color": "none", "mfc": "none", "mew": 1.4, "ls": "none"}
         ax.plot(x, y, "o", markersize=9, label=link, **style)
         flagged = here["marker_flag"].isel(frame=frame).values > 0
-        ax.plot(x[flagged], y[flagged], "x", color=RED, markersize=7, label=None)
+        ax.plot(x[flagged], y[flagged], "x", color=RED, markersize=7, label="_in doubt")

@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 
 from softfinger.faults import Fault
+from softfinger.figures.data import write_data
 from softfinger.figures.style import label_parameter_unit, save_figure
 from softfinger.report.blocks import Picture
 from softfinger.report.formatting import format_measure, format_number, format_percent
@@ -97,9 +98,10 @@ def write_figure(
     artifacts: Mapping[str, Artifact],
     paths: Sequence[Path | str],
 ) -> None:
-    """Write one figure as .pdf, .png or .svg.
+    """Write one figure, its data and its caption.
 
-    The path's suffix decides; each path is written once.
+    The path's suffix decides: .pdf, .png or .svg is the figure, .csv its data (``COLUMNS`` of
+    `figures.data`), .txt its caption. Each path is written once.
 
     Raises
     ------
@@ -107,8 +109,13 @@ def write_figure(
         As `build_picture`.
     """
     picture = build_picture(name, artifacts)
-    for path in paths:
-        save_figure(picture.figure, path)
+    for path in map(Path, paths):
+        if path.suffix == ".csv":
+            path.write_text(write_data(picture.figure), encoding="utf-8")
+        elif path.suffix == ".txt":
+            path.write_text(f"{picture.title}. {picture.caption}\n", encoding="utf-8")
+        else:
+            save_figure(picture.figure, path)
 
 
 def write_parameter_table(artifacts: Mapping[str, Artifact], path: Path | str) -> None:

@@ -1,11 +1,15 @@
+import csv
+import io
 import re
 import shutil
 import subprocess
 
 import pytest
 from example_artifacts import make_angles, sum_up
+from matplotlib.figure import Figure
 
 from softfinger.faults import Fault
+from softfinger.figures.data import write_data
 from softfinger.provenance import PROJECT
 from softfinger.report.publication import (
     PICTURES,
@@ -25,12 +29,65 @@ def test_a_figure_is_written_in_every_form_asked_for(artifacts, tmp_path):
     assert paths[1].read_bytes().startswith(b"\x89PNG")
 
 
-@pytest.mark.parametrize("name", list(PICTURES))
-def test_every_figure_has_its_name_and_its_stamp(diagnosed, name):
-    picture = build_picture(name, diagnosed)
-    assert picture.name == name
-    if "sketch" not in picture.caption.lower():
+@pytest.fixture(scope="module", params=list(PICTURES))
+def picture(diagnosed, request):
+    found = build_picture(request.param, diagnosed)
+    assert found.name == request.param
+    return found
+
+
+def is_sketch(picture):
+    return "sketch" in picture.caption.lower()
+
+
+def test_every_figure_has_its_stamp(picture):
+    if not is_sketch(picture):
         assert picture.figure.get_suptitle() == "synthetic"
+
+
+def test_every_figure_has_the_width_of_a_column_and_type_of_seven_points(picture):
+    assert round(25.4 * picture.figure.get_size_inches()[0], 6) in {85.0, 170.0}
+    texts = picture.figure.findobj(lambda part: hasattr(part, "get_fontsize"))
+    sizes = {text.get_fontsize() for text in texts if text.get_text().strip()}
+    assert min(sizes) >= 7.0
+    if not is_sketch(picture):
+        assert re.search(r"n = \d|of \d+ |Frame \d+|R-hat", picture.caption)
+
+
+def test_every_figure_has_its_numbers_as_a_table(picture):
+    rows = list(csv.DictReader(io.StringIO(write_data(picture.figure))))
+    assert bool(rows) != is_sketch(picture)
+    for row in rows:
+        assert re.match(r"[^_]", row["series"])
+        assert not re.match(r"child\d|container\d", row["series"])
+        assert row["x"] or row["y"]
+
+
+def test_a_table_has_the_numbers_of_the_artifact(diagnosed, tmp_path):
+    write_figure("ranking", diagnosed, [tmp_path / "a.csv", tmp_path / "a.txt"])
+    rows = csv.DictReader(io.StringIO((tmp_path / "a.csv").read_text(encoding="utf-8")))
+    gain = {r["y"]: float(r["x"]) for r in rows if "needed" in r["series"]}
+    ranking = diagnosed["ranking"]
+    assert gain == pytest.approx(
+        {str(name).replace("_", " "): float(ranking["best_gain"].sel(effect=name))
+         for name in ranking["effect"].values}
+    )  # fmt: skip
+    words = (tmp_path / "a.txt").read_text(encoding="utf-8")
+    assert words.startswith("The evidence of every effect that was fitted. Log evidence")
+
+
+def test_a_band_is_written_from_its_lower_to_its_upper_edge():
+    figure = Figure()
+    ax = figure.subplots()
+    ax.fill_between([1.0, 2.0], [0.0, 1.0], [3.0, 5.0], label="band")
+    ax.axvline(0.0, label="_")
+    ax.axvline(7.0, label="_limit")
+    rows = list(csv.DictReader(io.StringIO(write_data(figure))))
+    assert [(r["x"], r["y"], r["y_low"], r["y_high"]) for r in rows] == [
+        ("7", "", "", ""),
+        ("1", "", "0", "3"),
+        ("2", "", "1", "5"),
+    ]
 
 
 def test_an_unknown_figure_and_a_missing_artifact_are_faults():

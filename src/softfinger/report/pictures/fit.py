@@ -35,6 +35,7 @@ def picture_prior(material: Material) -> Picture | None:
         "Joint angle of a new trial that the priors expect before any recording is seen (blue, "
         f"equal-tailed intervals), and the span of the recordings ({DARK}), at a load of {load}. "
         "Priors that cannot reach the recordings would decide the answer. "
+        f"n = {count_things(material.angles['trial'].size, 'trial')}. "
         f"{capital(material.cite('posterior', 'angles'))}.",
     )
 
