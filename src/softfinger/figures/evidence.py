@@ -61,7 +61,7 @@ def draw_ranking(ranking: xr.Dataset, evidence: xr.Dataset) -> Figure:
         needed (effect), chance_range (end) [nats].
     """
     rows = min(max(ranking.sizes["effect"], 3), MOST_ROWS)
-    figure = new_figure(get_source(ranking), 0.7 + 0.17 * rows, SINGLE_COLUMN)
+    figure = new_figure(get_source(ranking), 1.0 + 0.17 * rows, SINGLE_COLUMN)
     ax = figure.subplots()
     draw_gains(ax, ranking, evidence, MOST_ROWS)
     figure.legend(*ax.get_legend_handles_labels(), loc="outside lower center", ncols=2)
