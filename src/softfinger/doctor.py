@@ -51,7 +51,7 @@ def check_python() -> Finding:
 
 def check_packages() -> Finding:
     """Packages are those of the lock file."""
-    wrong = list_other_versions(LOCK.read_text(encoding="utf-8"))
+    wrong = list_other_versions(LOCK.read_text(encoding="utf-8"), missing=PROJECT != INSTALLED)
     said = "; ".join(wrong) if wrong else "all as in environment.lock"
     return Finding("packages", not wrong, said, f"numbers may differ; install the lock: {INSTALL}")
 

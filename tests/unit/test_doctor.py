@@ -17,6 +17,7 @@ def test_packages_that_deviate_from_the_lock_are_named():
         f"scipy {version('scipy')} instead of 0.1",
         "not-there is missing",
     ]
+    assert list_other_versions(lock, missing=False) == [f"scipy {version('scipy')} instead of 0.1"]
 
 
 def test_a_package_pinned_twice_is_well_at_either_version():

@@ -18,14 +18,15 @@ def environment_hash() -> str:
     An installation from a wheel may have other versions than the lock; then its hash is another.
     """
     lock = LOCK.read_text(encoding="utf-8")
-    differing = [f"{line}\n" for line in list_other_versions(lock)]
+    differing = [f"{line}\n" for line in list_other_versions(lock, missing=False)]
     return hashlib.sha256("".join([lock, *differing]).encode()).hexdigest()
 
 
-def list_other_versions(lock: str) -> list[str]:
+def list_other_versions(lock: str, *, missing: bool = True) -> list[str]:
     """Packages whose version differs from the lock file's.
 
-    A package that the lock names under a condition (``; sys_platform == …``) may be missing.
+    A package that the lock names under a condition (``; sys_platform == …``) may be missing; with
+    `missing` false any may, such as those that only developers need.
 
     Examples
     --------
@@ -42,7 +43,7 @@ def list_other_versions(lock: str) -> list[str]:
         try:
             found = version(name)
         except PackageNotFoundError:
-            if not all(allowed.values()):
+            if missing and not all(allowed.values()):
                 wrong.append(f"{name} is missing")
             continue
         if found not in allowed:
