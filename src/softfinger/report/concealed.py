@@ -111,9 +111,9 @@ def _tell_question(proof: Proof) -> list[Section]:
                     "answer was hashed before the seals were opened."
                 ),
                 Paragraph(
-                    "How strong an effect is, the oracle says: the evidence that the true physics "
-                    "in its true form gains over the base model, each trial's own parameters "
-                    "integrated over the population. No tool can do better. From 15 nats on an "
+                    "How strong an effect is, the oracle measures: the evidence that the true "
+                    "physics in its true form gains over the base model, each trial's own "
+                    "parameters integrated over the population. No tool can do better. From 15 nats on an "
                     "effect counts as visible. A crash counts as wrong."
                 ),
                 Paragraph(

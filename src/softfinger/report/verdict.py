@@ -8,7 +8,7 @@ from typing import Any
 
 from softfinger.report.formatting import (
     count_things,
-    format_number,
+    fix,
     format_percent,
     join_words,
 )
@@ -94,7 +94,7 @@ def name_effects(verdict: Verdict) -> list[str]:
 def state_left(verdict: Verdict) -> str:
     """State how large the residuals are that remain."""
     left = verdict.get("remaining")
-    size = format_number(left["rms_over_noise"], 2) if left else ""
+    size = fix(left["rms_over_noise"], 2) if left else ""
     return size and f"what remains is {size} times what the measurement allows"
 
 

@@ -42,5 +42,5 @@ def test_a_diagnosis_writes_a_report_of_its_own(diagnosed):
     verdict = read_verdict(out / "verdict.json")
     for finding in verdict.measurement[:3]:
         assert finding.statement[:30] in page
-    size = f"{verdict.remaining.rms_over_noise:.2g} times what the measurement allows"
+    size = f"{verdict.remaining.rms_over_noise:.2f} times what the measurement allows"
     assert f"Under the final model what remains within trials is {size}" in page

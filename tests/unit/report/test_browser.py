@@ -5,13 +5,16 @@ looked at.
 """
 
 import csv
+import re
 import shutil
+from functools import cache
 from itertools import pairwise
 
 import pytest
+from example_artifacts import gather
+from test_layers import KINDS
 
 from softfinger.provenance import PROJECT
-from softfinger.report.material import Material
 from softfinger.report.page import render_report
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
@@ -28,12 +31,22 @@ pytestmark = [
 
 
 @pytest.fixture(scope="module")
-def address(diagnosed, tmp_path_factory):
-    from example_artifacts import CONFIG
+def find_address(diagnosed, tmp_path_factory):
+    """Address of the page of a kind."""
+    folder = tmp_path_factory.mktemp("browser")
 
-    path = tmp_path_factory.mktemp("browser") / "report.html"
-    path.write_text(render_report(Material(diagnosed, CONFIG)), "utf-8")
-    return path.as_uri()
+    @cache
+    def find(kind):
+        path = folder / f"{kind}.html"
+        path.write_text(render_report(gather(KINDS[kind](diagnosed))), "utf-8")
+        return path.as_uri()
+
+    return find
+
+
+@pytest.fixture(scope="module")
+def address(find_address):
+    return find_address("effect")
 
 
 @pytest.fixture(scope="module")
@@ -56,6 +69,10 @@ def view(request, browser, address):
     page.goto(address)
     yield page
     page.close()
+
+
+def open_parts(page):
+    page.evaluate("document.querySelectorAll('details').forEach(d => { d.open = true; })")
 
 
 def test_nothing_is_said_on_the_console_and_nothing_is_asked_of_a_network(view):
@@ -86,7 +103,7 @@ def test_links_lead_to_a_place_on_the_page(view):
 def test_the_page_is_no_wider_than_the_window_and_no_words_overlap_its_edge(view):
     wide = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
     assert view.evaluate(wide) <= 0
-    view.evaluate("document.querySelectorAll('details').forEach(d => d.open = true)")
+    open_parts(view)
     assert view.evaluate(wide) <= 0
     beyond = view.locator("p, li, h1, h2, figure, .tile, .toolbar").evaluate_all(
         "all => all.filter(e => e.getBoundingClientRect().right > innerWidth + 1)"
@@ -96,6 +113,7 @@ def test_the_page_is_no_wider_than_the_window_and_no_words_overlap_its_edge(view
 
 
 def test_tables_sort_by_keyboard_and_say_so(view):
+    open_parts(view)
     head = view.locator("#table-trials th button").nth(1)
     head.focus()
     view.keyboard.press("Enter")
@@ -109,6 +127,7 @@ def test_tables_sort_by_keyboard_and_say_so(view):
 
 
 def test_tables_go_out_as_csv_in_full(view, tmp_path):
+    open_parts(view)
     region = view.locator("div.scroller:has(#table-trials)")
     with view.expect_download() as waiting:
         region.locator("xpath=following-sibling::div[1]//button[text()='CSV']").click()
@@ -185,13 +204,76 @@ def test_words_stand_out_in_light_and_dark(view, scheme):
     assert find_contrast(view, chosen) >= 4.5
 
 
-def test_pictures_to_look_at(view):
+SHOWN = ("effect", "unlisted", "diagnosis")
+
+
+@pytest.fixture(params=[(w, s) for w in WIDTHS for s in ("light", "dark")], ids="-".join)
+def window(request, browser):
+    """An empty window of a width in a colour scheme."""
+    width, scheme = request.param
+    page = browser.new_page(viewport={"width": WIDTHS[width], "height": 900}, color_scheme=scheme)
+    page.emulate_media(reduced_motion="reduce")
+    page.label = f"{width}_{scheme}"
+    yield page
+    page.close()
+
+
+@pytest.mark.parametrize("kind", SHOWN)
+def test_every_link_opens_its_place(window, find_address, kind):
+    window.goto(find_address(kind))
+    hidden = window.evaluate("""async () => {
+      const missed = [];
+      for (const link of document.querySelectorAll("a[href^='#']")) {
+        document.querySelectorAll("details").forEach((part) => { part.open = false; });
+        link.click();
+        await new Promise((done) => setTimeout(done, 20));
+        const place = document.getElementById(link.hash.slice(1));
+        if (!place.checkVisibility() || location.hash !== link.hash) missed.push(link.hash);
+      }
+      return missed;
+    }""")
+    assert hidden == []
+
+
+@pytest.mark.parametrize("kind", SHOWN)
+def test_every_figure_opens_and_the_page_stays_in_the_window(window, find_address, kind):
+    window.goto(find_address(kind))
+    open_parts(window)
+    broken = window.evaluate("""() => [...document.querySelectorAll("figure .enlarge")]
+      .filter((button) => {
+        button.click();
+        const dialog = document.querySelector("dialog");
+        const image = dialog.querySelector("img");
+        const good = dialog.open && image.alt && button.querySelector("img").naturalWidth > 0;
+        dialog.close();
+        return !good;
+      }).map((button) => button.ariaLabel)""")
+    assert broken == []
+    wide = "document.documentElement.scrollWidth - document.documentElement.clientWidth"
+    assert window.evaluate(wide) <= 0
+
+
+@pytest.mark.parametrize("kind", ["effect", "adequate", "unlisted"])
+def test_the_first_layer_prints_on_two_pages(browser, find_address, kind):
+    page = browser.new_page()
+    page.goto(find_address(kind))
     PICTURES.mkdir(parents=True, exist_ok=True)
-    for scheme in ("light", "dark"):
-        view.emulate_media(color_scheme=scheme)
-        path = PICTURES / f"report_{view.width_name}_{scheme}.png"
-        view.screenshot(path=path, full_page=True)
-        assert path.stat().st_size > 50_000
-    view.emulate_media(media="print", color_scheme="light")
-    view.pdf(path=PICTURES / "report.pdf", format="A4")
-    assert (PICTURES / "report.pdf").read_bytes().startswith(b"%PDF")
+    made = page.pdf(path=PICTURES / f"{kind}.pdf", format="A4")
+    page.evaluate("document.querySelector('.tools button:last-child').click()")
+    whole = page.pdf(format="A4")
+    page.close()
+    assert count_pages(made) == 2
+    assert count_pages(whole) > 6
+
+
+def count_pages(pdf):
+    return len(re.findall(rb"/Type\s*/Page\b", pdf))
+
+
+@pytest.mark.parametrize("kind", SHOWN)
+def test_pictures_to_look_at(window, find_address, kind):
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    window.goto(find_address(kind))
+    path = PICTURES / f"{kind}_{window.label}.png"
+    window.screenshot(path=path, full_page=True)
+    assert path.stat().st_size > 50_000

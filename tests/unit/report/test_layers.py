@@ -8,6 +8,7 @@ import xarray as xr
 from example_artifacts import gather, sum_up
 from test_page import Page
 
+from softfinger.provenance import PROJECT
 from softfinger.report.blocks import Tile
 from softfinger.report.overview.following import build_next
 from softfinger.report.overview.measurement import MOST_FINDINGS, build_measurement
@@ -145,7 +146,7 @@ def test_what_is_unlisted_tells_all_that_is_known(render):
     page = Page(render("unlisted")[1]).text
     for words in (
         "explains 90 % of the missing evidence",
-        "what remains is 5.3 times what the measurement allows",
+        "what remains is 5.30 times what the measurement allows",
         "chance alone leaves as much in less than 0.1 % of campaigns",
         "Where it shows most: joint 2, holding",
         "It shows within trials in joints 1 and 2",
@@ -226,3 +227,13 @@ def test_anchors_that_papers_cite_stay(render):
     assert promised - ids == set()
     cited = {one for one in ids if not one.startswith(("title-", "caption-"))} - {"main"}
     assert cited == promised
+
+
+def test_the_documentation_names_anchors_that_there_are():
+    page = (PROJECT / "docs/report.md").read_text(encoding="utf-8")
+    table = page[page.index("| first layer") : page.index("## Figures for")]
+    named = re.findall(r"`([\w-]+)`", table)
+    promised = {*PARTS.split(), *(f"figure-{name}" for name in FIGURES.split())}
+    promised |= {f"table-{name}" for name in TABLES.split()}
+    assert {one for one in named if not one.endswith("-")} <= promised
+    assert {*PARTS.split()} - {"referee"} <= set(named)

@@ -355,7 +355,7 @@ def test_what_is_named_beside_something_unlisted_is_no_whole_answer(diagnosed):
     assert tile.detail.endswith("(probability 98 %) and more that no listed effect explains")
     assert state_verdict(gather(few)) == (
         "Something is missing, of which second retardation is only a part; with it, what "
-        "remains is 1 times what the measurement allows."
+        "remains is 1.02 times what the measurement allows."
     )
     nothing = {**few, "verdict": {**verdict, "effects": []}}
     assert "and no listed effect explains it" in state_verdict(gather(nothing))

@@ -12,6 +12,7 @@ import xarray as xr
 from softfinger.report.blocks import Block, Paragraph, Section, keep_blocks
 from softfinger.report.formatting import (
     count_things,
+    fix,
     format_measure,
     format_number,
     format_percent,
@@ -58,7 +59,7 @@ def state_remaining(left: Mapping[str, Any]) -> str:
     """State how much is left, and where most of it is."""
     p = left["p_value"]
     often = "less than 0.1 %" if p < SMALL else format_percent(p, 0 if p > 0.1 else 1)
-    size = format_number(left["rms_over_noise"], 2)
+    size = fix(left["rms_over_noise"], 2)
     return (
         f"Under the final model what remains within trials is {size} times what the measurement "
         f"allows; chance alone leaves as much in {often} of campaigns. Where it shows most: "
