@@ -113,8 +113,8 @@ def _tell_question(proof: Proof) -> list[Section]:
                 Paragraph(
                     "How strong an effect is, the oracle measures: the evidence that the true "
                     "physics in its true form gains over the base model, each trial's own "
-                    "parameters integrated over the population. No tool can do better. From 15 nats on an "
-                    "effect counts as visible. A crash counts as wrong."
+                    "parameters integrated over the population. No tool can do better. From 15 "
+                    "nats on an effect counts as visible. A crash counts as wrong."
                 ),
                 Paragraph(
                     "Visible is not nameable: a recording that starts late and a tension that "
