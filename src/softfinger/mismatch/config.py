@@ -13,3 +13,4 @@ class MismatchSettings(Settings):
     bootstrap_replicates: Annotated[int, Field(ge=99, le=9999)]
     false_alarm_probability: Annotated[float, Field(gt=0.0, le=0.1)]
     sample_repaired: bool
+    longest_search_s: Annotated[float, Field(gt=0.0)]

@@ -28,6 +28,7 @@ from softfinger.mismatch.search.judge import (
     settle_measurement,
     weigh_log,
 )
+from softfinger.mismatch.search.patience import Patience
 from softfinger.mismatch.search.settle import (
     Posterior,
     drop_negligible,
@@ -59,6 +60,7 @@ class Diagnosis(NamedTuple):
     false_alarms: FalseAlarms
     masking: xr.Dataset
     findings: Findings
+    cut_short: bool
 
 
 class Survey(NamedTuple):
@@ -132,14 +134,15 @@ def diagnose(
     angles, plain, base, found, _ = posed
     problem, base = settle_measurement(plain, base, found.ranked[0], found.needed)
     found = found if problem is plain else survey(problem, base)
+    patience = Patience(settings.longest_search_s, progress)
     search = search_effects(
-        problem, base, found.catalogue, found.columns, found.needed, progress, found.ranked
+        problem, base, found.catalogue, found.columns, found.needed, patience, found.ranked
     )
     if search.best is not search.base:
         problem, search = judge_finalists(plain, problem, search, angles, found.needed)
     more, angles = hear_hums(problem, search.best, angles)
     problem = replace(problem, noise=note_hums(problem.noise, hums + more))
-    return _close(problem, search, found, angles)
+    return _close(problem, search, found, angles)._replace(cut_short=patience.was_lost)
 
 
 def mend_log(posed: Posed, pose: Pose) -> Posed:
@@ -189,4 +192,6 @@ def _close(problem: Problem, search: Search, found: Survey, angles: xr.Dataset) 
     masking = tabulate_masking(found.columns, problem, search.base)
     hidden, refused = set(list_invisible(masking, needed)), found.catalogue[1]
     verdict = conclude(problem, search, posterior, findings, angles, hidden, refused, needed)
-    return Diagnosis(verdict, problem, search, posterior, found.alarms, masking, findings)
+    return Diagnosis(
+        verdict, problem, search, posterior, found.alarms, masking, findings, cut_short=False
+    )

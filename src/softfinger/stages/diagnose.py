@@ -23,7 +23,7 @@ from softfinger.mismatch.experiment.proposal import propose_experiment
 from softfinger.mismatch.tables.outcome import describe_repair, tabulate_diagnosis
 from softfinger.mismatch.verdict.refine import refine_verdict
 from softfinger.mismatch.verdict.schema import Warned, write_verdict
-from softfinger.mismatch.verdict.sufferings import doubt_declared
+from softfinger.mismatch.verdict.sufferings import doubt_declared, doubt_patience
 from softfinger.provenance import derive_seed, describe_run
 from softfinger.stages.linear_algebra import on_one_thread
 
@@ -95,6 +95,7 @@ def diagnose(
         for doubt in find_doubts(recorded)
     ]
     warnings += doubt_declared(found.problem.noise)
+    warnings += doubt_patience(found.cut_short, config["longest_search_s"])
     said = said.model_copy(update={"next_experiment": proposal, "warnings": warnings})
     write_load_files(proposal, Path(next_experiment))  # Snakemake gives a str
     with write_atomically(verdict) as temporary:

@@ -74,7 +74,7 @@ KEYS: dict[str, tuple[str, tuple[str, ...]]] = {
     ),
     "diagnose": (
         "mismatch",
-        ("bootstrap_replicates", "false_alarm_probability", "sample_repaired"),
+        ("bootstrap_replicates", "false_alarm_probability", "sample_repaired", "longest_search_s"),
     ),
 }
 """Stage → block of the configuration, and the keys of it."""

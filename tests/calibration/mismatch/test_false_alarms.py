@@ -17,6 +17,7 @@ CONFIG = {
     "bootstrap_replicates": 199,
     "false_alarm_probability": 0.01,
     "sample_repaired": False,
+    "longest_search_s": 600.0,
 }
 NOISE = ("white", "ar_0.9", "heavy_tailed", "gappy", "uneven", "ar_0.98")
 

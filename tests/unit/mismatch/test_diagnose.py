@@ -6,11 +6,13 @@ from softfinger.mechanics.effects.model import EffectModel
 from softfinger.mismatch import diagnose
 from softfinger.mismatch.candidates.rank import list_pieces
 from softfinger.mismatch.verdict.conclude import conclude
+from softfinger.mismatch.verdict.sufferings import doubt_patience
 
 CONFIG = {
     "bootstrap_replicates": 99,
     "false_alarm_probability": 0.01,
     "sample_repaired": False,
+    "longest_search_s": 600.0,
 }
 
 
@@ -99,3 +101,12 @@ def test_a_verdict_tells_what_its_effects_explain_and_what_was_not_tried(named):
     assert reasons
     assert all(reasons.values())
     assert set(reasons) <= set(named.verdict.not_testable)
+
+
+def test_a_search_that_has_no_time_ends_with_the_best_so_far_and_warns(recorded):
+    hurried = diagnose(recorded, {**CONFIG, "longest_search_s": 1e-9}, 5, lambda items, _: items)
+    assert hurried.cut_short
+    assert {e.id for e in hurried.verdict.effects} == {"second_retardation"}
+    (warned,) = doubt_patience(hurried.cut_short, 1e-9)
+    assert "longest_search_s" in warned.statement
+    assert doubt_patience(False, 600.0) == []

@@ -18,6 +18,7 @@ CONFIG = {
     "bootstrap_replicates": 99,
     "false_alarm_probability": 0.01,
     "sample_repaired": False,
+    "longest_search_s": 600.0,
 }
 FITTED_TO = FittedTo(campaign="drawn", sha256="0" * 64)
 

@@ -10,6 +10,7 @@ CONFIG = {
     "bootstrap_replicates": 99,
     "false_alarm_probability": 0.01,
     "sample_repaired": False,
+    "longest_search_s": 600.0,
 }
 
 

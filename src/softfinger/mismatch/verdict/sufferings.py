@@ -56,6 +56,17 @@ def doubt_declared(measurement: xr.Dataset) -> list[Warned]:
     return [Warned(id="declared_noise", trials=[], statement=statement)]
 
 
+def doubt_patience(cut_short: bool, longest_s: float) -> list[Warned]:
+    """Warn where the search ended at its limit of time."""
+    if not cut_short:
+        return []
+    statement = (
+        f"mismatch.longest_search_s: the search ended after {longest_s:g} s, before all sets of "
+        "effects were tried; the verdict is the best so far. Raise the limit and diagnose again."
+    )
+    return [Warned(id="search_cut_short", trials=[], statement=statement)]
+
+
 def _list_trials(name: str, measurement: xr.Dataset) -> list[str]:
     """Trials that suffer; empty where all do alike."""
     trials = measurement["trial"].values.astype(str)

@@ -16,6 +16,7 @@ CONFIG = {
     "bootstrap_replicates": 99,
     "false_alarm_probability": 0.01,
     "sample_repaired": False,
+    "longest_search_s": 600.0,
 }
 JOINTS, FRAMES, INTERVAL, SD = 2, 331, 0.04, 0.003
 TIME = np.arange(FRAMES) * INTERVAL
