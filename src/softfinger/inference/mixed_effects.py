@@ -153,12 +153,16 @@ def solve_gram(
     logdet = 0.0
     for i in range(trials):
         total = inverse + gram[i, :d, :d]
-        kept[i] = np.linalg.inv(total)
+        kept[i] = invert_scaled(total)
         logdet += np.linalg.slogdet(total)[1] + log_omega
-        cross = np.ascontiguousarray(gram[i, :, :d])
-        normal += gram[i] - cross @ kept[i] @ cross.T
+        # G − G_η K G_ηᵀ, in the form in which large numbers do not cancel: K = (P + G_ηη)⁻¹
+        rest, pulled = np.ascontiguousarray(gram[i, d:, :d]), kept[i] @ inverse
+        normal[:d, :d] += inverse - inverse @ pulled
+        normal[d:, :d] += rest @ pulled
+        normal[:d, d:] += (rest @ pulled).T
+        normal[d:, d:] += gram[i, d:, d:] - rest @ kept[i] @ rest.T
     hessian = np.ascontiguousarray(normal[:m, :m])
-    covariance = np.linalg.inv(hessian)
+    covariance = invert_scaled(hessian)
     shared = covariance @ np.ascontiguousarray(normal[:m, m])
     square = normal[m, m] - shared @ np.ascontiguousarray(normal[:m, m])
     evidence = -0.5 * (square + logdet + np.linalg.slogdet(hessian)[1])
@@ -175,9 +179,18 @@ def solve_gram(
         for b in range(d):
             if a // block != b // block:
                 moment[a, b] = 0.0
-    moment /= weight + trials
+    moment = (moment + moment.T) / (2.0 * (weight + trials))
     shrink = np.minimum(1.0, WIDEST * spread / np.sqrt(np.diag(moment)))
     return shared, covariance, omega, own, kept, evidence, moment * np.outer(shrink, shrink)
+
+
+@compiled
+def invert_scaled(matrix: NDArray) -> NDArray:
+    """Invert a positive matrix, each row in its own unit: rounding hardly moves it."""
+    size = np.sqrt(np.diag(matrix))
+    unit = np.outer(size, size)
+    inverse = np.linalg.inv(matrix / unit) / unit
+    return 0.5 * (inverse + inverse.T)
 
 
 @compiled

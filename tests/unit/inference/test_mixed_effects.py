@@ -8,6 +8,7 @@ from softfinger.inference.mixed_effects import (
     Prior,
     fit_linear,
     hold_omega,
+    solve_gram,
 )
 from softfinger.inference.mixed_effects_laplace import fit_nonlinear
 from softfinger.inference.mixed_effects_linearised import SharedBounds
@@ -188,3 +189,19 @@ def test_an_extrapolation_stops_before_a_spread_that_vanishes(precision):
     least = 4.0 * 0.01**2 / 1004.0  # what the prior alone leaves
     assert least < fit.omega[1, 1] - fit.omega[0, 1] ** 2 / fit.omega[0, 0] < 2e-4
     assert fit.shared[2] > 0.95
+
+
+def test_a_trial_that_shows_far_more_than_the_population_keeps_em_steady():
+    """Creep of a rheometer: thousands of frames, noise of 1e-4, columns that look alike."""
+    rng = np.random.default_rng(4)
+    time = np.linspace(0.01, 1.0, 3000)[:, None]
+    columns = 3e3 * np.hstack([time, time + 0.1 * time**2, np.sqrt(time), np.ones_like(time)])
+    rows = np.hstack([columns, 3e3 * (np.log(time) + 0.01 * time), rng.normal(size=(3000, 1))])
+    gram = (rows.T @ rows)[None]
+    prior = Prior(np.zeros(5), np.full(5, 0.3), np.full(4, 0.3), 3.0, 4)
+    omega, evidence = 0.1 * np.eye(4), []
+    for _ in range(12):
+        *_, value, omega = solve_gram(gram, prior, omega)
+        evidence.append(value)
+    assert np.all(np.diff(evidence) > -1e-4)
+    assert np.abs(omega - omega.T).max() == 0.0
