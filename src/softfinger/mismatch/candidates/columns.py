@@ -48,7 +48,7 @@ def join_blocks(one: Block, other: Block) -> Block | None:
     shared = np.concatenate([one.shared, other.shared[known:]])
     try:
         model.fill_slots(shared)
-    except (ValueError, ArithmeticError):
+    except (Fault, ValueError, ArithmeticError):
         return None
     new = np.concatenate([one.new, other.new + len(one.shared) - known])
     columns = np.concatenate([one.columns, other.columns])

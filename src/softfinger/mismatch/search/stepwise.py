@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from softfinger.faults import Fault
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mechanics.effects.model import Piece
 from softfinger.mismatch.budget import BUDGET
@@ -272,7 +273,7 @@ def _compatible(candidate: Candidate, pieces: Iterable[Piece]) -> list[Piece]:
         try:
             model = candidate.model.extend(piece)
             model.fill_slots(model.shared_prior[0])
-        except (ValueError, ArithmeticError):
+        except (Fault, ValueError, ArithmeticError):
             continue
         fitting.append(piece)
     return fitting

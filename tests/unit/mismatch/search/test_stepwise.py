@@ -1,5 +1,7 @@
 """How an effect is searched for, and how a free-form term stands against what was found."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -59,3 +61,13 @@ def test_the_partner_of_a_pair_that_was_not_tried_with_others_is(named, tried, m
     assert [c.model.ids for c in led] == [pair.model.ids - {tried}]
     assert found == led
     assert led[0].fit.converged
+
+
+def test_effects_that_claim_one_slot_are_not_tried_together(named):
+    """Two widths of friction, say: a slot that is not 0 where it is absent."""
+    problem, best = named.problem, named.search.best
+    effect = list_effects()["fractional_creep"]
+    form = next(f for f in effect.build_forms(problem.setting) if f.name == "instead_of_dashpot")
+    one, other = Piece(effect, form, ()), Piece(replace(effect, id="another"), form, ())
+    found = best._replace(model=replace(best.model, pieces=(one,)))
+    assert module._compatible(found, [other]) == []
