@@ -155,12 +155,7 @@ def solve_gram(
         total = inverse + gram[i, :d, :d]
         kept[i] = invert_scaled(total)
         logdet += np.linalg.slogdet(total)[1] + log_omega
-        # G − G_η K G_ηᵀ, in the form in which large numbers do not cancel: K = (P + G_ηη)⁻¹
-        rest, pulled = np.ascontiguousarray(gram[i, d:, :d]), kept[i] @ inverse
-        normal[:d, :d] += inverse - inverse @ pulled
-        normal[d:, :d] += rest @ pulled
-        normal[:d, d:] += (rest @ pulled).T
-        normal[d:, d:] += gram[i, d:, d:] - rest @ kept[i] @ rest.T
+        _add_without_own(gram[i], kept[i], inverse, normal)
     hessian = np.ascontiguousarray(normal[:m, :m])
     covariance = invert_scaled(hessian)
     shared = covariance @ np.ascontiguousarray(normal[:m, m])
@@ -182,6 +177,20 @@ def solve_gram(
     moment = (moment + moment.T) / (2.0 * (weight + trials))
     shrink = np.minimum(1.0, WIDEST * spread / np.sqrt(np.diag(moment)))
     return shared, covariance, omega, own, kept, evidence, moment * np.outer(shrink, shrink)
+
+
+@compiled
+def _add_without_own(gram: NDArray, kept: NDArray, inverse: NDArray, normal: NDArray) -> None:
+    """Add G − G_η K G_ηᵀ of a trial to the normal matrix, K = (P + G_ηη)⁻¹.
+
+    In this form large numbers do not cancel, however much the trial shows: P − P K P, G_φη K P.
+    """
+    d = len(kept)
+    rest, pulled = np.ascontiguousarray(gram[d:, :d]), kept @ inverse
+    normal[:d, :d] += inverse - inverse @ pulled
+    normal[d:, :d] += rest @ pulled
+    normal[:d, d:] += (rest @ pulled).T
+    normal[d:, d:] += gram[d:, d:] - rest @ kept @ rest.T
 
 
 @compiled
