@@ -35,6 +35,10 @@ def test_the_run_ends_in_a_report_and_a_receipt(finished):
     results = finished.root / "results"
     page = (results / "report.html").read_text()
     assert "synthetic" in page
+    first = page[page.index("<body>") : page.index('<div class="referee">')]
+    first = re.sub("<nav.*?</nav>", "", first, flags=re.DOTALL)
+    assert 200 < len(re.sub("<[^>]+>", " ", first).split()) <= 900
+    assert 3 <= first.count("<figure") <= 5
     assert "http://" not in re.sub(r"http://www\.w3\.org[^\"' ]*", "", page)
     rows = list(csv.DictReader((results / "receipt.csv").read_text().splitlines()))
     assert {row["artifact"] for row in rows} >= {"angles", "markers", "posterior", "sobol"}
