@@ -96,8 +96,8 @@ def test_links_lead_to_a_place_on_the_page(view):
     outside = view.locator("a:not([href^='#'])").evaluate_all("all => all.map(a => a.href)")
     assert outside == []
     view.locator("nav a").nth(7).click()
-    top = "document.querySelector(location.hash).getBoundingClientRect().top"
-    assert abs(view.evaluate(top)) < 60
+    top = "Math.abs(document.querySelector(location.hash).getBoundingClientRect().top) < 60"
+    view.wait_for_function(top, timeout=5000)
 
 
 def test_the_page_is_no_wider_than_the_window_and_no_words_overlap_its_edge(view):
