@@ -57,8 +57,9 @@ def state_effect(
         words = (quantity.removesuffix(suffix) + name.removeprefix(quantity)).replace("_", " ")
         size = format_estimate(value.mean, value.sd)
         sizes.append(f"{words} {size} {UNITS.get(suffix, '')}".rstrip())
+    sure = f"{probability:.3g}" if probability < 0.9995 else "above 0.999"  # none is 1
     best = "; ".join(filter(None, [form.replace("_", " "), ", ".join(sizes)]))
     return (
         f"{sentence}{where}: {effect.id.replace('_', ' ')} was left out, with probability "
-        f"{probability:.3g}. Best form: {best}."
+        f"{sure}. Best form: {best}."
     )

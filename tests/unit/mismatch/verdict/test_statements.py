@@ -1,0 +1,14 @@
+"""The sentence that states an effect."""
+
+import pytest
+
+from softfinger.mechanics.effects import list_effects
+from softfinger.mismatch.verdict.statements import state_effect
+
+
+@pytest.mark.parametrize(
+    ("probability", "words"), [(1.0, "above 0.999"), (0.9996, "above 0.999"), (0.973, "0.973")]
+)
+def test_no_effect_is_certain(probability, words):
+    effect = list_effects()["gravity"]
+    assert f"with probability {words}. " in state_effect(effect, "even", [1], probability, {})
