@@ -62,7 +62,9 @@ def weigh_species(loss: np.ndarray, terms: int) -> np.ndarray:
     >>> weigh_species(np.array([90.0, 360.0]), 6).round(3)
     array([0.984, 0.016])
     """
-    weight = -0.5 * terms * np.log1p(np.maximum(loss, 0.0))
+    # infinite where no textbook form could be fitted
+    known = np.clip(loss, 0.0, np.finfo(float).max)
+    weight = -0.5 * terms * np.log1p(known)
     return np.exp(weight - np.logaddexp.reduce(weight))
 
 

@@ -18,6 +18,7 @@ def test_the_nearest_textbook_is_the_likelier_and_a_tie_is_a_tie():
     assert near > 0.999
     assert weigh_species(np.array([50.0, 50.0]), 6) == pytest.approx([0.5, 0.5])
     assert near + far == pytest.approx(1.0)
+    assert weigh_species(np.array([np.inf, np.inf]), 6) == pytest.approx([0.5, 0.5])
 
 
 def test_a_law_that_effects_share_is_tried_once(named):
