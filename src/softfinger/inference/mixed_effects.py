@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from softfinger.compiled import compiled
 
 LOG_TWO_PI = float(np.log(2.0 * np.pi))
+ROUNDING = 4.0 * np.finfo(float).eps
 WIDEST = 20.0
 FARTHEST = 3.0  # that an extrapolation takes the logarithm of an sd: far beyond, Ω is singular
 
@@ -195,10 +196,13 @@ def _add_without_own(gram: NDArray, kept: NDArray, inverse: NDArray, normal: NDA
 
 @compiled
 def invert_scaled(matrix: NDArray) -> NDArray:
-    """Invert a positive matrix, each row in its own unit: rounding hardly moves it."""
+    """Invert a positive matrix, each row in its own unit: rounding hardly moves it.
+
+    The diagonal is enlarged by what rounding may have taken, so that it is not singular.
+    """
     size = np.sqrt(np.diag(matrix))
     unit = np.outer(size, size)
-    inverse = np.linalg.inv(matrix / unit) / unit
+    inverse = np.linalg.inv(matrix / unit + ROUNDING * np.eye(size.size)) / unit
     return 0.5 * (inverse + inverse.T)
 
 

@@ -10,15 +10,15 @@ from softfinger.provenance import PROJECT
 
 # A name that goes, or an argument that does, is a new major version: see CHANGELOG.md.
 SIGNATURES = {
-    "Effect": "id sentence level build_forms part hooks",
+    "Effect": "id sentence level build_forms part hooks of_motion",
     "Fault": "said",
-    "Form": "name parameters slots covariate local law",
+    "Form": "name parameters slots covariate local law kin",
     "Law": "name argument reach size terms per kind",
     "Parameter": "name mean sd per log low high amplitude floor starts report term",
     "Results": "folder",
     "Setting": (
-        "trials joints interval duration torque reversals rests load_known tension stiffness reach "
-        "number memory largest_torque rest_time covariates geometry masses step_gap camera drift "
+        "trials joints interval duration torque reversals levels rests load_known tension stiffness "
+        "reach number memory largest_torque rest_time covariates geometry masses step_gap camera drift "
         "specimen"
     ),
     "free_form": "law constants form local",
