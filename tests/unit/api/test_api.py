@@ -17,9 +17,9 @@ SIGNATURES = {
     "Parameter": "name mean sd per log low high amplitude floor starts report term",
     "Results": "folder",
     "Setting": (
-        "trials joints interval duration torque reversals levels rests load_known tension stiffness "
-        "reach number memory largest_torque rest_time covariates geometry masses step_gap camera drift "
-        "specimen"
+        "trials joints interval duration torque reversals levels rests load_known tension "
+        "stiffness reach number memory largest_torque rest_time covariates geometry masses "
+        "step_gap camera drift specimen"
     ),
     "free_form": "law constants form local",
     "list_effects": "",
