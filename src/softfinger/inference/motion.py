@@ -41,7 +41,10 @@ def move_paper_joint(
     """
     k_v, c_v, c_p = np.exp(np.moveaxis(own[..., :3], -1, 0))[..., None]
     rate = (k_v / c_v).ravel()
-    lagged = compute_elastic_basis_array(rate, time, load_time, load_torque)[0]
+    known = np.isfinite(rate)  # not of a spread that one trial cannot show
+    lagged = np.full((rate.size, np.size(time)), np.nan)
+    if known.any():
+        lagged[known] = compute_elastic_basis_array(rate[known], time, load_time, load_torque)[0]
     flow = integrate_load_array(time, load_time, load_torque) / c_p
     return lagged.reshape(*own.shape[:2], -1) / k_v + flow + own[..., 3, None]
 
