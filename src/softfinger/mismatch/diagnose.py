@@ -1,6 +1,6 @@
 """The diagnosis: one call from angles to verdict."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -15,7 +15,7 @@ from softfinger.measurement.steady import steady_log
 from softfinger.mechanics.effects.model import Piece
 from softfinger.mechanics.effects.model_file import ModelFile
 from softfinger.mismatch.candidates.columns import ScoreColumns, collect_columns
-from softfinger.mismatch.candidates.rank import Score, list_pieces, rank_pieces
+from softfinger.mismatch.candidates.rank import Progress, Score, list_pieces, rank_pieces
 from softfinger.mismatch.checks.findings import Findings, examine
 from softfinger.mismatch.checks.hums import Hum, hear_hums, note_hums
 from softfinger.mismatch.config import MismatchSettings
@@ -46,8 +46,6 @@ from softfinger.mismatch.verdict.conclude import conclude
 from softfinger.mismatch.verdict.schema import Verdict
 from softfinger.progress import track_progress
 from softfinger.settings import read_settings
-
-Progress = Callable[[Iterable, str], Iterable]
 
 
 class Diagnosis(NamedTuple):

@@ -3,10 +3,10 @@
 The best answer so far is then the answer, and the verdict warns of it.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from time import monotonic
 
-Progress = Callable[[Iterable, str], Iterable]
+from softfinger.mismatch.candidates.rank import Progress
 
 
 class Patience:

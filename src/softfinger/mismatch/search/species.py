@@ -86,15 +86,10 @@ def _is_open(problem: Problem, piece: Piece) -> bool:
 
 def _rename(candidate: Candidate, at: int, one: Kin, share: float) -> Candidate:
     pieces = list(candidate.model.pieces)
-    free = next(f for f in one.effect.list_forms(candidate.model.setting) if _same(f, pieces[at]))
-    pieces[at] = replace(pieces[at], effect=one.effect, form=free)
+    pieces[at] = replace(pieces[at], effect=one.effect, form=one.free)
     evidence = candidate.log_evidence + float(np.log(max(share, 1e-300)))
     model = replace(candidate.model, pieces=tuple(pieces))
     return candidate._replace(model=model, log_evidence=evidence)
-
-
-def _same(form: Form, piece: Piece) -> bool:
-    return form.kin == piece.form.kin and form.name == piece.form.name
 
 
 def _measure_loss(problem: Problem, search: Search, at: int, one: Kin) -> float:
