@@ -18,20 +18,23 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from types import FrameType
 
 import numpy as np
 
 from benchmarks._hostile import spoil_text
-from softfinger.artifacts import list_faults
+from benchmarks._workbook import write_book
+from softfinger.artifacts import list_faults, open_artifact, save_artifact
 from softfinger.artifacts.specs.angles import SPEC
 from softfinger.config import read_config
 from softfinger.doubts import find_doubts
 from softfinger.failure import describe_failure
 from softfinger.faults import Fault
+from softfinger.importing import ImportDescription, read_import_description, read_recordings
 from softfinger.mechanics.effects.model_file import read_model_file
-from softfinger.provenance import PROJECT
+from softfinger.provenance import PROJECT, describe_run
 from softfinger.rig.plan import read_plan
 from softfinger.stages.check import check
 from softfinger.tracking import assemble_angles
@@ -39,6 +42,18 @@ from softfinger.tracking import assemble_angles
 EXAMPLE = PROJECT / "data/example"
 RESULTS = PROJECT / "results/fuzz"
 LONGEST_S = 60
+KINDS = {
+    "campaign": 0.6, "source": 0.16, "config": 0.05, "model": 0.05, "plan": 0.05, "import": 0.05,
+    "artifact": 0.04,
+}  # fmt: skip
+IMPORT = """\
+version: 1
+tables: {decimal: ".", files: ["*.csv"]}
+clock: {column: t, unit: s}
+motion: {columns: [angle], unit: deg, sign: 1}
+load: {column: force, unit: N}
+covariates: [{name: room_c, column: temperature}]
+"""
 MODEL = """\
 version: 1
 joint: three_element
@@ -99,28 +114,37 @@ def test_seed_{seed}(tmp_path: Path):
 '''
 
 
-def make_input(rng: np.random.Generator, folder: Path) -> tuple[Path, Path, Callable[[Path], str]]:
+Judge = Callable[[Path], str]
+
+
+def make_input(rng: np.random.Generator, folder: Path) -> tuple[Path, Path, Judge]:
     """A spoiled input: what is read, the file that was spoiled, and its judge."""
-    kind = rng.choice(["campaign", "config", "model", "plan"], p=[0.76, 0.08, 0.08, 0.08])
+    kind = rng.choice(list(KINDS), p=list(KINDS.values()))
     if kind == "campaign":
         place = shutil.copytree(EXAMPLE, folder / "campaign")
         files = sorted(path for path in place.rglob("*") if path.is_file())
         # Every file is worth a look, but the description and the list of trials more.
         weight = np.array([6.0 if path.parent == place else 1.0 for path in files])
         target = files[int(rng.choice(len(files), p=weight / weight.sum()))]
-        judge = judge_campaign
+        judge: Judge = judge_campaign
+    elif kind == "source":
+        place = target = write_source(folder, rng)
+        judge = judge_source
+    elif kind == "artifact":
+        place = target = shutil.copy(_make_artifact(), folder / "angles.nc")
+        judge = judge_artifact
     else:
         place = target = folder / f"{kind}.yaml"
-        text = {
-            "config": (PROJECT / "config/quick.yaml").read_text(encoding="utf-8"),
-            "model": MODEL,
-            "plan": (PROJECT / "docs/rig/plan.yaml").read_text(encoding="utf-8"),
+        text, read = {
+            "config": ((PROJECT / "config/quick.yaml").read_text(encoding="utf-8"), read_config),
+            "model": (MODEL, read_model_file),
+            "plan": ((PROJECT / "docs/rig/plan.yaml").read_text(encoding="utf-8"), read_plan),
+            "import": (IMPORT, read_import_description),
         }[kind]
         target.write_text(text, encoding="utf-8")
-        reader = {"config": read_config, "model": read_model_file, "plan": read_plan}[kind]
 
         def judge(path: Path) -> str:
-            reader(path)
+            read(path)
             return "used"
 
     content = target.read_bytes()
@@ -128,6 +152,49 @@ def make_input(rng: np.random.Generator, folder: Path) -> tuple[Path, Path, Call
         content = spoil_text(content, rng)
     target.write_bytes(content)
     return place, target, judge
+
+
+def write_source(folder: Path, rng: np.random.Generator) -> Path:
+    """Recordings of a rig that is not ours: one of the layouts that `import` reads."""
+    rows = [["Zeit [s]", "Trial", "Winkel [deg]", "Kraft [N]"]]
+    for trial in ("a", "b"):
+        for k in range(40):
+            motion = 12.0 * (1.0 - 2.0 ** (-k / 8))
+            rows.append([f"{0.1 * k:.1f}", trial, f"{motion:.4f}", f"{2.0 * (k > 0):.1f}"])
+    layout = str(rng.choice(["comma", "semicolon", "tab", "workbook"]))
+    if layout == "workbook":
+        write_book(folder / "source.xlsx", {"one": rows})
+        return folder / "source.xlsx"
+    comma = layout == "semicolon"
+    between = {"comma": ",", "semicolon": ";", "tab": "\t"}[layout]
+    text = "\n".join(between.join(row) for row in rows)
+    path = folder / "source.csv"
+    path.write_text(text.replace(".", ",") if comma else text, encoding="utf-8")
+    return path
+
+
+@cache
+def _make_artifact() -> Path:
+    path = Path(tempfile.mkdtemp(prefix="fuzz_")) / "angles.nc"
+    run = describe_run("angles", {}, {})
+    save_artifact(assemble_angles(check(EXAMPLE)[0], []), SPEC, path, run)
+    return path
+
+
+def judge_source(path: Path) -> str:
+    """Import recordings; what is used must be finite motions at times that increase."""
+    for trial in read_recordings(path, ImportDescription()).trials:
+        if not (np.diff(trial.time) > 0).all() or np.isinf(trial.motion).any():
+            raise AssertionError(f"trial {trial.name}: times or motions that cannot be")
+    return "used"
+
+
+def judge_artifact(path: Path) -> str:
+    """Open an artifact; what is damaged must be refused."""
+    found = open_artifact(path, SPEC)
+    if not found.identical(open_artifact(_make_artifact(), SPEC)):
+        raise AssertionError("a damaged artifact was used")
+    return "used"
 
 
 def judge_campaign(folder: Path) -> str:

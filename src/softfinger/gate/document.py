@@ -67,21 +67,40 @@ def read_document(path: Path) -> Document:
     Fault
         It cannot be read, is no such document or exceeds a limit; the message names the line.
     """
-    text = read_text(path, LARGEST_BYTES)
-    try:
-        reader = _EventReader(YAML(typ="safe", pure=True).parse(text))
-        content = reader.read_document()
-    except _Refusal as refusal:
-        raise Fault(f"{path}, line {refusal.line}: {refusal}") from None
-    except YAMLError as error:
-        reason = " ".join(str(error).split())[:300]
-        raise Fault(f"{path}: it is not YAML: {reason}") from None
-    except (ValueError, AssertionError, LookupError, TypeError, AttributeError):
-        # The parser's own slips, on escapes and directives that are out of range.
-        raise Fault(f"{path}: it is not YAML: an escape or a directive in it is wrong") from None
+    content, lines = _parse(read_text(path, LARGEST_BYTES), str(path))
     if not isinstance(content, dict):
         raise Fault(f"{path}: expected keys and values, as in 'version: 1'")
-    return Document(content, reader.lines)
+    return Document(content, lines)
+
+
+def read_value(text: str, place: str) -> Any:  # noqa: ANN401 (a YAML tree contains anything)
+    """Read one plain value of YAML, under the same rules.
+
+    Parameters
+    ----------
+    place
+        Where the text is from, as a fault shall name it.
+
+    Raises
+    ------
+    Fault
+        As :func:`read_document`.
+    """
+    return _parse(text, place)[0]
+
+
+def _parse(text: str, place: str) -> tuple[Any, dict[Place, int]]:
+    try:
+        reader = _EventReader(YAML(typ="safe", pure=True).parse(text))
+        return reader.read_document(), reader.lines
+    except _Refusal as refusal:
+        raise Fault(f"{place}, line {refusal.line}: {refusal}") from None
+    except YAMLError as error:
+        reason = " ".join(str(error).split())[:300]
+        raise Fault(f"{place}: it is not YAML: {reason}") from None
+    except (ValueError, AssertionError, LookupError, TypeError, AttributeError):
+        # The parser's own slips, on escapes and directives that are out of range.
+        raise Fault(f"{place}: it is not YAML: an escape or a directive in it is wrong") from None
 
 
 class _Refusal(Exception):

@@ -12,11 +12,12 @@ from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import Field, ValidationError, model_validator
-from ruamel.yaml import YAML, YAMLError
+from ruamel.yaml import YAML
 
 from softfinger.campaign import DeclaredFinger
 from softfinger.campaign.section import DeclaredSection
 from softfinger.campaign.specimen import Unit, Words
+from softfinger.gate import read_document, read_value
 from softfinger.importing.faults import ImportFault, ImportFaults
 
 FILE_NAME = "import.yaml"
@@ -186,25 +187,17 @@ def read_import_description(path: Path | None, settings: Sequence[str] = ()) -> 
             raise ImportFault(
                 f"{path}: the file does not exist; run with --dry-run to have one written"
             )
-        content = _load(path.read_text(encoding="utf-8"), str(path))
+        content = dict(read_document(path).content)
     for setting in settings:
         key, equals, value = setting.partition("=")
         if not equals:
             raise ImportFault(f"--set {setting}: expected key=value, as in clock.unit=ms")
-        _put(content, key.strip().split("."), _load(value, f"--set {setting}"))
+        _put(content, key.strip().split("."), read_value(value, f"--set {setting}"))
     try:
         return ImportDescription.model_validate(content)
     except ValidationError as error:
         faults = [_describe(fault) for fault in error.errors()]
         raise ImportFaults(str(path or "--set"), faults) from None
-
-
-def _load(text: str, place: str) -> Any:  # noqa: ANN401
-    try:
-        content = YAML(typ="safe").load(text)
-    except YAMLError as error:
-        raise ImportFault(f"{place}: it is not YAML: {' '.join(str(error).split())}") from None
-    return {} if content is None else content
 
 
 def _put(content: dict[str, Any], keys: Sequence[str], value: object) -> None:

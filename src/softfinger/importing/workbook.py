@@ -41,12 +41,15 @@ def read_sheets(path: Path, name: Path, *, hidden: bool = False) -> tuple[list[S
         It is no workbook, or protected by a password.
     """
     try:
-        book = CalamineWorkbook.from_path(str(path))
+        return _read_book(CalamineWorkbook.from_path(str(path)), name, hidden)
     except (CalamineError, OSError) as error:
         raise ImportFault(
             f"{name}: it cannot be read as a workbook ({error}); save it without a password as "
             ".xlsx, or export its sheets as CSV"
         ) from None
+
+
+def _read_book(book: CalamineWorkbook, name: Path, hidden: bool) -> tuple[list[Sheet], list[str]]:
     sheets, dropped = [], []
     for about in book.sheets_metadata:
         if about.typ != SheetTypeEnum.WorkSheet:

@@ -3,6 +3,7 @@
 import pytest
 
 from softfinger.faults import Fault
+from softfinger.importing import read_import_description
 
 TABLE = "time (s),angle (deg),force (N)\n" + "".join(f"{t},{t * t},{t}\n" for t in range(12))
 
@@ -80,3 +81,24 @@ def test_a_wrong_description(write, read, key, said):
 def test_no_motion(write, read):
     said = refuse(read, write("a.csv", "time,force\n" + "".join(f"{t},{t}\n" for t in range(9))))
     assert "no column looks like a motion; there are time, force" in said
+
+
+def test_a_damaged_sheet_is_refused(tmp_path, read, write_book):
+    folder = write_book("a.xlsx", {"first": [["t", "x"], [0, 1], [1, 2]]})
+    path = folder / "a.xlsx"
+    content = bytearray(path.read_bytes())
+    content[content.index(b"<sheetData>") + 3] ^= 4
+    path.write_bytes(bytes(content))
+    assert "a.xlsx: it cannot be read as a workbook" in refuse(read, folder)
+
+
+def test_a_description_passes_the_gate(tmp_path):
+    path = tmp_path / "import.yaml"
+    path.write_text("a: &a [1]\nb: *a\n")
+    with pytest.raises(Fault, match="line 2: it contains a YAML alias"):
+        read_import_description(path)
+    path.write_bytes(b"name: \xff\n")
+    with pytest.raises(Fault, match="is not UTF-8 text"):
+        read_import_description(path)
+    with pytest.raises(Fault, match="--set name=!!int x, line 1: it contains the YAML tag"):
+        read_import_description(None, ["name=!!int x"])
