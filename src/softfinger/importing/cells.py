@@ -124,9 +124,9 @@ def _read_with_unit(text: str, unit: str, decimal: str) -> float:
     found = WITH_UNIT.fullmatch(text)
     if not found or not is_unit(found[5]):
         return np.nan
-    number = float(_drop_thousands(pd.Series([found[1]]), decimal).iloc[0])
+    number = pd.to_numeric(_drop_thousands(pd.Series([found[1]]), decimal), errors="coerce")
     try:
-        return number * find_factor(found[5], unit or found[5])
+        return float(number.iloc[0]) * find_factor(found[5], unit or found[5])
     except Fault:
         return np.nan
 

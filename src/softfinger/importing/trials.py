@@ -152,7 +152,7 @@ def find_restarts(seconds: np.ndarray) -> np.ndarray:
 
 
 def _split_by_clock(table: RawTable, description: ImportDescription) -> list[Run]:
-    column = description.clock.column or list_clocks(table)[0][0]
+    column = description.clock.column or _find_clock(table)
     seconds = read_times(table, column, description.clock.unit).seconds
     edges = [0, *find_restarts(seconds), len(seconds)]
     stem = table.sheet or table.file.stem
@@ -161,6 +161,16 @@ def _split_by_clock(table: RawTable, description: ImportDescription) -> list[Run
         Run(f"{stem} {k + 1}" if len(pieces) > 1 else stem, {"": table.take(rows)})
         for k, rows in enumerate(pieces)
     ]
+
+
+def _find_clock(table: RawTable) -> str:
+    clocks = list_clocks(table)
+    if not clocks:
+        raise ImportFault(
+            f"{table.place}: no column is a clock that starts anew with each trial; type clock: "
+            "{column: …}, or trials: {by: file} where each file is one trial"
+        )
+    return clocks[0][0]
 
 
 def _split_sideways(

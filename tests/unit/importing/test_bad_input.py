@@ -102,3 +102,14 @@ def test_a_description_passes_the_gate(tmp_path):
         read_import_description(path)
     with pytest.raises(Fault, match="--set name=!!int x, line 1: it contains the YAML tag"):
         read_import_description(None, ["name=!!int x"])
+
+
+def test_a_number_with_two_points_and_a_unit_is_no_number(write, read):
+    assert refuse(read, write("a.csv", "x\t3.0. mm\t1\n" * 5))
+
+
+def test_trials_by_a_clock_need_a_clock(write, read):
+    table = "angle (deg),force (N)\n" + "3.0,1.0\n2.0,1.5\n" * 6
+    said = refuse(read, write("a.csv", table), "trials.by=clock")
+    assert "a.csv: no column is a clock" in said
+    assert "type clock: {column: …}" in said
