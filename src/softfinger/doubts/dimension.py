@@ -98,9 +98,11 @@ def doubt_range(
 
 
 def _doubt_noise(trials: Sequence[TrialFeatures], declared: float) -> Iterator[Doubt]:
-    seen = float(np.nanmedian([trial.noise for trial in trials]))
-    if not np.isfinite(declared) or not seen > 0:
+    noise = np.concatenate([trial.noise for trial in trials])
+    shown = noise[noise > 0]
+    if not np.isfinite(declared) or not shown.size:
         return
+    seen = float(np.median(shown))
     ratio = declared / seen
     if not DECLARED_NOISE[0] <= ratio <= DECLARED_NOISE[1]:
         yield Doubt(

@@ -101,6 +101,8 @@ def _doubt_unexplained(trials: Sequence[TrialFeatures], of: int) -> Iterator[Dou
         return
     reach = np.array([np.abs(trial.moved).max() for trial in clear])
     clear = [t for t, r in zip(clear, reach, strict=True) if r > MUCH * np.median(reach)]
+    if not clear:  # motions without a size: no frame after the load
+        return
     left = np.array([trial.unexplained for trial in clear])
     apart = find_apart(np.log(left + 1e-9), np.log(LEAST_RATIO)) & (left > 0.3)
     if np.median(left) > UNRELATED:
