@@ -11,14 +11,13 @@ from softfinger.importing.reshape import widen
 from softfinger.importing.sheet import split_tables
 from softfinger.importing.table import RawTable
 from softfinger.importing.text import read_sheet
-from softfinger.importing.tracking_files import read_hdf5, read_netcdf
+from softfinger.importing.tracking_files import READERS, read_points
 from softfinger.importing.workbook import read_sheets
 
 TEXT = frozenset(
     [".csv", ".tsv", ".txt", ".dat", ".asc", ".tab", ".prn", ".lvm", ".log", ".out", ".data"]
 )
 BOOKS = frozenset([".xlsx", ".xls", ".xlsm", ".xlsb", ".ods"])
-OTHERS = {".h5": read_hdf5, ".hdf5": read_hdf5, ".nc": read_netcdf}
 PROSE = frozenset(["readme", "license", "licence", "source", "changelog", "notes"])
 
 
@@ -78,7 +77,7 @@ def _list_files(source: Path, asked: Tables, dropped: list[str]) -> Iterator[tup
         if any(part.startswith((".", "~$")) for part in name.parts):
             continue
         prose = path.stem.lower() in PROSE
-        if (suffix in TEXT and not prose) or suffix in BOOKS or suffix in OTHERS:
+        if (suffix in TEXT and not prose) or suffix in BOOKS or suffix in READERS:
             yield path, name
         else:
             dropped.append(f"{name}: it is not a table")
@@ -92,8 +91,8 @@ def _sort_key(path: Path) -> list[tuple[int, int | str]]:
 
 def _read_file(path: Path, name: Path, asked: Tables) -> tuple[list[RawTable], list[str]]:
     suffix = path.suffix.lower()
-    if suffix in OTHERS:
-        return OTHERS[suffix](path, name), []
+    if suffix in READERS:
+        return read_points(path, name), []
     if suffix in BOOKS:
         sheets, dropped = read_sheets(path, name, hidden=asked.hidden_sheets)
         if asked.sheets is not None:

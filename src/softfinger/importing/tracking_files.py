@@ -1,5 +1,6 @@
 """SLEAP's analysis HDF5 and `movement`'s NetCDF."""
 
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import h5py
@@ -7,8 +8,44 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from softfinger.faults import Fault
+from softfinger.gate.child import Message, read_in_child
 from softfinger.importing.faults import ImportFault
 from softfinger.importing.table import RawTable
+
+
+def read_points(path: Path, name: Path) -> list[RawTable]:
+    """Read a file of tracked points in a child.
+
+    Each individual becomes a table of points.
+
+    Raises
+    ------
+    ImportFault
+        It cannot be read, or is of another program (:func:`read_hdf5`, :func:`read_netcdf`).
+    """
+    tables = []
+    try:
+        for about, content in read_in_child(send_points, str(path), str(name)):
+            values = content.view(float).reshape(-1, len(about["columns"]))
+            tables.append(
+                RawTable(
+                    name, about["sheet"], pd.DataFrame(values, columns=about["columns"]),
+                    np.arange(len(values)) + 1, about["unit"],
+                )
+            )  # fmt: skip
+    except Fault as fault:
+        said = str(fault).removeprefix(f"{name}: ")
+        raise ImportFault(f"{name}: {said}") from None
+    return tables
+
+
+def send_points(path: str, name: str) -> Iterator[Message]:
+    """Tables of points as messages."""
+    for table in READERS[Path(name).suffix.lower()](Path(path), Path(name)):
+        columns = list(map(str, table.cells.columns))
+        about = {"sheet": table.sheet, "columns": columns, "unit": dict(table.unit)}
+        yield about, table.cells.to_numpy(float)
 
 
 def read_hdf5(path: Path, name: Path) -> list[RawTable]:
@@ -36,7 +73,7 @@ def read_hdf5(path: Path, name: Path) -> list[RawTable]:
     except OSError as error:
         raise ImportFault(f"{name}: it is not an HDF5 file: {error}") from None
     # As MATLAB has it: (track, axis, node, frame).
-    if tracks.shape[1] != 2 and tracks.shape[2] == 2:
+    if tracks.ndim == 4 and tracks.shape[1] != 2 and tracks.shape[2] == 2:
         tracks = tracks.swapaxes(1, 2)
     if tracks.ndim != 4 or tracks.shape[1] != 2 or tracks.shape[2] != len(nodes):
         raise ImportFault(
@@ -114,3 +151,10 @@ def _build(
             columns[f"{node} score"] = trust[:, k]
     unit = {"time": "s"} if clock == "time" else {}
     return RawTable(name, sheet, pd.DataFrame(columns), np.arange(len(time)) + 1, unit)
+
+
+READERS: dict[str, Callable[[Path, Path], list[RawTable]]] = {
+    ".h5": read_hdf5,
+    ".hdf5": read_hdf5,
+    ".nc": read_netcdf,
+}

@@ -9,6 +9,8 @@ import cv2
 import numpy as np
 
 from softfinger.faults import Fault
+from softfinger.gate.child import read_in_child
+from softfinger.gate.pictures import decode_picture
 
 FEWEST_PICTURES = 5
 _FEWEST_CORNERS = 8
@@ -79,9 +81,10 @@ def calibrate_camera(pictures: Sequence[Path], board: Board) -> Calibration:
     found, set_aside = [], {}
     size = None
     for path in pictures:
-        picture = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
-        if picture is None:
-            set_aside[path.name] = "the picture cannot be decoded"
+        try:
+            picture = _read_picture(path)
+        except Fault as fault:
+            set_aside[path.name] = str(fault)
             continue
         size = size or picture.shape[::-1]
         if picture.shape[::-1] != size:
@@ -108,6 +111,12 @@ def calibrate_camera(pictures: Sequence[Path], board: Board) -> Calibration:
         [places for places, _ in found], [corners for _, corners in found], size, None, None
     )
     return Calibration(matrix, distortion.ravel()[:5], rms, sd.ravel()[:2], size, set_aside)
+
+
+def _read_picture(path: Path) -> np.ndarray:
+    for described, content in read_in_child(decode_picture, str(path)):
+        return content.reshape(described["shape"][:2])
+    raise Fault("the picture cannot be decoded")
 
 
 def find_corners(picture: np.ndarray, board: Board) -> tuple[np.ndarray, np.ndarray]:

@@ -1,21 +1,17 @@
 """Frames of a video, one at a time."""
 
-import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")  # its complaints become our sentences
-
-import cv2
 import numpy as np
 
-from softfinger.faults import TrialFault
+from softfinger.faults import Fault, TrialFault
+from softfinger.gate.child import read_in_child
+from softfinger.gate.pictures import decode_video
 
 LARGEST_RATE_ERROR = 0.01
 _PLAUSIBLE_COUNT = 10_000_000
-_NARROWEST_PX, _LARGEST_PX = 16, 100_000_000
-_GREY = cv2.VideoWriter.fourcc(*"Y800")
 
 
 @dataclass(frozen=True)
@@ -45,70 +41,49 @@ def read_frames(path: Path, fps: float) -> Iterator[Frame]:
     ------
     TrialFault
         The file is missing, empty, in a format that cannot be decoded, at a frame rate more than
-        1 % off the declared one, or cut off.
+        1 % off the declared one, or cut off; its pictures differ in size, its clock goes back, or
+        its decoder exceeds :class:`softfinger.gate.child.Limits`.
     """
-    capture = _open(path)
+    messages = _decode(path)
     try:
-        claimed = capture.get(cv2.CAP_PROP_FRAME_COUNT)
-        rate = capture.get(cv2.CAP_PROP_FPS)
-        _check_rate(path, rate, fps)
-        index = 0
-        last = -np.inf
-        while True:
-            read, picture = capture.read()
-            if not read:
-                break
-            picture = picture[:, :, None] if picture.ndim == 2 else picture
-            stamp = capture.get(cv2.CAP_PROP_POS_MSEC) / 1e3
-            time = stamp if stamp > last else index / rate
+        claims, _ = next(messages)
+        _check_rate(path, claims["rate"], fps)
+        index, last = 0, -np.inf
+        for described, content in messages:
+            stamp = described["stamp"]
+            time = stamp if stamp > last else index / claims["rate"]
+            if time <= last:
+                raise TrialFault(
+                    f"{path.name}: its clock goes back from {last:.3f} s to {stamp:.3f} s at frame "
+                    f"{index}; record it again"
+                )
             last = time
-            yield Frame(index, time, picture)
+            yield Frame(index, last, content.reshape(described["shape"]))
             index += 1
     finally:
-        capture.release()
-    _check_count(path, index, claimed, rate)
+        messages.close()
+    _check_count(path, index, claims["frames"], claims["rate"])
 
 
 def peek_pictures(path: Path, shares: Sequence[float]) -> list[np.ndarray]:
     """Reachable pictures at shares of a video."""
-    capture = _open(path)
-    pictures = []
-    try:
-        count = capture.get(cv2.CAP_PROP_FRAME_COUNT)
-        for share in shares if 0 < count < _PLAUSIBLE_COUNT else ():
-            capture.set(cv2.CAP_PROP_POS_FRAMES, int(share * (count - 1)))
-            read, picture = capture.read()
-            if read:
-                pictures.append(picture[:, :, None] if picture.ndim == 2 else picture)
-    finally:
-        capture.release()
-    return pictures
+    messages = _decode(path, shares)
+    claims, _ = next(messages)
+    if not 0 < claims["frames"] < _PLAUSIBLE_COUNT:
+        messages.close()
+    return [content.reshape(described["shape"]) for described, content in messages]
 
 
-def _open(path: Path) -> cv2.VideoCapture:
+def _decode(path: Path, shares: Sequence[float] | None = None) -> Iterator[tuple[dict, np.ndarray]]:
+    """What a child decodes of a video."""
     if not path.is_file():
         raise TrialFault(f"{path.name}: the file {path} does not exist")
     if path.stat().st_size == 0:
         raise TrialFault(f"{path.name}: the file is empty (0 bytes); copy or record it again")
-    capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)  # others speak on stderr
-    if not capture.isOpened():
-        capture.release()
-        raise TrialFault(
-            f"{path.name}: cannot be decoded; it is cut off, is not a video, or has a codec "
-            "that OpenCV does not know; convert it to Motion JPEG or FFV1"
-        )
-    width, height = (
-        int(capture.get(key)) for key in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT)
-    )
-    if min(width, height) < _NARROWEST_PX or width * height > _LARGEST_PX:
-        capture.release()
-        raise TrialFault(
-            f"{path.name}: its pictures have {width} × {height} px; expected at least "
-            f"{_NARROWEST_PX} px on a side and at most {_LARGEST_PX:g} px in all"
-        )
-    if int(capture.get(cv2.CAP_PROP_CODEC_PIXEL_FORMAT)) == _GREY:
-        capture.set(cv2.CAP_PROP_CONVERT_RGB, 0)  # three equal channels would cost a third more
-    return capture
+    try:
+        yield from read_in_child(decode_video, str(path), shares)
+    except Fault as fault:
+        raise TrialFault(f"{path.name}: {fault}") from None
 
 
 def _check_rate(path: Path, rate: float, fps: float) -> None:

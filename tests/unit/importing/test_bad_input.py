@@ -1,5 +1,8 @@
 """What cannot be read is refused with the sheet, the row, the column, and what to type instead."""
 
+import zipfile
+
+import h5py
 import pytest
 
 from softfinger.faults import Fault
@@ -113,3 +116,43 @@ def test_trials_by_a_clock_need_a_clock(write, read):
     said = refuse(read, write("a.csv", table), "trials.by=clock")
     assert "a.csv: no column is a clock" in said
     assert "type clock: {column: …}" in said
+
+
+def add_to_sheet(path, row):
+    """Append a row of XML to a workbook's first sheet."""
+    with zipfile.ZipFile(path) as book:
+        parts = {name: book.read(name) for name in book.namelist()}
+    sheet = "xl/worksheets/s1.xml"
+    parts[sheet] = parts[sheet].replace(b"</sheetData>", row + b"</sheetData>")
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as book:
+        for name, content in parts.items():
+            book.writestr(name, content)
+
+
+@pytest.mark.parametrize("rows", [[["t", "x"], [0, 1], [1, 2]], []])
+def test_a_cell_far_from_the_others_is_refused(rows, read, write_book):
+    folder = write_book("a.xlsx", {"first": rows})
+    far = b'<row r="1048576"><c r="XFD1048576"><v>1</v></c></row>'
+    add_to_sheet(folder / "a.xlsx", far)
+    said = refuse(read, folder)
+    assert "a.xlsx: " in said
+    assert "cells far from the others" in said
+
+
+def test_a_workbook_that_unpacks_to_gigabytes_is_refused(read, write_book):
+    folder = write_book("a.xlsx", {"first": [["t", "x"], [0, 1], [1, 2]]})
+    add_to_sheet(folder / "a.xlsx", b'<row r="4"><c t="str"><v>' + b"x" * 400_000_000)
+    with zipfile.ZipFile(folder / "a.xlsx") as book:
+        assert sum(i.compress_size for i in book.infolist()) < 1_000_000
+    assert "a.xlsx: " in refuse(read, folder)
+
+
+@pytest.mark.parametrize("shape", [(3,), (1, 2, 2), (1, 2, 2, 10**12)])
+def test_an_hdf5_file_of_another_shape_or_of_terabytes_is_refused(tmp_path, read, shape):
+    (tmp_path / "source").mkdir()
+    with h5py.File(tmp_path / "source/a.h5", "w") as file:
+        file.create_dataset("tracks", shape, "f8", chunks=True)
+        file["node_names"] = [b"a", b"b"]
+    said = refuse(read, tmp_path / "source")
+    assert "a.h5: " in said
+    assert ("tracks is" in said) == (len(shape) < 4)
