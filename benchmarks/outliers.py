@@ -51,6 +51,6 @@ def diagnose_one(spec: CaseSpec) -> str:
         folder = Path(name)
         generate_campaign(spec, folder / "campaign", folder / "truth.json")
         found = diagnose_blind(folder / "campaign", folder / "diagnosis", PATIENCE_S)
-    answer = found["decision"]
+    answer = found["verdict"]["decision"]
     print(f"  {spec.protocol}, {spec.trials} trials, {spec.noise} noise: {answer}", flush=True)
     return answer
