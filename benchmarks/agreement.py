@@ -13,6 +13,7 @@ import pytensor.tensor as pt
 import xarray as xr
 from numpy.typing import NDArray
 
+from softfinger.config import read_config
 from softfinger.inference.posterior import Preparation, prepare_fit, sample_posterior
 from softfinger.inference.simulate import build_recording, describe_noise, draw_noise_array
 from softfinger.mechanics.effects.model_file import ModelFile
@@ -26,11 +27,7 @@ EFFECT = {"id": "second_retardation", "form": "own_compliance", "joints": [1], "
 CONTENT = ModelFile.model_validate(
     {"version": 1, "joint": "three_element", "torque": "constant_arm", "effects": [EFFECT]}
 )
-GIBBS = {
-    "sampler": "gibbs", "chains": 4, "tune": 500, "draws": 5000, "cores": 2,
-    "covariance": "independent",
-}  # fmt: skip
-RIVAL_DRAWS = 5000
+RIVAL_DRAWS, OUR_DRAWS = 5000, 5000
 COMPARED_TRIALS, COMPARED_FRAMES_PER_S = 8, 2.0
 COVERED_CAMPAIGNS, COVERED_TRIALS, COVERED_FRAMES_PER_S = 40, 20, 5.0
 
@@ -67,7 +64,8 @@ def compare_with_rival(seed: int) -> float:
     """Largest |Δ mean| / sd of μ, ln σ and φ between ours and the rival."""
     angles = build_campaign(COMPARED_TRIALS, COMPARED_FRAMES_PER_S, seed)
     prepared = prepare_fit(angles, CONTENT)
-    ours, _ = sample_posterior(prepared, GIBBS, np.random.default_rng(seed))
+    config = read_config()["estimation"] | {"draws": OUR_DRAWS}
+    ours, _ = sample_posterior(prepared, config, np.random.default_rng(seed))
     theirs = sample_rival(angles, prepared, seed)
     worst = 0.0
     for name, draws in theirs.items():
@@ -131,7 +129,7 @@ def measure_coverage() -> float:
     for seed in range(COVERED_CAMPAIGNS):
         angles = build_campaign(COVERED_TRIALS, COVERED_FRAMES_PER_S, 1000 + seed)
         prepared = prepare_fit(angles, CONTENT)
-        config = GIBBS | {"chains": 2, "draws": 1000}
+        config = read_config()["estimation"]
         drawn, _ = sample_posterior(prepared, config, np.random.default_rng(seed))
         stiffness = float(prepared.recorded.problem.setting.stiffness[0])
         truth = {"phi_0": SHARE * stiffness / STIFFNESS, "phi_1": np.log(TIME_S)}

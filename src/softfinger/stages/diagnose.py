@@ -17,7 +17,12 @@ from softfinger.artifacts.specs import measurement as measurement_spec
 from softfinger.artifacts.specs import ranking as ranking_spec
 from softfinger.artifacts.specs import repair as repair_spec
 from softfinger.doubts import find_doubts
-from softfinger.mechanics.effects.model_file import FittedTo, read_model_file, write_model_file
+from softfinger.mechanics.effects.model_file import (
+    FittedTo,
+    note_origin,
+    read_model_file,
+    write_model_file,
+)
 from softfinger.mismatch.diagnose import diagnose as find_left_out
 from softfinger.mismatch.experiment.proposal import propose_experiment
 from softfinger.mismatch.tables.outcome import describe_repair, tabulate_diagnosis
@@ -79,6 +84,7 @@ def diagnose(
         campaign=str(recorded.attrs["campaign"]), sha256=provenance.inputs["angles"]
     )
     priors = content is None or not content.was_fitted_to(fitted_to.sha256)
+    note_origin(content, fitted_to.sha256)
     found = find_left_out(recorded, config, stream, content=content, priors=priors)
     tables = tabulate_diagnosis(found, recorded, config, stream)
     for name, path in artifacts.items():

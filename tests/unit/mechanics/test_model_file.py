@@ -7,6 +7,7 @@ from softfinger.mechanics.effects.model_file import (
     FittedTo,
     build_model,
     describe_model,
+    note_origin,
     read_model_file,
     read_strength,
     write_model_file,
@@ -68,7 +69,7 @@ def test_a_fitted_model_returns_from_its_file(write, tmp_path):
     content = describe_model(model, mean, np.diag(sd**2), FittedTo(campaign="b", sha256="0" * 64))
     write_model_file(content, tmp_path / "one.yaml")
     again = read_model_file(tmp_path / "one.yaml")
-    assert again == content
+    assert again.model_dump() == content.model_dump()
     found = build_model(again, SETTING).shared_prior
     np.testing.assert_allclose(found, [mean, sd], rtol=1e-6)
     write_model_file(again, tmp_path / "two.yaml")
@@ -107,3 +108,36 @@ def test_an_effect_without_strength_cannot_be_simulated(write):
     text = TEXT.replace("priors: {delay_s: {mean: 0.02, sd: 0.01}}", "priors: {}")
     with pytest.raises(Fault, match="gives camera_delay no strength: add priors for delay_s"):
         read_strength(build_model(read_model_file(write(text)), SETTING))
+
+
+def test_a_refusal_names_the_file_and_the_line(write):
+    path = write(TEXT.replace("second_retardation", "another"))
+    with pytest.raises(
+        ListedFault, match=r"line 5, effect 1 \(another\): unknown effect"
+    ) as caught:
+        build_model(read_model_file(path), SETTING)
+    assert str(path) in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("prior", "said"),
+    [
+        ("{median: 4.0, unit: min}", "retardation_time_s.unit: this key is unknown"),
+        ("{median: 4.0}", "retardation_time_s.log_sd: this key is missing"),
+        ("{mean: 4.0, sd: -1}", "retardation_time_s.sd: is '-1'; input should be greater than 0"),
+        ("4.0", "retardation_time_s: expected keys, as in"),
+    ],
+)
+def test_a_wrong_prior_is_refused_in_one_sentence(write, prior, said):
+    path = write(TEXT.replace("{median: 4.0, log_sd: 0.1}", prior))
+    with pytest.raises(ListedFault, match=f"line 10, effects.0.priors.{said}"):
+        read_model_file(path)
+
+
+def test_a_model_of_other_recordings_is_noted(write, capsys):
+    content = read_model_file(write(TEXT))
+    note_origin(content, "ab" * 32)
+    note_origin(None, "ab" * 32)
+    assert capsys.readouterr().out == ""
+    note_origin(content, "cd" * 32)
+    assert "it was fitted to other recordings (campaign 'a rig')" in capsys.readouterr().out

@@ -15,40 +15,32 @@ from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import (
+    Field,
+    PrivateAttr,
+    ValidationError,
+)
 from ruamel.yaml import YAML
 
-from softfinger.faults import Fault, ListedFault
+from softfinger.faults import Fault, ListedFault, show
 from softfinger.gate import read_document
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.effect import Setting
 from softfinger.mechanics.effects.law_file import LawEntry, describe_laws, read_laws
 from softfinger.mechanics.effects.model import EffectModel, Entry, Known, Piece
+from softfinger.mechanics.effects.priors_of_file import (
+    LogNormalPrior,
+    NormalPrior,
+    Part,
+    Prior,
+    describe_fault,
+)
 
 DIGITS = 7
 Joint = Annotated[int, Field(ge=1)]
-Positive = Annotated[float, Field(gt=0.0)]
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True)
-
-
-class NormalPrior(_Part):
-    """A parameter that is normal, in its own unit."""
-
-    mean: float
-    sd: Positive
-
-
-class LogNormalPrior(_Part):
-    """A positive parameter whose natural logarithm is normal."""
-
-    median: Positive
-    log_sd: Positive
-
-
-class EffectEntry(_Part):
+class EffectEntry(Part):
     """One effect in one form.
 
     A form of pairs of joints names them as [[2, 1]]: 2 moved by 1.
@@ -58,30 +50,53 @@ class EffectEntry(_Part):
 
     id: str
     form: str
-    joints: list[Joint | tuple[Joint, Joint]] = []
+    joints: list[Joint | tuple[Joint, Joint]] = Field(default_factory=list)
     law: LawEntry | list[LawEntry] | None = None
-    priors: dict[str, NormalPrior | LogNormalPrior] = {}
+    priors: dict[str, Prior] = Field(default_factory=dict)
 
 
-class FittedTo(_Part):
+class FittedTo(Part):
     """The recordings that a model was fitted to."""
 
     campaign: str
     sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
 
 
-class ModelFile(_Part):
-    """The content of a model file."""
+class ModelFile(Part):
+    """The content of a model file, and where it was read."""
 
     version: Literal[1]
     joint: Literal["three_element"]
     torque: Literal["constant_arm"]
     effects: list[EffectEntry]
     fitted_to: FittedTo | None = None
+    _place: str = PrivateAttr("the model")
+    _lines: dict[int, int] = PrivateAttr(default_factory=dict)
+
+    @property
+    def place(self) -> str:
+        """The file, for messages."""
+        return self._place
 
     def was_fitted_to(self, sha256: str) -> bool:
         """Whether priors come from `angles` of this hash."""
         return self.fitted_to is not None and self.fitted_to.sha256 == sha256
+
+    def describe_origin(self, sha256: str) -> str | None:
+        """What to know of a model from other recordings."""
+        if self.fitted_to is None or self.was_fitted_to(sha256):
+            return None
+        return (
+            f"{self.place}: it was fitted to other recordings (campaign "
+            f"{show(self.fitted_to.campaign)}), and its priors count as knowledge from there; "
+            "remove `priors` and `fitted_to` to have everything estimated from these"
+        )
+
+    def name_effect(self, number: int) -> str:
+        """An effect's place, for messages; counted from 1."""
+        line = self._lines.get(number)
+        where = f"line {line}, " if line else ""
+        return f"{where}effect {number} ({self.effects[number - 1].id})"
 
 
 def read_model_file(path: Path | str) -> ModelFile:
@@ -96,14 +111,24 @@ def read_model_file(path: Path | str) -> ModelFile:
     """
     document = read_document(Path(path))
     try:
-        return ModelFile.model_validate(document.content)
+        content = ModelFile.model_validate(document.content)
     except ValidationError as error:
         faults = [
-            f"line {document.find_line(fault['loc'])}, "
-            f"{'.'.join(map(str, fault['loc'])) or 'top level'}: {fault['msg']}"
+            f"line {document.find_line(fault['loc'])}, {describe_fault(fault)}"
             for fault in error.errors()
         ]
         raise ListedFault(str(path), faults) from None
+    numbers = range(1, len(content.effects) + 1)
+    content._place = str(path)
+    content._lines = {n: document.find_line(("effects", n - 1)) for n in numbers}
+    return content
+
+
+def note_origin(content: ModelFile | None, sha256: str) -> None:
+    """Print what to know of a model from other recordings."""
+    said = content and content.describe_origin(sha256)
+    if said:
+        print(said)
 
 
 def write_model_file(content: ModelFile, path: Path | str) -> None:
@@ -134,7 +159,7 @@ def build_model(content: ModelFile, setting: Setting, *, priors: bool = True) ->
     faults: list[str] = []
     pieces, known = [], {}
     for number, entry in enumerate(content.effects, start=1):
-        place = f"effect {number} ({entry.id})"
+        place = content.name_effect(number)
         piece = _build_piece(entry, setting, place, faults)
         if piece is None:
             continue
@@ -145,7 +170,7 @@ def build_model(content: ModelFile, setting: Setting, *, priors: bool = True) ->
         known |= _read_priors(entry, alone, place, faults)
         known |= read_laws(entry.law, alone, place, faults)
     if faults:
-        raise ListedFault("the model file", faults)
+        raise ListedFault(content.place, faults)
     return EffectModel(setting, tuple(pieces), known if priors else {})
 
 
@@ -165,7 +190,8 @@ def read_strength(model: EffectModel) -> NDArray[np.float64]:
         if not np.any(middle[mine]):
             names = ", ".join(model.entries[k].name for k in mine)
             raise Fault(
-                f"the model file gives {piece.effect.id} no strength: add priors for {names}"
+                f"the model gives {piece.effect.id} no strength: add priors for {names} to the "
+                "model file"
             )
     return middle
 

@@ -122,7 +122,7 @@ def test_a_law_returns_from_its_file_and_keeps_its_argument(name, tmp_path):
     content = describe_model(model, mean, 1e-6 * np.eye(len(mean)), None)
     write_model_file(content, tmp_path / "model.yaml")
     again = read_model_file(tmp_path / "model.yaml")
-    assert again == content
+    assert again.model_dump() == content.model_dump()
     found = build_model(again, model.setting)
     np.testing.assert_allclose(found.shared_prior[0], mean, atol=1e-5)
     # a campaign of smaller angles and loads has the same law of the same argument
