@@ -94,8 +94,7 @@ class ModelFile(Part):
 
     def name_effect(self, number: int) -> str:
         """An effect's place, for messages; counted from 1."""
-        line = self._lines.get(number)
-        where = f"line {line}, " if line else ""
+        where = f"line {self._lines[number]}, " if number in self._lines else ""
         return f"{where}effect {number} ({self.effects[number - 1].id})"
 
 
@@ -126,8 +125,7 @@ def read_model_file(path: Path | str) -> ModelFile:
 
 def note_origin(content: ModelFile | None, sha256: str) -> None:
     """Print what to know of a model from other recordings."""
-    said = content and content.describe_origin(sha256)
-    if said:
+    if content and (said := content.describe_origin(sha256)):
         print(said)
 
 
