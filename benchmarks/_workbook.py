@@ -1,4 +1,4 @@
-"""A workbook (.xlsx) as a laboratory's program writes it, without a library for it."""
+"""A workbook (.xlsx), written without a library."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""The posterior with an effect in the model: beside a plain rival, and against known truths.
+"""The posterior of a model with an effect.
+
+It is compared with a plain rival and with known truths.
 
 One joint creeps on a second time scale under a step of load. The rival is the same model written
 anew in PyMC: every frame by itself, AR(1) noise, non-centred, sampled by nutpie. Ours is the
@@ -34,7 +36,7 @@ COVERED_CAMPAIGNS, COVERED_TRIALS, COVERED_FRAMES_PER_S = 40, 20, 5.0
 
 @on_one_thread
 def measure_long() -> dict[str, float]:
-    """Largest shift of a mean against the rival, in its sd; coverage of 90 % intervals."""
+    """Agreement with the rival, and coverage of 90 % intervals."""
     return {
         "posterior_shift_with_effect": compare_with_rival(1),
         "posterior_coverage_90_with_effect": measure_coverage(),
@@ -61,7 +63,7 @@ def move(k_v: NDArray, c_v: NDArray, c_p: NDArray, moment: NDArray) -> NDArray:
 
 
 def compare_with_rival(seed: int) -> float:
-    """Largest |Δ mean| / sd of μ, ln σ and φ between ours and the rival."""
+    """Largest |Δ mean| / sd of μ, ln σ and φ."""
     angles = build_campaign(COMPARED_TRIALS, COMPARED_FRAMES_PER_S, seed)
     prepared = prepare_fit(angles, CONTENT)
     config = read_config()["estimation"] | {"draws": OUR_DRAWS}
@@ -124,7 +126,7 @@ def sample_rival(
 
 
 def measure_coverage() -> float:
-    """Share of 90 % intervals of μ, σ and φ that contain the truth."""
+    """Coverage of 90 % intervals of μ, σ and φ."""
     inside = []
     for seed in range(COVERED_CAMPAIGNS):
         angles = build_campaign(COVERED_TRIALS, COVERED_FRAMES_PER_S, 1000 + seed)

@@ -123,7 +123,7 @@ Judge = Callable[[Path], str]
 
 
 def make_input(rng: np.random.Generator, folder: Path) -> tuple[Path, Path, Judge]:
-    """A spoiled input: what is read, the file that was spoiled, and its judge."""
+    """What is read, the file that was spoiled, the judge."""
     kind = rng.choice(list(KINDS), p=list(KINDS.values()))
     if kind == "campaign":
         place = shutil.copytree(EXAMPLE, folder / "campaign")
@@ -160,7 +160,7 @@ def make_input(rng: np.random.Generator, folder: Path) -> tuple[Path, Path, Judg
 
 
 def write_source(folder: Path, rng: np.random.Generator) -> Path:
-    """Recordings of a rig that is not ours: one of the layouts that `import` reads."""
+    """Recordings of others, in one of four layouts."""
     rows = [["Zeit [s]", "Trial", "Winkel [deg]", "Kraft [N]"]]
     for trial in ("a", "b"):
         for k in range(40):

@@ -1,6 +1,7 @@
-"""What a diagnosis answers for clean campaigns in which 1 to 2 % of the frames are gross errors.
+"""What is answered for clean campaigns with gross errors.
 
-The proof's generator draws them, under three protocols and every kind of noise.
+They are 1 to 2 % of the frames. The proof's generator draws them, under three protocols and every
+kind of noise.
 """
 
 from __future__ import annotations

@@ -19,7 +19,6 @@ from softfinger.artifacts.specs import repair as repair_spec
 from softfinger.doubts import find_doubts
 from softfinger.mechanics.effects.model_file import (
     FittedTo,
-    note_origin,
     read_model_file,
     write_model_file,
 )
@@ -84,7 +83,8 @@ def diagnose(
         campaign=str(recorded.attrs["campaign"]), sha256=provenance.inputs["angles"]
     )
     priors = content is None or not content.was_fitted_to(fitted_to.sha256)
-    note_origin(content, fitted_to.sha256)
+    if content and (said := content.describe_origin(fitted_to.sha256)):
+        print(said)
     found = find_left_out(recorded, config, stream, content=content, priors=priors)
     tables = tabulate_diagnosis(found, recorded, config, stream)
     for name, path in artifacts.items():

@@ -8,7 +8,7 @@ from softfinger.artifacts import open_artifact, save_tree
 from softfinger.artifacts.specs import angles as angles_spec
 from softfinger.artifacts.specs import posterior as posterior_spec
 from softfinger.inference.posterior import fit_posterior
-from softfinger.mechanics.effects.model_file import note_origin, read_model_file
+from softfinger.mechanics.effects.model_file import read_model_file
 from softfinger.provenance import derive_seed, describe_run
 from softfinger.stages.linear_algebra import on_one_thread
 
@@ -38,7 +38,8 @@ def fit(
     stream = derive_seed(seed, "fit")
     content = None if model is None else read_model_file(model)
     priors = content is None or not content.was_fitted_to(provenance.inputs["angles"])
-    note_origin(content, provenance.inputs["angles"])
+    if content and (said := content.describe_origin(provenance.inputs["angles"])):
+        print(said)
     settings = {**config, "cores": cores}
     tree = fit_posterior(recorded, settings, stream, content, priors=priors)
     save_tree(tree, posterior_spec.SPEC, posterior, provenance)

@@ -7,7 +7,6 @@ from softfinger.mechanics.effects.model_file import (
     FittedTo,
     build_model,
     describe_model,
-    note_origin,
     read_model_file,
     read_strength,
     write_model_file,
@@ -134,10 +133,8 @@ def test_a_wrong_prior_is_refused_in_one_sentence(write, prior, said):
         read_model_file(path)
 
 
-def test_a_model_of_other_recordings_is_noted(write, capsys):
+def test_a_model_of_other_recordings_has_a_note(write):
     content = read_model_file(write(TEXT))
-    note_origin(content, "ab" * 32)
-    note_origin(None, "ab" * 32)
-    assert capsys.readouterr().out == ""
-    note_origin(content, "cd" * 32)
-    assert "it was fitted to other recordings (campaign 'a rig')" in capsys.readouterr().out
+    assert content.describe_origin("ab" * 32) is None
+    said = content.describe_origin("cd" * 32)
+    assert "it was fitted to other recordings (campaign 'a rig')" in said

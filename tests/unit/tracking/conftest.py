@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from softfinger.campaign import Camera
+from softfinger.faults import TrialFault
 from softfinger.tracking.artificial import draw_disc, expose
+from softfinger.tracking.video import read_frames
 
 ROWS, COLUMNS = 150, 220
 SCALE = 0.0005  # m/px
@@ -77,3 +79,24 @@ def rig(tmp_path):
 @pytest.fixture
 def rng():
     return np.random.default_rng(20)
+
+
+@pytest.fixture
+def read():
+    """Every frame of a video."""
+    return lambda path, fps=30.0: list(read_frames(path, fps))
+
+
+@pytest.fixture
+def refuse(read):
+    """The one sentence that refuses a video; it begins with the file's name."""
+
+    def refused(path, fps=30.0) -> str:
+        with pytest.raises(TrialFault) as caught:
+            read(path, fps)
+        said = str(caught.value)
+        assert said.startswith(path.name)
+        assert "\n" not in said
+        return said
+
+    return refused

@@ -1,8 +1,7 @@
 import numpy as np
 import pytest
 
-from softfinger.faults import TrialFault
-from softfinger.tracking.video import peek_pictures, read_frames
+from softfinger.tracking.video import peek_pictures
 
 
 @pytest.fixture
@@ -10,20 +9,7 @@ def pictures(rng):
     return [rng.integers(0, 255, (48, 66, 1), dtype=np.uint8) for _ in range(20)]
 
 
-def read(path, fps=30.0):
-    return list(read_frames(path, fps))
-
-
-def refuse(path, fps=30.0):
-    with pytest.raises(TrialFault) as caught:
-        read(path, fps)
-    sentence = str(caught.value)
-    assert path.name in sentence
-    assert "\n" not in sentence
-    return sentence
-
-
-def test_frames_come_in_order_with_their_times(rig, pictures):
+def test_frames_come_in_order_with_their_times(rig, pictures, read):
     frames = read(rig.film(pictures, fps=25.0), 25.0)
     assert [frame.index for frame in frames] == list(range(20))
     np.testing.assert_allclose([frame.time for frame in frames], np.arange(20) / 25.0, atol=1e-6)
@@ -31,25 +17,25 @@ def test_frames_come_in_order_with_their_times(rig, pictures):
         np.testing.assert_array_equal(frame.picture[:, :, -1], picture[:, :, 0])
 
 
-def test_a_missing_file_is_said(tmp_path):
+def test_a_missing_file_is_said(tmp_path, refuse):
     assert "does not exist" in refuse(tmp_path / "none.avi")
 
 
-def test_an_empty_file_is_said(tmp_path):
+def test_an_empty_file_is_said(tmp_path, refuse):
     path = tmp_path / "empty.avi"
     path.touch()
     assert "0 bytes" in refuse(path)
 
 
 @pytest.mark.parametrize("content", [b"\x00\x01garbage" * 500, b"time_s,q1_rad\n0,0\n"])
-def test_what_is_no_video_is_said(tmp_path, content):
+def test_what_is_no_video_is_said(tmp_path, content, refuse):
     path = tmp_path / "odd.avi"
     path.write_bytes(content)
     assert "cannot be decoded" in refuse(path)
 
 
 @pytest.mark.parametrize(("name", "codec"), [("a.avi", "MJPG"), ("a.mkv", "FFV1")])
-def test_a_truncated_file_is_said(rig, pictures, name, codec):
+def test_a_truncated_file_is_said(rig, pictures, name, codec, refuse):
     path = rig.film(pictures, name, codec=codec)
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     said = refuse(path)
@@ -57,13 +43,13 @@ def test_a_truncated_file_is_said(rig, pictures, name, codec):
     assert "20" in said
 
 
-def test_a_truncated_mp4_is_said(rig, pictures):
+def test_a_truncated_mp4_is_said(rig, pictures, refuse):
     path = rig.film(pictures, "a.mp4", codec="mp4v")
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     assert "cannot be decoded" in refuse(path)
 
 
-def test_a_wrong_frame_rate_is_said_and_one_per_cent_is_allowed(rig, pictures):
+def test_a_wrong_frame_rate_is_said_and_one_per_cent_is_allowed(rig, pictures, read, refuse):
     path = rig.film(pictures, fps=30.0)
     said = refuse(path, 60.0)
     assert "30" in said

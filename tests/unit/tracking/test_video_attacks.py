@@ -8,7 +8,6 @@ import cv2
 import numpy as np
 import pytest
 
-from softfinger.faults import TrialFault
 from softfinger.tracking.video import read_frames
 
 HUGE = 100_000
@@ -51,52 +50,43 @@ def edit_box(path: Path, name: bytes, edit) -> None:
     path.write_bytes(bytes(grown) + content[at + old :])
 
 
-def read(path, fps=30.0):
-    return list(read_frames(path, fps))
-
-
-def refuse(path, fps=30.0):
-    with pytest.raises(TrialFault) as caught:
-        read(path, fps)
-    said = str(caught.value)
-    assert said.startswith(path.name)
-    assert "\n" not in said
-    return said
-
-
 @pytest.fixture
 def pictures(rng):
     return [rng.integers(0, 255, (48, 66, 3), dtype=np.uint8) for _ in range(12)]
 
 
-def test_the_writer_of_these_tests_writes_videos(tmp_path, pictures):
+def test_the_writer_of_these_tests_writes_videos(tmp_path, pictures, read):
     assert [f.picture.shape for f in read(write_avi(tmp_path / "a.avi", pictures))] == [
         (48, 66, 3)
     ] * 12
 
 
-def test_a_size_that_changes_is_refused(tmp_path, pictures):
+def test_a_size_that_changes_is_refused(tmp_path, pictures, refuse):
     other = [np.ascontiguousarray(p[:32, :40]) for p in pictures[6:]]
     said = refuse(write_avi(tmp_path / "a.avi", [*pictures[:6], *other]))
     assert "one size" in said
 
 
-def test_a_picture_of_one_pixel_is_refused(tmp_path):
+def test_a_picture_of_one_pixel_is_refused(tmp_path, refuse):
     assert "1 × 1 px" in refuse(write_avi(tmp_path / "a.avi", [np.zeros((1, 1, 3), np.uint8)] * 9))
 
 
-def test_8k_is_read(tmp_path):
+def test_8k_is_read(tmp_path, read):
     frames = read(write_avi(tmp_path / "a.avi", [np.zeros((4320, 7680, 3), np.uint8)] * 2))
     assert [frame.picture.shape for frame in frames] == [(4320, 7680, 3)] * 2
 
 
-def test_a_container_that_claims_another_size_than_its_pictures_changes_nothing(tmp_path, pictures):
+def test_a_container_that_claims_another_size_than_its_pictures_changes_nothing(
+    tmp_path, pictures, read
+):
     frames = read(write_avi(tmp_path / "a.avi", pictures, size=(HUGE, HUGE)))
     assert {frame.picture.shape for frame in frames} == {(48, 66, 3)}
 
 
 @pytest.mark.parametrize("size", [(HUGE, HUGE), (40_000, 40_000), (65_535, 65_535)])
-def test_pictures_that_claim_thousands_of_millions_of_pixels_are_refused(tmp_path, pictures, size):
+def test_pictures_that_claim_thousands_of_millions_of_pixels_are_refused(
+    tmp_path, pictures, size, refuse
+):
     path = write_avi(tmp_path / "a.avi", pictures, size=size)
     claim = struct.pack(">2H", *[min(length, 65_535) for length in size])
     honest = struct.pack(">2H", 48, 66)
@@ -107,18 +97,20 @@ def test_pictures_that_claim_thousands_of_millions_of_pixels_are_refused(tmp_pat
     refuse(raw)
 
 
-def test_a_header_that_claims_a_thousand_million_frames_is_no_reason_to_wait(tmp_path, pictures):
+def test_a_header_that_claims_a_thousand_million_frames_is_no_reason_to_wait(
+    tmp_path, pictures, read
+):
     assert len(read(write_avi(tmp_path / "a.avi", pictures, frames=10**9))) == 12
 
 
-def test_a_rotated_video_is_upright_throughout(rig, pictures):
+def test_a_rotated_video_is_upright_throughout(rig, pictures, read):
     path = rig.film(pictures, "a.mp4", codec="mp4v")
     quarter = struct.pack(">9i", 0, 1 << 16, 0, -(1 << 16), 0, 0, 48 << 16, 0, 1 << 30)
     edit_box(path, b"tkhd", lambda box: box[:40] + quarter + box[76:])
     assert {frame.picture.shape for frame in read(path)} == {(66, 48, 3)}
 
 
-def test_a_variable_rate_keeps_its_own_times(rig, pictures):
+def test_a_variable_rate_keeps_its_own_times(rig, pictures, read):
     path = rig.film(pictures, "a.mp4", codec="mp4v")
     unit = struct.unpack(">I", path.read_bytes().split(b"stts")[-1][12:16])[0]
     uneven = struct.pack(">IIIIIIII", 0, 3, 4, unit, 4, unit // 2, 4, unit + unit // 2)
@@ -128,14 +120,14 @@ def test_a_variable_rate_keeps_its_own_times(rig, pictures):
 
 
 @pytest.mark.parametrize("content", ["time_s,q1_rad\n0,0\n", "ffconcat version 1.0\nfile a.avi\n"])
-def test_text_that_is_named_as_a_video_is_refused(tmp_path, pictures, content):
+def test_text_that_is_named_as_a_video_is_refused(tmp_path, pictures, content, refuse):
     write_avi(tmp_path / "a.avi", pictures)
     path = tmp_path / "b.mp4"
     path.write_text(content)
     assert "cannot be decoded" in refuse(path)
 
 
-def test_a_clock_that_goes_back_is_refused(tmp_path, pictures, monkeypatch):
+def test_a_clock_that_goes_back_is_refused(tmp_path, pictures, monkeypatch, refuse):
     def decode(*_):
         yield {"frames": 4, "rate": 30.0}, np.empty(0)
         for stamp in (0.0, 0.033, 9.0, 0.1):

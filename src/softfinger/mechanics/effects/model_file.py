@@ -28,7 +28,7 @@ from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.effect import Setting
 from softfinger.mechanics.effects.law_file import LawEntry, describe_laws, read_laws
 from softfinger.mechanics.effects.model import EffectModel, Entry, Known, Piece
-from softfinger.mechanics.effects.priors_of_file import (
+from softfinger.mechanics.effects.prior_file import (
     LogNormalPrior,
     NormalPrior,
     Part,
@@ -121,12 +121,6 @@ def read_model_file(path: Path | str) -> ModelFile:
     content._place = str(path)
     content._lines = {n: document.find_line(("effects", n - 1)) for n in numbers}
     return content
-
-
-def note_origin(content: ModelFile | None, sha256: str) -> None:
-    """Print what to know of a model from other recordings."""
-    if content and (said := content.describe_origin(sha256)):
-        print(said)
 
 
 def write_model_file(content: ModelFile, path: Path | str) -> None:

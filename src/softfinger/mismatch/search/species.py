@@ -24,7 +24,7 @@ from softfinger.mismatch.search.stepwise import Search
 
 
 class Kin(NamedTuple):
-    """An effect that shares a free law: that form, and its textbook forms."""
+    """An effect that shares a free law with others."""
 
     effect: Effect
     free: Form
