@@ -152,10 +152,16 @@ def test_scripts_import_stages_and_nothing_else():
         assert modules == {"softfinger.stages.glue", f"softfinger.stages.{script.stem}"}
 
 
-def test_help_does_not_load_the_heavy_libraries():
-    code = (
-        "import sys, softfinger.cli; print([m for m in ('pymc','cv2','numba') if m in sys.modules])"
-    )
+@pytest.mark.parametrize(
+    ("module", "heavy"),
+    [
+        ("softfinger.cli", ("pymc", "cv2", "numba")),
+        ("softfinger.stages.diagnose", ("pymc", "arviz", "matplotlib", "cv2")),
+        ("softfinger.stages.prepare", ("pymc", "arviz", "matplotlib")),
+    ],
+)
+def test_help_and_a_diagnosis_without_sampling_load_no_heavy_library(module, heavy):
+    code = f"import sys, {module}; print([m for m in {heavy} if m in sys.modules])"
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert said.stdout.strip() == "[]"
 

@@ -25,7 +25,6 @@ from softfinger.mechanics.effects.model_file import (
 from softfinger.mismatch.diagnose import diagnose as find_left_out
 from softfinger.mismatch.experiment.proposal import propose_experiment
 from softfinger.mismatch.tables.outcome import describe_repair, tabulate_diagnosis
-from softfinger.mismatch.verdict.refine import refine_verdict
 from softfinger.mismatch.verdict.schema import Warned, write_verdict
 from softfinger.mismatch.verdict.sufferings import doubt_declared, doubt_patience
 from softfinger.provenance import derive_seed, describe_run
@@ -93,6 +92,9 @@ def diagnose(
         write_model_file(describe_repair(found, fitted_to), temporary)
     said = found.verdict
     if config["sample_repaired"]:
+        # the sampler takes seconds to import
+        from softfinger.mismatch.verdict.refine import refine_verdict
+
         said, r_hat = refine_verdict(found, recorded, np.random.default_rng(stream), r_hat_max)
         print(f"sampling the repaired model: largest R-hat {r_hat:.3f}")
     proposal = propose_experiment(found, recorded)

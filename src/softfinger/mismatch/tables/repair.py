@@ -34,14 +34,15 @@ def measure_repair(
     rng: np.random.Generator,
 ) -> xr.Dataset:
     """Measure what a repair changes."""
-    both = (base, final)
     noise_sd = compute_bin_noise(problem.trials)
     recorded = _mask(problem.trials, problem.trials.angle.transpose(0, 2, 1))
     levels = list_levels(problem)
+    models = (base,) if final is base else (base, final)
     parts = [
         _measure_model(problem, candidate, angles, recorded, noise_sd, levels, rng)
-        for candidate in both
+        for candidate in models
     ]
+    parts = [parts[0], parts[-1]]  # where nothing was left out, one model is both
     table = xr.concat(parts, xr.IndexVariable("model", list(MODELS)))
     compared = compare_parameters(problem, base, final)
     share = 1.0 - compute_spread(problem, final) / compute_spread(problem, base)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from softfinger.artifacts.spec import list_faults
 from softfinger.artifacts.specs import (
@@ -114,6 +115,8 @@ def test_without_left_out_physics_nothing_is_repaired(clean, draw_campaign):
     }
     assert found["free_form"].sizes["quantity"] == 0
     np.testing.assert_array_equal(found["repair"]["bias"], 0.0)
+    one, other = (found["repair"].sel(model=name, drop=True) for name in ("base", "final"))
+    xr.testing.assert_identical(one, other)  # one model, one set of draws
     assert describe_repair(clean, FittedTo(campaign="a", sha256="0" * 64)).effects == []
 
 
