@@ -134,7 +134,7 @@ def calibrate(
 
     kind = "chessboard" if marker_m is None else "charuco"
     if not pictures.is_dir():
-        raise Fault(f"{pictures}: it is no folder; expected one with pictures of the board")
+        raise Fault(f"{pictures}: not a folder; expected one with pictures of the board")
     board = Board(kind, columns, rows, square_m, marker_m, dictionary)
     found = calibrate_camera(sorted(p for p in pictures.iterdir() if p.is_file()), board)
     for name, reason in found.set_aside.items():

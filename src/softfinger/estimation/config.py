@@ -1,4 +1,4 @@
-"""The knobs of the fits and sampling limits."""
+"""The settings of the fits and sampling limits."""
 
 from typing import Annotated, Literal
 

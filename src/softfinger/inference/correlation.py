@@ -4,7 +4,7 @@ None, those of one joint, or all.
 
 The parameters of a trial, joint after joint, have the covariance Ω = D R D, D = diag σ. R is
 written by its canonical partial correlations (`covariance`), row by row below the diagonal. Those
-between joints are 0 where only a joint's own parameters may go together; this leaves R in blocks.
+between joints are 0 where only a joint's own parameters may be correlated; this leaves R in blocks.
 R, or each block, has the density of LKJ(2).
 """
 

@@ -206,7 +206,7 @@ def build_pymc_model(
     coords
         Names of trial and joint.
     covariance
-        Which parameters of a trial may go together over trials.
+        Which parameters of a trial may be correlated over trials.
     """
     joints = len(coords["joint"])
     own = [f"{name}[{joint}]" for joint in coords["joint"] for name in LOG_PARAMETERS]

@@ -50,7 +50,7 @@ def draw_prior(
     noise_sd
         (joint,) [rad], as estimated.
     covariance
-        Which parameters may go together.
+        Which parameters may be correlated.
     """
     joints = len(noise_sd)
     lead, shape = (1, BUDGET.prior_draws), (1, BUDGET.prior_draws, joints, 4)

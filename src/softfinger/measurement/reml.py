@@ -4,7 +4,7 @@ The windows may contain any smooth motion; how long the noise lasts is a `memory
 
 In quiet zones, away from changes of load, every motion of the finger is smooth: a quartic in time
 follows it over a window of at most 200 frames. What the quartic leaves is noise, and the restricted
-likelihood (REML) of the window takes account of the noise that the quartic swallowed:
+likelihood (REML) of the window takes account of the noise that the quartic absorbed:
 
     −2 log L(σ, ρ, w) = (n − p) log σ² + log|R| + log|XᵀR⁻¹X| + yᵀ(R⁻¹ − R⁻¹X(XᵀR⁻¹X)⁻¹XᵀR⁻¹)y / σ²
 

@@ -1,4 +1,4 @@
-"""The knobs of bands, densities and indices."""
+"""The settings of bands, densities and indices."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any

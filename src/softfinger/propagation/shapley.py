@@ -1,4 +1,4 @@
-"""Whether parameters go together.
+"""Whether parameters are correlated.
 
 Where the hierarchical model has correlations, they are its own. Where it takes the parameters as
 independent, then given a draw of its trials' parameters, standardised by their population, the

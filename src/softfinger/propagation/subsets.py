@@ -4,7 +4,7 @@ v(u) = Var(E[q | x_u])/Var(q) is the share that knowing the parameters u would e
 are sums of such shares: the first-order index of i is v(i), its total index 1 − v(all but i), the
 second-order index of a pair v(ij) − v(i) − v(j), and the Shapley effect of i is the mean, over all
 orders in which parameters may become known, of what i adds to v. A parameter is that of all joints
-together. Where parameters go together, v(i) also contains what goes with i; the total index
+together. Where parameters are correlated, v(i) also contains what goes with i; the total index
 contains only what i adds when all others are known. A second-order index is negative where two
 parameters explain the same. The Shapley effects sum to 1 all the same; without correlation they are
 S_i plus half of each interaction.
@@ -62,7 +62,7 @@ def compute_shapley_effects(shares: Shares) -> NDArray[np.float64]:
 
     Examples
     --------
-    Two of four parameters explain everything, and always go together:
+    Two of four parameters explain everything, and are always correlated:
 
     >>> shares = {u: np.array(float(0 in u or 1 in u)) for u in SUBSETS}
     >>> compute_shapley_effects(shares)

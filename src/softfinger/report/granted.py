@@ -50,7 +50,7 @@ def show_independence(material: Material) -> tuple[Block, ...]:
         f"{capital(material.cite('posterior'))}."
     )
     columns = ("parameter", "with", "mean product", "p")
-    title = "Whether parameters go together"
+    title = "Whether parameters are correlated"
     return (
         Paragraph(sentence, "note" if found["doubted"] else "plain"),
         Table("independence", title, caption, columns, rows, folded=True),
@@ -70,8 +70,8 @@ def show_correlations(material: Material, found: xr.Dataset) -> tuple[Block, ...
         )
     )
     sentence = (
-        f"The model lets {pairs} pairs of a trial's parameters go together. At "
-        f"{100 * prob:g} %, {int(found['clear'].sum())} of them do; chance alone would give about "
+        f"The model lets {pairs} pairs of a trial's parameters be correlated. At "
+        f"{100 * prob:g} %, {int(found['clear'].sum())} are shown; chance alone would give about "
         f"{format_number(float(found['by_chance']), 2)}."
     )
     caption = (

@@ -1,4 +1,4 @@
-"""The knobs of tracking, units in their names."""
+"""The settings of tracking, units in their names."""
 
 from typing import Annotated
 

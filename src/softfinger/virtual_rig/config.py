@@ -1,4 +1,4 @@
-"""The knobs of the virtual rig."""
+"""The settings of the virtual rig."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self

@@ -35,7 +35,7 @@ def run(monkeypatch, capsys, tmp_path):
         (["angles", EXAMPLE, "--out", "file"], "file: File exists; a file is where a folder"),
         (["angles", EXAMPLE, "--out", "y" * 300], "File name too long; choose a shorter name"),
         (["angles", EXAMPLE, "--out", "taken"], "angles.nc: is a folder"),
-        (["calibrate", "none", "--columns=5", "--rows=4", "--square-m=0.01"], "it is no folder"),
+        (["calibrate", "none", "--columns=5", "--rows=4", "--square-m=0.01"], "not a folder"),
         (["virtual-rig", "--example", "--out", EXAMPLE], "contains a campaign already"),
     ],
 )

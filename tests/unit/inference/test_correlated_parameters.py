@@ -1,4 +1,4 @@
-"""Parameters that go together over trials: the option, its prior, its posterior, its artifact."""
+"""Correlated parameters over trials: the option, its prior, its posterior, its artifact."""
 
 import numpy as np
 import pytest

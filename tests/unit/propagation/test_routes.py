@@ -161,7 +161,7 @@ def test_a_finger_that_cannot_be_moved_does_not_count(make_source):
 
 
 def test_a_set_explains_no_less_than_its_parts(make_source):
-    """Also where few samples of parameters that go together say otherwise."""
+    """Also where few samples of correlated parameters say otherwise."""
     alike = np.full((8, 8), 0.98) + 0.02 * np.eye(8)
     shares = SAMPLED.share_variance(make_source(alike, draw_samples=64), PROTOCOL, TIME)
     for subset in SUBSETS:

@@ -74,7 +74,7 @@ def test_the_place_of_trials_among_the_others_predictions_is_told(asked):
 def test_a_fit_without_these_groups_shows_no_table(asked, page):
     shown = render_report(asked)
     for title in (
-        "Whether parameters go together",
+        "Whether parameters are correlated",
         "How far the parameters depend on their priors",
         "Where trials lie in what the others predict",
     ):
@@ -96,7 +96,7 @@ def test_fitted_correlations_take_the_place_of_the_question(asked):
     )
     material = gather(asked.artifacts | {"posterior": tree})
     sentence, table = show_independence(material)
-    assert "lets 2 pairs of a trial's parameters go together" in sentence.text
-    assert ", 1 of them do" in sentence.text
+    assert "lets 2 pairs of a trial's parameters be correlated" in sentence.text
+    assert ", 1 are shown" in sentence.text
     assert [cell.text for cell in table.rows[0][:2]] == ["c_v, joint 1", "q_ini, joint 1"]
     assert len(table.rows) == 2

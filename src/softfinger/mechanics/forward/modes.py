@@ -24,7 +24,7 @@ VOIGT, FLOW, OWN, LADDER = range(4)
 SPACING = 0.8
 RATES = 2e-5 * np.exp(SPACING * np.arange(24))
 FAST = 4.0 * RATES[-1]
-"""The rate of a mode that stands for a spring."""
+"""The rate of a mode that represents a spring."""
 WITH_OWN, WITH_LADDER = LADDER, LADDER + RATES.size + 2
 """How many modes a joint has that needs its own one, or the ladder as well."""
 

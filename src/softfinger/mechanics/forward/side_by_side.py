@@ -24,7 +24,7 @@ def run_side_by_side(run: Callable[[slice], Arrays], trials: int) -> Arrays:
     ----------
     run
         From some trials to arrays whose first axis they are. As each trial is computed for itself,
-        the result does not hang on how they are cut.
+        the result does not depend on how they are cut.
     """
     threads = config.NUMBA_NUM_THREADS
     parts = min(_PARTS * threads, trials)

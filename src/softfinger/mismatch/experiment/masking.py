@@ -1,6 +1,6 @@
 """What a protocol can show.
 
-Each effect's signal, what the base model swallows of it, and likeness.
+Each effect's signal, what the base model absorbs of it, and likeness.
 
 The signal of an effect at a given strength is its change of all recorded angles, in units of their
 noise. What is left of it after each trial's own parameters and their population mean have adapted
@@ -31,7 +31,7 @@ def tabulate_masking(columns: ScoreColumns, problem: Problem, base: Candidate) -
     Returns
     -------
     Dataset
-        signal (effect) [noise sd], Euclidean; share_left (effect), 0 = swallowed whole;
+        signal (effect) [noise sd], Euclidean; share_left (effect), 0 = absorbed whole;
         expected_gain (effect) [nats]; bias (effect, joint, parameter), what ignoring the effect
         adds to the population's means; likeness (effect, other_effect), cosine of what is left.
     """

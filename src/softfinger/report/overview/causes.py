@@ -8,7 +8,7 @@ from softfinger.report.pictures.spread import picture_sobol
 
 def build_causes(material: Material) -> Section:
     """Build the Sobol indices, and the main cause in words."""
-    more = (("sensitivity", "shares in numbers, and parameters that go together"),)
+    more = (("sensitivity", "shares in numbers, and correlated parameters"),)
     sentences = describe_causes(material)
     blocks = keep_blocks(*(Paragraph(sentence) for sentence in sentences), picture_sobol(material))
     found = blocks or (Paragraph("The sensitivity was not computed.", "note"),)

@@ -35,7 +35,7 @@ def picture_masking(material: Material) -> Picture | None:
         "Share of each effect's signal that is left after refitting, its expected evidence, and "
         "which effects look alike.",
         "Left: share of an effect's signal, at twice its prior standard deviation, that the base "
-        "model does not swallow, and in numbers the log evidence to expect [nats]. Right: cosine "
+        "model does not absorb, and in numbers the log evidence to expect [nats]. Right: cosine "
         "between what is left of two effects: 1 (yellow) cannot be told apart, 0 (dark) have "
         f"nothing in common. n = {say_trials(material)}. Rule diagnose, artifact masking.",
         true_colours=True,

@@ -36,10 +36,10 @@ def picture_shapley(material: Material) -> Picture | None:
         return None
     return Picture(
         "shapley",
-        "The same where parameters go together",
+        "The same for correlated parameters",
         draw_shapley(material.get("shapley")),
         "Shapley effects of four parameters over time, one panel for each joint, with bands.",
-        "Share of the variance between trials that each parameter gets if those that go together "
+        "Share of the variance between trials that each parameter gets if correlated ones "
         "share what they cause together (Shapley effects); the shares sum to 1. Bands: equal-"
         f"tailed interval over the posterior's draws, 90 %. {count_source(material, 'shapley')}",
     )

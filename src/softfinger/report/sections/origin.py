@@ -67,7 +67,7 @@ def build_config_table(config: Mapping[str, Any]) -> Table:
     rows = tuple(
         (text(key), text(value)) for key, value in flatten(config) if key not in {"campaign", "out"}
     )
-    caption = "Every knob, its unit in the key."
+    caption = "Every setting, its unit in the key."
     return Table("configuration", "Configuration", caption, ("key", "value"), rows, folded=True)
 
 

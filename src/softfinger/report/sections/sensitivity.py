@@ -100,7 +100,7 @@ def build_correlations(material: Material) -> list[Block | None]:
     verb = "are" if len(clear) > 1 else "is"
     found = f"{join_words(clear)} {verb}" if clear else "no pair is"
     words = (
-        f"Do the parameters go together? At 90 %, {found} correlated between trials: {len(clear)} "
+        f"Are the parameters correlated? At 90 %, {found} correlated between trials: {len(clear)} "
         f"of {len(rows)} pairs, where chance alone would give about "
         f"{format_number(float(pairs['by_chance']), 2)}. {capital(shapley.attrs['definition'])}."
     )
@@ -109,7 +109,7 @@ def build_correlations(material: Material) -> list[Block | None]:
         f"equal-tailed interval. {capital(material.cite('shapley'))}."
     )
     columns = ("joint", "pair", "correlation", "90 % interval")
-    title = "Parameters that go together"
+    title = "Correlated parameters"
     return [
         Paragraph(words),
         Table("correlations", title, caption, columns, tuple(rows), folded=len(rows) > 6),
