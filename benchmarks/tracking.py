@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 import trackpy
 
-from softfinger.tracking.artificial import compute_position_bound, draw_disc, expose
+from benchmarks._discs import compute_position_bound, draw_disc, expose
 from softfinger.tracking.body import Body
 from softfinger.tracking.disc import PARAMETERS
 from softfinger.tracking.fit import FIT_QUALITY, MARGINS, NOISE_VARIANCE, UNIT_XX, UNIT_YY

@@ -3,8 +3,8 @@
 import cv2
 import numpy as np
 import pytest
+from benchmarks._discs import compute_position_bound, draw_disc, expose
 
-from softfinger.tracking.artificial import compute_position_bound, draw_disc, expose
 from softfinger.tracking.body import Body
 from softfinger.tracking.fit import FIT_QUALITY, NOISE_VARIANCE, UNIT_XX, UNIT_YY
 from softfinger.tracking.follow import follow_discs_array

@@ -1,9 +1,9 @@
 import numpy as np
+from benchmarks._discs import draw_disc, expose
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from softfinger.tracking.angles import build_covariance_array, compute_direction_array, unwrap_array
-from softfinger.tracking.artificial import draw_disc, expose
 from softfinger.tracking.fit import FIT_QUALITY, LARGEST_WINDOW, fit_disc_array
 from softfinger.tracking.outliers import find_jumps_array
 

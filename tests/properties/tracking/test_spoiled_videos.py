@@ -15,6 +15,7 @@ import pytest
 
 os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
 import cv2
+from benchmarks._discs import draw_disc, expose
 
 from softfinger.artifacts.spec import list_faults
 from softfinger.artifacts.specs.angles import SPEC as ANGLES
@@ -22,7 +23,6 @@ from softfinger.artifacts.specs.markers import SPEC as MARKERS
 from softfinger.campaign import read_campaign
 from softfinger.faults import Fault
 from softfinger.tracking import assemble_angles, track_trials
-from softfinger.tracking.artificial import draw_disc, expose
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from damage import spoil_file

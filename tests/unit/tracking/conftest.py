@@ -6,10 +6,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from benchmarks._discs import draw_disc, expose
 
 from softfinger.campaign import Camera
 from softfinger.faults import TrialFault
-from softfinger.tracking.artificial import draw_disc, expose
 from softfinger.tracking.video import read_frames
 
 ROWS, COLUMNS = 150, 220

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
+from benchmarks._discs import draw_disc, expose
 
 from softfinger.tracking.appearance import choose_weight, draw_closeness, measure_light
-from softfinger.tracking.artificial import draw_disc, expose
 from softfinger.tracking.detection import find_discs_array
 from softfinger.tracking.disc import CONTRAST, LEVEL
 

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
+from benchmarks._discs import draw_disc
 from scipy.ndimage import gaussian_filter
 
-from softfinger.tracking.artificial import draw_disc
 from softfinger.tracking.disc import compute_response_array, count_divisions
 
 

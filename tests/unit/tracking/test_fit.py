@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
+from benchmarks._discs import compute_position_bound, draw_disc, expose
 
-from softfinger.tracking.artificial import compute_position_bound, draw_disc, expose
 from softfinger.tracking.disc import CONTRAST, LEVEL, RADIUS, SPREAD, X, Y
 from softfinger.tracking.fit import (
     FIT_QUALITY,

@@ -2,13 +2,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from benchmarks._discs import expose
 
 from softfinger.artifacts import list_faults
 from softfinger.artifacts.specs.markers import SPEC
 from softfinger.campaign import marker_names
 from softfinger.faults import TrialFault
 from softfinger.tracking import track_trials, track_video
-from softfinger.tracking.artificial import expose
 from softfinger.tracking.flags import JUMP, MISSING, STALE
 
 FRAMES = 24

@@ -1,7 +1,7 @@
 """Pictures of discs with known sub-pixel truth.
 
-For tests and benchmarks; no stage uses it. Discs are drawn by counting sub-pixels and blurring the
-fine picture: nothing is shared with the profile that the fit believes in.
+For tests and benchmarks. Discs are drawn by counting sub-pixels and blurring the fine picture:
+nothing is shared with the profile that the fit believes in.
 """
 
 import cv2
