@@ -71,12 +71,12 @@ rule rivals:
         OUT / "logs/rivals_{case}.log",
     params:
         python=sys.executable,
-        code=code_hash("benchmarks._rivals"),
+        code=code_hash("benchmarks.rivals.naive_search"),
         environment=ENVIRONMENT,
     message:
         "Ask two rivals about campaign {wildcards.case}"
     shell:
-        "{params.python} -m benchmarks._rivals {input}/angles.nc {output} 2> {log}"
+        "{params.python} -m benchmarks.rivals.naive_search {input}/angles.nc {output} 2> {log}"
 
 
 rule limit:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-PATH = Path(__file__).parents[3] / "benchmarks/_rivals.py"
+PATH = Path(__file__).parents[3] / "benchmarks/rivals/naive_search.py"
 
 
 @pytest.fixture(scope="module")

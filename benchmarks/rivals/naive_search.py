@@ -1,11 +1,14 @@
 """Two ways to name left-out physics that one would otherwise write: least squares, then a score.
 
+They are the best of their kind: nobody ships a tool for the task, and this is what a careful
+colleague would write in a week, with our compiled forward model, its derivatives and start values.
+
 Every effect of the catalogue, alone, on all joints, in its own form, is fitted to the frames of a
 few trials by least squares: each trial with parameters of its own, which no population holds
 together, under white noise. Then either the frame-wise leave-one-out score decides (an effect is
 named if it gains more than two standard errors), or the Bayesian information criterion (BIC).
 
-    python -m benchmarks._rivals ANGLES.nc ANSWER.json
+    python -m benchmarks.rivals.naive_search ANGLES.nc ANSWER.json
 """
 
 from __future__ import annotations
