@@ -1,7 +1,8 @@
 """Run the benchmarks and put their figures into results/benchmarks.json, one object, key → number.
 
 A module's `measure` takes minutes; its `measure_long`, where it has one, up to hours (`--long`).
-Keys that are not measured in this run keep the figure of an earlier one.
+Keys that are not measured in this run keep the figure of an earlier one; those of the proofs are
+read from the proofs' results. In the end comes a table of goals, values and rivals.
 """
 
 from __future__ import annotations
@@ -10,10 +11,12 @@ import importlib
 import json
 import pkgutil
 import sys
+import time
 from collections.abc import Mapping
 from pathlib import Path
 
 import benchmarks
+from benchmarks._goals import print_table, read_proofs
 
 RESULTS = Path(__file__).resolve().parents[1] / "results/benchmarks.json"
 
@@ -29,15 +32,19 @@ def merge_figures(measured: Mapping[str, float], without: tuple[str, ...] = ()) 
 def main(entry: str) -> None:
     """Measure with every module of this package that has the entry; write after each."""
     names = sorted(m.name for m in pkgutil.iter_modules(benchmarks.__path__) if m.name[0] != "_")
-    for name in names:
+    begin = time.monotonic()
+    for place, name in enumerate(names):
         measure = getattr(importlib.import_module(f"benchmarks.{name}"), entry, None)
         if measure is None:
             continue
-        print(f"benchmark {name}", flush=True)
+        passed = time.monotonic() - begin
+        print(f"benchmark {name}, module {place + 1} of {len(names)}, {passed:.0f} s", flush=True)
         measured = measure()
         for key, value in measured.items():
             print(f"  {key}: {value:.6g}", flush=True)
         merge_figures(measured)
+    merge_figures(read_proofs())
+    print_table(json.loads(RESULTS.read_text()))
 
 
 if __name__ == "__main__":

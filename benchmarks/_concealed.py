@@ -11,11 +11,10 @@ import sys
 from pathlib import Path
 
 from benchmarks.__main__ import RESULTS, merge_figures
-
-OF_PROOF = ("concealed_", "clean_", "nuisance_", "measurement_", "law_")
+from benchmarks._goals import PROOFS
 
 if __name__ == "__main__":
-    prefixes = tuple(sys.argv[2:]) or OF_PROOF
+    prefixes = tuple(sys.argv[2:]) or PROOFS["concealed_long"]
     told = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
     measured = {key: value for key, value in told.items() if key.startswith(prefixes)}
     # a share that this proof could not measure must not stand there from another one

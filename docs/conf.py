@@ -4,7 +4,7 @@ import sys
 from importlib.metadata import version as read_version
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parent / "extensions"))
+sys.path[:0] = [str(Path(__file__).parent / "extensions"), str(Path(__file__).parents[1])]
 
 project = "softfinger"
 author = copyright = "the softfinger maintainers"

@@ -4,50 +4,15 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import NamedTuple
 
+from benchmarks._goals import GOALS
 from inline_picture import embed_figure
 from matplotlib.figure import Figure
-from ruamel.yaml import YAML
 
 from softfinger.figures.style import BLUE, GREY, RED, styled
 from softfinger.provenance import PROJECT
 
 RESULTS = PROJECT / "results/benchmarks.json"
-
-
-class Goal(NamedTuple):
-    """What a key measures, and the range that it should lie in."""
-
-    what: str
-    at_least: float | None = None
-    at_most: float | None = None
-
-    @property
-    def words(self) -> str:
-        """The range in words."""
-        if self.at_least is None:
-            return f"≤ {self.at_most:g}"
-        if self.at_most is None:
-            return f"≥ {self.at_least:g}"
-        return f"{self.at_least:g} to {self.at_most:g}"
-
-    def is_met(self, value: float) -> bool:
-        """Whether a figure lies in the range."""
-        low = self.at_least is None or value >= self.at_least
-        return low and (self.at_most is None or value <= self.at_most)
-
-    def find_margin(self, value: float) -> float | None:
-        """How many times better than a one-sided goal; None for a range, or a value of 0."""
-        if value == 0 or (self.at_least is not None and self.at_most is not None):
-            return None
-        return value / self.at_least if self.at_most is None else self.at_most / value
-
-
-GOALS = {
-    key: Goal(**entry)
-    for key, entry in YAML(typ="safe").load(Path(__file__).with_name("goals.yaml")).items()
-}
 
 
 def describe_benchmarks(results: Path = RESULTS) -> str:

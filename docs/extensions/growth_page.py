@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from benchmark_page import GOALS
+from benchmarks._goals import GOALS
 from inline_picture import embed_figure
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
