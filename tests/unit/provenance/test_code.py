@@ -155,6 +155,6 @@ def test_sampling_does_not_depend_on_the_search():
 
 
 def test_code_outside_the_package_is_followed_into_it():
-    found = find_modules("benchmarks.rivals.naive_search")
-    assert found["benchmarks/rivals/naive_search.py"] == PROJECT / "benchmarks/rivals/naive_search.py"
+    found, path = find_modules("benchmarks.rivals.naive_search"), "benchmarks/rivals/naive_search.py"
+    assert found[path] == PROJECT / path
     assert "softfinger/mechanics/effects/wire_friction.py" in found
