@@ -155,6 +155,7 @@ def test_sampling_does_not_depend_on_the_search():
 
 
 def test_code_outside_the_package_is_followed_into_it():
-    found, path = find_modules("benchmarks.rivals.naive_search"), "benchmarks/rivals/naive_search.py"
+    path = "benchmarks/rivals/naive_search.py"
+    found = find_modules("benchmarks.rivals.naive_search")
     assert found[path] == PROJECT / path
     assert "softfinger/mechanics/effects/wire_friction.py" in found
