@@ -1,5 +1,6 @@
 rule least_squares:
     input:
+        **MODEL,
         angles=OUT / "angles.nc",
     output:
         least_squares=OUT / "least_squares.nc",

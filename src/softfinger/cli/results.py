@@ -47,15 +47,16 @@ def fit(
     from softfinger.stages.least_squares import least_squares
     from softfinger.stages.sampling import sampling
 
-    inputs = open_inputs(campaign, out, config, ["angles"], "least_squares")
-    least_squares(least_squares=out / "least_squares.nc", **inputs)
     settings, posterior = read_config(config), out / "posterior.nc"
+    physics = choose_model(settings, model)
+    inputs = open_inputs(campaign, out, config, ["angles"], "least_squares")
+    least_squares(least_squares=out / "least_squares.nc", model=physics, **inputs)
     inputs = open_inputs(campaign, out, config, ["angles"], "fit")
     fit(
         posterior=posterior,
         cores=settings["estimation"]["cores"],
         seed=settings["seed"],
-        model=choose_model(settings, model),
+        model=physics,
         **inputs,
     )
     inputs = open_inputs(campaign, out, config, ["posterior"], "sampling")

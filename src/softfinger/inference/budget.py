@@ -55,12 +55,6 @@ class InferenceBudget:
     """Trials moved where weighing all would take longer. Why: an sd to 1 %."""
     together: int = 2_000
     """Trials in one call. Why: it bounds the memory."""
-    load_rows: int = 64
-    """Rows of a load log that err alone; of a longer one, neighbours err together.
-
-    Why: rows that err together for longer than a joint's retardation time make a noisy log look
-    like friction.
-    """
     jitter_bins: int = 40
     """Bins of a trial in which jitter counts. Why: those in which it moves fastest."""
     drift_shapes: int = 5

@@ -25,6 +25,15 @@ class InferenceDecisions:
     Why: quantiles of 5 % to a tenth of an sd.
     Test: `test_correction.py::test_draws_of_many_trials_are_kept_as_they_are`.
     """
+    load_rows: int = 64
+    """Rows of a load log that err alone.
+
+    Of a longer one, neighbours err together.
+
+    Why: rows that err together for longer than a joint's retardation time make a noisy log look
+    like friction.
+    Test: `test_disturbances.py::test_rows_of_a_log_err_alone_unless_there_are_very_many`.
+    """
     few_trials: int = 5
     """Trials below which the report warns.
 

@@ -20,8 +20,9 @@ from scipy.stats import kstest, norm
 
 from softfinger.inference.budget import BUDGET
 from softfinger.inference.decisions import DECISIONS
+from softfinger.inference.disturbances import spread_disturbances
 from softfinger.inference.motion import move_trials
-from softfinger.inference.predictive import Recorded, draw_own
+from softfinger.inference.predictive import Recorded, draw_own, scale_noise
 
 
 def compute_loo_pit(
@@ -47,7 +48,7 @@ def compute_loo_pit(
     angles = recorded.angles
     angle = angles["joint_angle"].transpose("trial", "joint", "frame").values
     time = angles["time"].transpose("trial", "frame").values
-    used = recorded.frames["used"].values
+    used, scale = recorded.frames["used"].values, scale_noise(recorded.frames)
     pit = np.full((*angle.shape[:2], len(DECISIONS.pit_shares)), np.nan)
     chosen = np.full((len(time), len(DECISIONS.pit_shares)), np.nan)
     for i, population in enumerate(others):
@@ -55,6 +56,8 @@ def compute_loo_pit(
         chosen[i] = time[i, index]
         predicted = _draw_angles(recorded, i, thin_samples(population), chosen[i], rng)
         sd = thin_samples(population)["noise_sd"].transpose("sample", "joint").values[..., None]
+        along = spread_disturbances(recorded.problem, np.array([i]), chosen[i : i + 1])[0]
+        sd = np.sqrt((sd * scale[i][:, index]) ** 2 + np.sum(along**2, axis=-1))
         known = np.isfinite(predicted)
         below = norm.cdf((angle[i][:, index] - predicted) / sd)
         pit[i] = np.where(known, below, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)

@@ -13,6 +13,7 @@ from softfinger.inference.budget import BUDGET
 from softfinger.inference.correction import Correction, correct_draws
 from softfinger.inference.correlation import Covariance
 from softfinger.inference.density import Effects, Given, build_pymc_model
+from softfinger.inference.disturbances import admit_known
 from softfinger.inference.expansion import Expansion, expand_fit, forget_trial, keep_trial
 from softfinger.inference.gibbs import sample_gibbs
 from softfinger.inference.integrate import compute_integrated_log_likelihood
@@ -98,8 +99,13 @@ def fit_posterior(
 def prepare_fit(
     angles: xr.Dataset, content: ModelFile | None = None, *, priors: bool = True
 ) -> Preparation:
-    """Fit and expand the model; set the priors."""
+    """Fit and expand the model; set the priors.
+
+    The angles are set right already by what the file states of their `measurement`.
+    """
     problem, fit = pose_problem(angles, content, priors=priors)
+    if content is not None and content.measurement is not None:
+        problem, fit = admit_known(problem, fit, content.measurement.disturbances)
     return prepare_candidate(angles, problem, Candidate(problem.base, fit, fit.log_evidence))
 
 

@@ -13,6 +13,7 @@ from softfinger.inference.correlation import (
     shape_free_partials,
 )
 from softfinger.inference.density import Effects
+from softfinger.inference.disturbances import spread_disturbances
 from softfinger.inference.motion import move_trials
 from softfinger.inference.priors import PopulationPrior
 from softfinger.inference.problem import Candidate, Problem
@@ -157,17 +158,43 @@ def thin_draws(posterior: xr.Dataset, draws: int) -> xr.Dataset:
     return posterior.isel(draw=kept.astype(int))
 
 
-def _thin_times(recorded: Recorded, like: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Times (trial, moment) [s] of even frames, NaN-padded."""
-    time = recorded.angles["time"].transpose("trial", "frame").values[like]
-    thinned = np.full((len(like), BUDGET.predicted_frames), np.nan)
-    for i, used in enumerate(recorded.frames["used"].values[like]):
-        index = np.flatnonzero(used)
+def scale_noise(frames: xr.Dataset) -> NDArray[np.float64]:
+    """Sd of each frame's noise over its joint's (trial, joint, frame)."""
+    claimed = frames["frame_scale"].transpose("trial", "frame").values
+    return frames["noise_factor"].transpose("trial", "joint", "frame").values * claimed[:, None]
+
+
+def _thin_frames(
+    recorded: Recorded, like: NDArray[np.int64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Take even frames of trials.
+
+    Returns
+    -------
+    time, scale
+        (trial, moment) [s], NaN where there are fewer, and (trial, joint, moment), what their
+        noise is over the joint's.
+    """
+    time = recorded.angles["time"].transpose("trial", "frame").values
+    scale = scale_noise(recorded.frames)
+    times = np.full((len(like), BUDGET.predicted_frames), np.nan)
+    scales = np.ones((len(like), scale.shape[1], BUDGET.predicted_frames))
+    for i, trial in enumerate(like):
+        index = np.flatnonzero(recorded.frames["used"].values[trial])
         if len(index) > 0:
             step = max(len(index) // BUDGET.predicted_frames, 1)
             some = index[::step][: BUDGET.predicted_frames]
-            thinned[i, : len(some)] = time[i, some]
-    return thinned
+            times[i, : len(some)] = time[trial, some]
+            scales[i, :, : len(some)] = scale[trial][:, some]
+    return times, scales
+
+
+def _draw_disturbances(
+    disturbed: NDArray[np.float64], rng: np.random.Generator
+) -> NDArray[np.float64]:
+    """Draw disturbances (trial, joint, moment) [rad] along directions."""
+    z = rng.standard_normal((len(disturbed), disturbed.shape[3]))
+    return np.einsum("tjmk,tk->tjm", disturbed, z)
 
 
 def _record(
@@ -179,10 +206,12 @@ def _record(
 ) -> xr.Dataset:
     """Move trials `like` recorded ones, and add noise.
 
-    η is (chain, draw, trial, joint, 4).
+    The noise is that of the recorded ones: as large, and with disturbances as large. η is
+    (chain, draw, trial, joint, 4).
     """
     finger, model = recorded.problem.finger, recorded.candidate.model
-    time = _thin_times(recorded, like)
+    time, scale = _thin_frames(recorded, like)
+    disturbed = spread_disturbances(recorded.problem, like, time)
     load = tuple(
         recorded.angles[name].transpose("trial", "knot").values[like]
         for name in ("load_time", "load_torque")
@@ -195,7 +224,9 @@ def _record(
         values[chain, draw] = move_trials(finger, model, own[chain, draw], phi, like, time, load)
         noise = draws.isel(chain=chain, draw=draw)
         for rows, clock in clocks:
-            values[chain, draw, rows] += draw_noise_array(clock, noise, len(rows), rng)
+            drawn = draw_noise_array(clock, noise, len(rows), rng)
+            values[chain, draw, rows] += drawn * scale[rows]
+        values[chain, draw] += _draw_disturbances(disturbed, rng)
     coords = {name: draws[name] for name in ("chain", "draw", "joint")}
     coords["trial"] = recorded.angles["trial"].values[like]
     return xr.Dataset(

@@ -61,6 +61,8 @@ class InferencePriors:
     """The same of its rate. Why: a quartz has 1e-4 at worst, a driver's clock 1e-3."""
     drift_sizes: tuple[float, ...] = (0.5, 1.0, 2.0, 4.0)
     """The same of the picture's drift, over the noise. Why: hardly seen up to plain."""
+    gain_drift_sizes: tuple[float, ...] = (0.003, 0.01, 0.03)
+    """The same of the gain of the angles' own sensor. Why: as of a load cell's."""
 
 
 PRIORS = InferencePriors()

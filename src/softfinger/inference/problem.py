@@ -1,6 +1,7 @@
 """A campaign as a mixed-effects problem."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -57,6 +58,8 @@ class Problem:
     repaired: EffectModel | None = None
     directions: NDArray[np.float64] | None = None
     """(trial, joint, bin · 2, k) [rad] along which disturbances of sd 1 move the angles"""
+    disturbed: Mapping[str, float] = field(default_factory=dict)
+    """Id → sd of the disturbances that the noise includes."""
 
     @property
     def base(self) -> EffectModel:

@@ -139,6 +139,18 @@ class MeasurementDecisions:
     Why: few random values lie on some grid by chance.
     Test: `test_measurement_decisions.py::test_few_values_show_no_step`.
     """
+    least_saturated: int = 8
+    """Equal extremes from which they are a limit.
+
+    Why: noise gives the same extreme hardly twice.
+    Test: `test_saturation.py::test_few_equal_extremes_are_no_limit`.
+    """
+    saturated_frames: int = 5
+    """Neighbours of which half at a limit count as one.
+
+    Why: noise lets those below the limit through, and they alone would pull the mean down.
+    Test: `test_saturation.py::test_what_is_let_through_beside_the_limit_counts_as_at_it`.
+    """
 
 
 DECISIONS = MeasurementDecisions()

@@ -9,16 +9,17 @@ in which a quartic follows whatever moves slowly.
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.stats import t as student
 
 from softfinger.measurement.budget import BUDGET
 from softfinger.measurement.decisions import DECISIONS
 from softfinger.measurement.frames import select_frames
 from softfinger.measurement.noise import NoiseFit, complete_noise, fit_noise
 from softfinger.measurement.outliers import find_outliers
+from softfinger.measurement.presence import list_components
 from softfinger.measurement.priors import PRIORS
 from softfinger.measurement.reml import LEAST_SD, profile_windows
 from softfinger.measurement.repeats import find_repeated_frames, find_rounding
+from softfinger.measurement.saturation import find_saturated_frames
 from softfinger.measurement.scales import Scales, WindowVariances, fit_scales
 
 LAYOUT = ("trial", "joint", "frame")
@@ -66,7 +67,7 @@ def measure(angles: xr.Dataset, motion: Array | None = None) -> xr.Dataset:
     frames = frames.assign(used=every)
     frames = _leave_out(frames, _find_outliers(angles, frames, known))
     fit = fit_noise(angles, frames)
-    found = _list_components(scales, fit, frames)
+    found = list_components(scales, fit, frames)
     return _complete(angles, frames, fit, found).assign(
         noise_per_rad=scales.per_rad, recorded_noise_sd=("joint", _measure_sd(angles, frames, fit))
     )
@@ -133,6 +134,9 @@ def assume_noise(angles: xr.Dataset, known: xr.Dataset) -> xr.Dataset:
 
 def _prepare_frames(angles: xr.Dataset) -> xr.Dataset:
     """Frames of one noise, before outliers are sought."""
+    saturated = find_saturated_frames(angles)
+    seen = angles["joint_angle"].transpose(*LAYOUT).where(~saturated)
+    angles = angles.assign(joint_angle=seen)
     frames = select_frames(angles)
     repeated = find_repeated_frames(angles, frames)
     shape = tuple(angles.sizes[dim] for dim in LAYOUT)
@@ -143,7 +147,8 @@ def _prepare_frames(angles: xr.Dataset) -> xr.Dataset:
         trial_factor=(LAYOUT[:2], np.ones(shape[:2])),
         noise_factor=(LAYOUT, np.ones(shape)),
         rounding_sd=("joint", find_rounding(angles, frames)),
-        lost=((), _count_lost(angles, frames)),
+        lost=((), _count_lost(angles, frames["used"].values | saturated.any(axis=1))),
+        saturated=(FRAMES, saturated.any(axis=1)),
     )
 
 
@@ -155,11 +160,11 @@ def _measure_sd(angles: xr.Dataset, frames: xr.Dataset, fit: NoiseFit) -> Array:
     return shown * np.exp(np.log(frames["trial_factor"].values).mean(axis=0))
 
 
-def _count_lost(angles: xr.Dataset, frames: xr.Dataset) -> float:
+def _count_lost(angles: xr.Dataset, seen: NDArray[np.bool_]) -> float:
     """Number of frames missing between those seen."""
     time = angles["time"].transpose(*FRAMES).values
-    gaps = [np.diff(t[u]) for t, u in zip(time, frames["used"].values, strict=True)]
-    gap = np.round(np.concatenate(gaps) / float(frames["frame_interval"]))
+    gaps = np.concatenate([np.diff(t[s]) for t, s in zip(time, seen, strict=True)])
+    gap = np.round(gaps / np.median(gaps))
     return float(np.maximum(gap - 1.0, 0.0).sum())
 
 
@@ -219,70 +224,6 @@ def _measure_tail(residual: Array, start: NDArray) -> Array:
     sizes = np.diff(start)
     square, fourth = (np.add.reduceat(residual**k, start[:-1]) / sizes for k in (2, 4))
     return np.maximum(fourth / np.maximum(square, LEAST_SD**2) ** 2 - 3.0, 0.0)
-
-
-def _list_components(
-    scales: Scales, fit: NoiseFit, frames: xr.Dataset
-) -> dict[str, tuple[float, float]]:
-    """Component → size and evidence [nats]."""
-    found = {}
-    if {"trial", "cell"} & set(scales.size):
-        size = np.hypot(scales.size.get("trial", 0.0), scales.size.get("cell", 0.0))
-        evidence = sum(scales.evidence.get(name, 0.0) for name in ("trial", "cell"))
-        found["uneven_noise"] = float(size), evidence
-    if "signal" in scales.size:
-        found["signal_noise"] = scales.per_rad, scales.evidence["signal"]
-    found |= _weigh_outliers(frames) | _weigh_tails(fit)
-    found |= _count_frames("repeated_frames", frames["repeated"].values.sum(), frames)
-    found |= _count_frames("lost_frames", float(frames["lost"]), frames)
-    return {name: pair for name, pair in found.items() if pair[1] >= DECISIONS.present_nats}
-
-
-def _weigh_outliers(frames: xr.Dataset) -> dict[str, tuple[float, float]]:
-    """Share of outliers, and evidence against wider noise."""
-    distance = frames["outlier_distance"].values
-    out, count = distance[distance > 0], frames["used"].values.sum()
-    if not out.size:
-        return {}
-    share = out.size / (out.size + count)
-    freedom = np.maximum(frames["present"].values.sum(axis=1), 1)
-    freedom = np.broadcast_to(freedom[:, None], distance.shape)[distance > 0]
-    wide = out.sum() / freedom.sum()
-    evidence = 0.5 * np.sum(out * (1.0 - 1.0 / wide) - freedom * np.log(wide))
-    evidence += out.size * np.log(share) + count * np.log1p(-share)
-    return {"outliers": (float(share), float(evidence))}
-
-
-def _weigh_tails(fit: NoiseFit) -> dict[str, tuple[float, float]]:
-    """Evidence for Student's t in quiet windows."""
-    units = [np.empty(0)]
-    for windows, memory in zip(fit.windows, fit.memories, strict=True):
-        if windows.dof > 0 and np.isfinite(memory.autocorrelation):
-            residual = np.empty(len(windows.rows))
-            profile_windows(*memory, *windows[:3], residual)
-            sizes = np.diff(windows.start)
-            sd = np.sqrt(np.add.reduceat(residual**2, windows.start[:-1]) / sizes)
-            units.append(residual / np.repeat(np.maximum(sd, LEAST_SD), sizes))
-    unit = np.concatenate(units)
-    unit = unit[np.abs(unit) < DECISIONS.gross_sd]
-    if not unit.size:
-        return {}
-    normal = -0.5 * np.sum(unit**2 + np.log(2 * np.pi))
-    gain = np.array(
-        [student.logpdf(unit, f, scale=np.sqrt((f - 2.0) / f)).sum() for f in PRIORS.freedoms]
-    )
-    evidence = float(np.logaddexp.reduce(gain - normal) - np.log(len(gain)))
-    return {"heavy_tails": (PRIORS.freedoms[gain.argmax()], evidence)}
-
-
-def _count_frames(name: str, count: float, frames: xr.Dataset) -> dict[str, tuple[float, float]]:
-    """Share of useless frames, and evidence against soundness."""
-    used, usual = float(frames["used"].values.sum()), DECISIONS.usual_loss
-    share = count / (count + used)
-    if share <= usual:
-        return {}
-    evidence = count * np.log(share / usual) + used * (np.log1p(-share) - np.log1p(-usual))
-    return {name: (share, float(evidence))}
 
 
 def _complete(

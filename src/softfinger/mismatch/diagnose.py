@@ -11,13 +11,15 @@ from softfinger.inference.disturbances import fit_disturbances
 from softfinger.inference.problem import Candidate, Problem, pose_problem
 from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.measure import add_components
+from softfinger.measurement.mend import mend_recordings
 from softfinger.measurement.steady import steady_log
+from softfinger.mechanics.effects.measurement_file import MeasurementEntry
 from softfinger.mechanics.effects.model import Piece
 from softfinger.mechanics.effects.model_file import ModelFile
 from softfinger.mismatch.candidates.columns import ScoreColumns, collect_columns
 from softfinger.mismatch.candidates.rank import Progress, Score, list_pieces, rank_pieces
 from softfinger.mismatch.checks.findings import Findings, examine
-from softfinger.mismatch.checks.hums import Hum, hear_hums, note_hums
+from softfinger.mismatch.checks.hums import Hum, describe_hums, hear_hums, note_hums
 from softfinger.mismatch.config import MismatchSettings
 from softfinger.mismatch.experiment.masking import list_invisible, tabulate_masking
 from softfinger.mismatch.search.calibrate import FalseAlarms, calibrate_false_alarms
@@ -49,7 +51,10 @@ from softfinger.settings import read_settings
 
 
 class Diagnosis(NamedTuple):
-    """A verdict and everything behind it."""
+    """A verdict and everything behind it.
+
+    `angles` are the recordings set right by `mended`; all else is of these.
+    """
 
     verdict: Verdict
     problem: Problem
@@ -59,6 +64,8 @@ class Diagnosis(NamedTuple):
     masking: xr.Dataset
     findings: Findings
     cut_short: bool
+    angles: xr.Dataset
+    mended: MeasurementEntry
 
 
 class Survey(NamedTuple):
@@ -74,8 +81,8 @@ class Survey(NamedTuple):
 class Posed(NamedTuple):
     """Recordings with the base model fitted to them.
 
-    `known` has what was found to be wrong with log and clock, and was mended: component → size
-    and evidence [nats].
+    They were set right by `mended`; `known` has what was wrong with log and clock: component →
+    size and evidence [nats].
     """
 
     angles: xr.Dataset
@@ -83,9 +90,10 @@ class Posed(NamedTuple):
     base: Candidate
     survey: Survey
     known: Mapping[str, tuple[float, float]]
+    mended: MeasurementEntry
 
 
-Pose = Callable[[xr.Dataset, Mapping[str, tuple[float, float]]], Posed]
+Pose = Callable[[MeasurementEntry, Mapping[str, tuple[float, float]]], Posed]
 
 
 def diagnose(
@@ -120,16 +128,18 @@ def diagnose(
         ranked = rank_pieces(problem, base, columns, progress)
         return Survey((pieces, refused), columns, alarms, needed, ranked)
 
-    def pose(angles: xr.Dataset, known: Mapping[str, tuple[float, float]]) -> Posed:
-        plain, fit = pose_problem(angles, content, priors=priors)
+    def pose(mended: MeasurementEntry, known: Mapping[str, tuple[float, float]]) -> Posed:
+        right = mend_recordings(angles, mended)
+        plain, fit = pose_problem(right, content, priors=priors)
         if known:
             size, nats = ({name: pair[k] for name, pair in known.items()} for k in (0, 1))
             plain = replace(plain, noise=add_components(plain.noise, size, nats))
         base = Candidate(plain.base, fit, fit.log_evidence)
-        return Posed(angles, plain, base, survey(plain, base), known)
+        return Posed(right, plain, base, survey(plain, base), known, mended)
 
-    posed, hums = mend_hums(mend_clock(mend_log(pose(angles, {}), pose), pose), pose)
-    angles, plain, base, found, _ = posed
+    posed = pose(MeasurementEntry(), {})
+    posed, hums = mend_hums(mend_clock(mend_log(posed, pose), pose), pose)
+    right, plain, base, found, _, mended = posed
     problem, base = settle_measurement(plain, base, found.ranked[0], found.needed)
     found = found if problem is plain else survey(problem, base)
     patience = Patience(settings.longest_search_s, progress)
@@ -137,10 +147,12 @@ def diagnose(
         problem, base, found.catalogue, found.columns, found.needed, patience, found.ranked
     )
     if search.best is not search.base:
-        problem, search = judge_finalists(plain, problem, search, angles, found.needed)
-    more, angles = hear_hums(problem, search.best, angles)
+        problem, search = judge_finalists(plain, problem, search, right, found.needed)
+    more = hear_hums(problem, search.best, right)
+    mended = add_hums(mended, more, problem.trials.name)
     problem = replace(problem, noise=note_hums(problem.noise, hums + more))
-    return _close(problem, search, found, angles)._replace(cut_short=patience.was_lost)
+    right = mend_recordings(angles, mended) if more else right
+    return _close(problem, search, found, right, mended, cut_short=patience.was_lost)
 
 
 def mend_log(posed: Posed, pose: Pose) -> Posed:
@@ -149,8 +161,10 @@ def mend_log(posed: Posed, pose: Pose) -> Posed:
     if error == 0.0 or not posed.plain.setting.load_known:
         return posed
     nats = weigh_log(posed.plain, posed.base, posed.survey.ranked[0], steady, posed.survey.needed)
-    # that the log scatters is seen in the log: no further evidence is asked for
-    return pose(steady, {"noisy_load": (error, nats)}) if nats > 0.0 else posed
+    if nats <= 0.0:  # that the log scatters is seen in the log: no further evidence is asked for
+        return posed
+    mended = posed.mended.model_copy(update={"steady_load": True})
+    return pose(mended, {"noisy_load": (error, nats)})
 
 
 def mend_clock(posed: Posed, pose: Pose) -> Posed:
@@ -165,18 +179,34 @@ def mend_clock(posed: Posed, pose: Pose) -> Posed:
     rival = find_leader(base, found.ranked[0], found.needed).log_evidence - base.log_evidence
     if nats < max(MEASURING.present_nats, rival - found.needed):
         return posed
-    set_right = posed.angles.assign(time=posed.angles["time"] * (1.0 + rate))
-    return pose(set_right, {**posed.known, "clock_rate": (abs(rate), nats)})
+    mended = posed.mended.model_copy(update={"clock_rate": rate})
+    return pose(mended, {**posed.known, "clock_rate": (abs(rate), nats)})
 
 
 def mend_hums(posed: Posed, pose: Pose) -> tuple[Posed, list[Hum]]:
     """Take hums, neither motion nor noise, off recordings."""
     leader = find_leader(posed.base, posed.survey.ranked[0], posed.survey.needed)
-    hums, angles = hear_hums(posed.plain, leader, posed.angles)
-    return (pose(angles, posed.known) if hums else posed), hums
+    hums = hear_hums(posed.plain, leader, posed.angles)
+    if not hums:
+        return posed, hums
+    mended = add_hums(posed.mended, hums, posed.plain.trials.name)
+    return pose(mended, posed.known), hums
 
 
-def _close(problem: Problem, search: Search, found: Survey, angles: xr.Dataset) -> Diagnosis:
+def add_hums(known: MeasurementEntry, hums: list[Hum], trials: list[str]) -> MeasurementEntry:
+    """Add hums of some trials to what is known."""
+    return known.model_copy(update={"hums": [*known.hums, *describe_hums(hums, trials)]})
+
+
+def _close(
+    problem: Problem,
+    search: Search,
+    found: Survey,
+    angles: xr.Dataset,
+    mended: MeasurementEntry,
+    *,
+    cut_short: bool,
+) -> Diagnosis:
     """Examine what is left, weigh all sets, and conclude."""
     needed = found.needed
     search = name_species(problem, search) if search.best is not search.base else search
@@ -190,6 +220,6 @@ def _close(problem: Problem, search: Search, found: Survey, angles: xr.Dataset) 
     masking = tabulate_masking(found.columns, problem, search.base)
     hidden, refused = set(list_invisible(masking, needed)), found.catalogue[1]
     verdict = conclude(problem, search, posterior, findings, angles, hidden, refused, needed)
-    return Diagnosis(
-        verdict, problem, search, posterior, found.alarms, masking, findings, cut_short=False
-    )
+    mended = mended.model_copy(update={"disturbances": dict(problem.disturbed)})
+    rest = found.alarms, masking, findings, cut_short, angles, mended
+    return Diagnosis(verdict, problem, search, posterior, *rest)

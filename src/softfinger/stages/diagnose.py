@@ -85,7 +85,7 @@ def diagnose(
     if content and (said := content.describe_origin(fitted_to.sha256)):
         print(said)
     found = find_left_out(recorded, config, stream, content=content, priors=priors)
-    tables = tabulate_diagnosis(found, recorded, config, stream)
+    tables = tabulate_diagnosis(found, found.angles, config, stream)
     for name, path in artifacts.items():
         save_artifact(tables[name], SPECS[name], path, provenance)
     with write_atomically(repaired) as temporary:
@@ -95,7 +95,8 @@ def diagnose(
         # the sampler takes seconds to import
         from softfinger.mismatch.verdict.refine import refine_verdict
 
-        said, r_hat = refine_verdict(found, recorded, np.random.default_rng(stream), r_hat_max)
+        rng = np.random.default_rng(stream)
+        said, r_hat = refine_verdict(found, found.angles, rng, r_hat_max)
         print(f"sampling the repaired model: largest R-hat {r_hat:.3f}")
     proposal = propose_experiment(found, recorded)
     warnings = [

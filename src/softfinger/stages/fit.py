@@ -8,9 +8,9 @@ from softfinger.artifacts import open_artifact, save_tree
 from softfinger.artifacts.specs import angles as angles_spec
 from softfinger.artifacts.specs import posterior as posterior_spec
 from softfinger.inference.posterior import fit_posterior
-from softfinger.mechanics.effects.model_file import read_model_file
 from softfinger.provenance import derive_seed, describe_run
 from softfinger.stages.linear_algebra import on_one_thread
+from softfinger.stages.modelled import read_modelled
 
 
 @on_one_thread
@@ -34,12 +34,12 @@ def fit(
     """
     roles = {"angles": angles} if model is None else {"angles": angles, "model": model}
     provenance = describe_run("fit", roles, config, seed)
+    sha256 = provenance.inputs["angles"]
     recorded = open_artifact(angles, angles_spec.SPEC)
-    stream = derive_seed(seed, "fit")
-    content = None if model is None else read_model_file(model)
-    priors = content is None or not content.was_fitted_to(provenance.inputs["angles"])
-    if content and (said := content.describe_origin(provenance.inputs["angles"])):
+    recorded, content, priors = read_modelled(recorded, sha256, model)
+    if content and (said := content.describe_origin(sha256)):
         print(said)
+    stream = derive_seed(seed, "fit")
     settings = {**config, "cores": cores}
     tree = fit_posterior(recorded, settings, stream, content, priors=priors)
     save_tree(tree, posterior_spec.SPEC, posterior, provenance)

@@ -14,6 +14,7 @@ from softfinger.inference.motion import Move, build_mover, move_paper_joint
 from softfinger.mechanics.effects.model_file import read_model_file
 from softfinger.propagation.populations import take_population_draws
 from softfinger.provenance import Provenance, derive_seed, describe_run
+from softfinger.stages.modelled import read_modelled
 
 SPECS = {part.SPEC.name: part.SPEC for part in (angles, least_squares, posterior)}
 
@@ -41,6 +42,8 @@ def open_spread(
         name: (open_tree if SPECS[name].groups else open_artifact)(path, SPECS[name])
         for name, path in inputs.items()
     }
+    known = read_modelled(opened["angles"], provenance.inputs["angles"], model)
+    opened["angles"] = known.angles
     rng = np.random.default_rng(derive_seed(seed, rule))
     move = open_mover(opened["angles"], opened["posterior"], config, model)
     return (*opened.values(), config, rng, move), provenance
@@ -66,8 +69,11 @@ def open_mover(
                 "was fitted with (--model, or `model` in the configuration)"
             )
         return move_paper_joint
+    content = read_model_file(model)
+    if not fitted and not content.effects:
+        return move_paper_joint
     if not fitted:
         raise Fault(f"{model}: the posterior was fitted without it; fit again with this model file")
     effect = take_population_draws(posterior, ["effect"], config["draws"])["effect"]
     constant = posterior.get("constant_data", xr.DataTree()).to_dataset()
-    return build_mover(constant, read_model_file(model), effect, angles["trial"])
+    return build_mover(constant, content, effect, angles["trial"])

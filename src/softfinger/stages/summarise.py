@@ -14,6 +14,7 @@ from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.model_file import read_model_file
 from softfinger.provenance import derive_seed, describe_run
 from softfinger.stages.linear_algebra import on_one_thread
+from softfinger.stages.modelled import read_modelled
 from softfinger.stages.opening import SUMMED, open_artifacts
 from softfinger.summary import judge_run
 from softfinger.summary import summarise as sum_up
@@ -45,6 +46,8 @@ def summarise(
     roles = {**artifacts, "markers": markers} | ({} if model is None else {"model": model})
     provenance = describe_run("summarise", roles, config, seed)
     opened, limits = open_artifacts(artifacts, markers), read_config(config)
+    known = read_modelled(opened["angles"], provenance.inputs["angles"], model)
+    opened["angles"] = known.angles
     angles, posterior = opened["angles"], opened.get("posterior")
     rng = np.random.default_rng(derive_seed(seed, "summarise"))
     moves = _open_moves(angles, posterior, model)

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from softfinger.inference.disturbance_directions import _group_rows, list_disturbances
 from softfinger.inference.disturbances import (
-    _group_rows,
     admit_disturbances,
+    admit_known,
     fit_disturbances,
-    list_disturbances,
     locate_disturbances,
     soften_gram_array,
 )
@@ -129,6 +129,32 @@ def test_what_the_log_did_is_taken_from_the_residual(noisy):
     fit = softer.fit(base.model, (base.fit.own, base.fit.shared, base.fit.omega))
     moved = locate_disturbances(softer, Candidate(base.model, fit, fit.log_evidence), time)
     assert np.sqrt(np.mean(moved**2)) > 0.002
+
+
+def test_a_gain_that_wanders_is_found_with_its_size_and_no_drift(record):
+    """What wanders is in proportion to the deflection, and vanishes where the finger rests."""
+    angles = record()
+    values = angles["joint_angle"].values.copy()
+    walk = np.cumsum(np.random.default_rng(7).standard_normal((8, 2, 500)), axis=2) / np.sqrt(500)
+    values *= 1.0 + 0.02 * walk
+    problem, fit = pose_problem(angles.assign(joint_angle=(angles["joint_angle"].dims, values)))
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    size, evidence, directions = fit_disturbances(problem, base)
+    assert max(evidence, key=evidence.get) == "gain_drift"
+    assert size["gain_drift"] == pytest.approx(0.02, rel=0.4)
+    assert evidence["gain_drift"] > 15.0
+    assert "drift" not in size
+    assert not directions["gain_drift"][:, :, 0].any()
+
+
+def test_a_known_disturbance_is_admitted_with_its_size(noisy):
+    problem, base = noisy
+    softer, fit = admit_known(problem, base.fit, {"noisy_load": 0.02})
+    assert softer.disturbed == {"noisy_load": 0.02}
+    assert (softer.trials.logdet > problem.trials.logdet).all()
+    level = softer.trials.logdet.sum() - problem.trials.logdet.sum()
+    assert fit.log_evidence - 0.5 * level > base.log_evidence + 30
+    assert admit_known(problem, base.fit, {}) == (problem, base.fit)
 
 
 def test_rows_of_a_log_err_alone_unless_there_are_very_many():

@@ -1,5 +1,7 @@
 """PITs of trials against populations that did not see them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -42,3 +44,17 @@ def test_pits_of_the_right_population_are_uniform(trials):
 @pytest.mark.parametrize("widened", [0.5, 2.0])
 def test_pits_of_a_wrong_spread_are_not(trials, widened):
     assert judge(trials, widened)["smallest_p"] < 0.01
+
+
+def test_pits_know_how_large_a_frame_s_noise_is(trials):
+    """Noise that drowns all motion leaves each PIT at a half."""
+    wide = trials.frames["noise_factor"] * 1e4
+    noisy = trials._replace(frames=trials.frames.assign(noise_factor=wide))
+    assert np.abs(judge(noisy, 1.0)["pit"] - 0.5).max() < 0.1
+
+
+def test_pits_know_the_disturbances(trials):
+    problem = trials.problem
+    directions = np.full((*problem.trials.angle.shape[:1], 1, problem.trials.node[0].size, 1), 50.0)
+    disturbed = trials._replace(problem=replace(problem, directions=directions))
+    assert np.abs(judge(disturbed, 1.0)["pit"] - 0.5).max() < 0.1

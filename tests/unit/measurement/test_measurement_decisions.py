@@ -5,9 +5,9 @@ import pytest
 import xarray as xr
 
 from softfinger.measurement.frames import select_frames
-from softfinger.measurement.measure import _count_frames, _weigh_tails
 from softfinger.measurement.noise import fit_noise
 from softfinger.measurement.outliers import _find_usual, find_outliers, subtract_median_array
+from softfinger.measurement.presence import _count_frames, _weigh_tails
 from softfinger.measurement.reml import cut_windows
 from softfinger.measurement.repeats import find_step_array
 

@@ -3,6 +3,7 @@ import pytest
 
 from softfinger.faults import Fault, ListedFault
 from softfinger.mechanics.effects.effect import Setting
+from softfinger.mechanics.effects.measurement_file import HumEntry, MeasurementEntry
 from softfinger.mechanics.effects.model_file import (
     FittedTo,
     build_model,
@@ -73,6 +74,30 @@ def test_a_fitted_model_returns_from_its_file(write, tmp_path):
     np.testing.assert_allclose(found, [mean, sd], rtol=1e-6)
     write_model_file(again, tmp_path / "two.yaml")
     assert (tmp_path / "one.yaml").read_bytes() == (tmp_path / "two.yaml").read_bytes()
+
+
+def test_what_recordings_suffer_from_returns_from_its_file(write, tmp_path):
+    known = MeasurementEntry(
+        steady_load=True,
+        clock_rate=-0.0012,
+        hums=[HumEntry(frequency_hz=7.3, cosine_rad={"a": [1e-3]}, sine_rad={"a": [-2e-3]})],
+        disturbances={"drift": 1.0 / 3.0},
+    )
+    content = read_model_file(write(TEXT)).model_copy(update={"measurement": known.shorten()})
+    write_model_file(content, tmp_path / "one.yaml")
+    again = read_model_file(tmp_path / "one.yaml").measurement
+    assert again.disturbances == {"drift": 0.3333333}
+    assert again.hums == known.hums
+    assert again.steady_load
+    assert again.clock_rate == -0.0012
+    assert MeasurementEntry().shorten() is None
+    write_model_file(read_model_file(write(TEXT)), tmp_path / "two.yaml")
+    assert "measurement" not in (tmp_path / "two.yaml").read_text()
+
+
+def test_a_disturbance_that_nobody_knows_is_refused(write):
+    with pytest.raises(ListedFault, match=r"line 13, measurement.disturbances.magic"):
+        read_model_file(write(TEXT + "measurement: {disturbances: {magic: 1.0}}\n"))
 
 
 @pytest.mark.parametrize(

@@ -156,6 +156,7 @@ def make_measurement(angles, attrs):
             "present": (("trial", "joint"), np.ones(factor.shape, bool)),
             "used": (("trial", "frame"), distance == 0),
             "repeated": (("trial", "frame"), np.zeros(shape, bool)),
+            "saturated": (("trial", "frame"), np.zeros(shape, bool)),
             "outlier_distance": (("trial", "frame"), distance),
             "frame_scale": (("trial", "frame"), np.ones(shape)),
             "trial_factor": (("trial", "joint"), factor),

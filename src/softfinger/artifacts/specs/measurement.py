@@ -21,6 +21,9 @@ SPEC = ArtifactSpec(
         "repeated": Variable(
             _FRAME, "1", "frame that repeats the one before", "truth value", compress=True
         ),
+        "saturated": Variable(
+            _FRAME, "1", "frame at or after a limit of a sensor", "truth value", compress=True
+        ),
         "outlier_distance": Variable(
             _FRAME,
             "1",

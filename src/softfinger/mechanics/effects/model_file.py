@@ -6,6 +6,9 @@ It states which physics a stage uses, in place of the base model.
 and spans decades, `{mean, sd}` of any other; those that are absent have the catalogue's priors.
 Where a model was fitted, they are its posterior; a fit to the very same recordings, which
 `fitted_to` names by the hash of their `angles` artifact, leaves them out, lest data count twice.
+
+`measurement` states what these recordings suffer from; every step that reads the file sets the
+same recordings right by it, and leaves other ones as they are.
 """
 
 import math
@@ -15,11 +18,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import (
-    Field,
-    PrivateAttr,
-    ValidationError,
-)
+from pydantic import Field, PrivateAttr, ValidationError
 from ruamel.yaml import YAML
 
 from softfinger.faults import Fault, ListedFault, show
@@ -27,6 +26,7 @@ from softfinger.gate import read_document
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.effect import Setting
 from softfinger.mechanics.effects.law_file import LawEntry, describe_laws, read_laws
+from softfinger.mechanics.effects.measurement_file import MeasurementEntry
 from softfinger.mechanics.effects.model import EffectModel, Entry, Known, Piece
 from softfinger.mechanics.effects.prior_file import (
     LogNormalPrior,
@@ -70,6 +70,7 @@ class ModelFile(Part):
     torque: Literal["constant_arm"]
     effects: list[EffectEntry]
     fitted_to: FittedTo | None = None
+    measurement: MeasurementEntry | None = None
     _place: str = PrivateAttr("the model")
     _lines: dict[int, int] = PrivateAttr(default_factory=dict)
 
@@ -127,12 +128,15 @@ def write_model_file(content: ModelFile, path: Path | str) -> None:
     """Write a model file; read again, its bytes stay."""
     yaml = YAML()
     yaml.width = 200
-    effects = [
+    document = content.model_dump(mode="json")
+    document["effects"] = [
         {key: value for key, value in effect.items() if key != "law" or value is not None}
-        for effect in content.model_dump(mode="json")["effects"]
+        for effect in document["effects"]
     ]
+    if content.measurement is None:
+        del document["measurement"]
     with Path(path).open("w", encoding="utf-8", newline="\n") as stream:
-        yaml.dump(content.model_dump(mode="json") | {"effects": effects}, stream)
+        yaml.dump(document, stream)
 
 
 def build_model(content: ModelFile, setting: Setting, *, priors: bool = True) -> EffectModel:

@@ -16,6 +16,7 @@ from scipy.optimize import minimize_scalar
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.measurement.decisions import DECISIONS as MEASUREMENT
 from softfinger.measurement.measure import add_components
+from softfinger.mechanics.effects.measurement_file import HumEntry
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.checks.driven import weigh_driven
 from softfinger.mismatch.checks.lines import (
@@ -62,18 +63,22 @@ class Hum(NamedTuple):
         return (self.amplitude[:, :, None] * _sound(time, self.frequency_hz)[:, None]).real
 
 
-def hear_hums(
-    problem: Problem, candidate: Candidate, angles: xr.Dataset
-) -> tuple[list[Hum], xr.Dataset]:
-    """Find hums in a residual; the recordings without them."""
-    trials = problem.trials.name
-    time = angles.sel(trial=trials)["time"].transpose("trial", "frame").values
-    hums = find_hums(problem, compute_residual(problem, candidate, angles), time)
-    angle = angles["joint_angle"].transpose("trial", "joint", "frame").copy()
-    seen = angles.get_index("trial").get_indexer(trials)
-    for hum in hums:
-        angle.values[seen] -= hum.move(time)
-    return hums, angles.assign(joint_angle=angle)
+def hear_hums(problem: Problem, candidate: Candidate, angles: xr.Dataset) -> list[Hum]:
+    """Find the hums that a model leaves in recordings."""
+    time = angles.sel(trial=problem.trials.name)["time"].transpose("trial", "frame").values
+    return find_hums(problem, compute_residual(problem, candidate, angles), time)
+
+
+def describe_hums(hums: list[Hum], trials: list[str]) -> list[HumEntry]:
+    """Describe hums of some trials, as in a model file."""
+    return [
+        HumEntry(
+            frequency_hz=hum.frequency_hz,
+            cosine_rad=dict(zip(trials, hum.amplitude.real.tolist(), strict=True)),
+            sine_rad=dict(zip(trials, (-hum.amplitude.imag).tolist(), strict=True)),
+        )
+        for hum in hums
+    ]
 
 
 def note_hums(measurement: xr.Dataset, hums: list[Hum]) -> xr.Dataset:

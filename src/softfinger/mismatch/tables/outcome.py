@@ -18,6 +18,7 @@ MEASURED = (
     "present",
     "used",
     "repeated",
+    "saturated",
     "outlier_distance",
     "frame_scale",
     "trial_factor",
@@ -101,4 +102,5 @@ def measure_free_form(diagnosis: Diagnosis, free: FreeForm) -> dict[str, float]:
 def describe_repair(diagnosis: Diagnosis, fitted_to: FittedTo) -> ModelFile:
     """Describe the repaired model, as a model file."""
     best = diagnosis.search.best
-    return describe_model(best.model, best.fit.shared, best.fit.shared_covariance, fitted_to)
+    content = describe_model(best.model, best.fit.shared, best.fit.shared_covariance, fitted_to)
+    return content.model_copy(update={"measurement": diagnosis.mended.shorten()})

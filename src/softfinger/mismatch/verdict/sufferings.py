@@ -74,6 +74,8 @@ def _list_trials(name: str, measurement: xr.Dataset) -> list[str]:
         hit = (measurement["outlier_distance"].values > 0).any(axis=1)
     elif name == "repeated_frames":
         hit = measurement["repeated"].values.any(axis=1)
+    elif name == "saturated_sensor":
+        hit = measurement["saturated"].values.any(axis=1)
     elif name == "uneven_noise":
         hit = (
             np.abs(np.log(_scale_trials(measurement))) > np.log(DECISIONS.other_noise)
@@ -126,6 +128,13 @@ WORDS = {
         "share",
         lambda s, _: f"{100 * s:.2g} % of the frames repeat the one before, and are left out.",
     ),
+    "saturated_sensor": _Words(
+        "share",
+        lambda s, _: (
+            f"{100 * s:.2g} % of the frames are at or after a limit of their sensor, and are left "
+            "out."
+        ),
+    ),
     "lost_frames": _Words("share", lambda s, _: f"{100 * s:.2g} % of the frames are missing."),
     "uneven_noise": _Words("log_sd", _say_uneven),
     "signal_noise": _Words("per_rad", _say_signal),
@@ -151,6 +160,11 @@ WORDS = {
     "drift": _Words(
         "noise_sd",
         lambda s, _: f"The angles drift within a trial by {s:.2g} times the noise.",
+    ),
+    "gain_drift": _Words(
+        "relative_sd",
+        lambda s, _: f"The gain of the angles' sensor drifts within a trial by {100 * s:.2g} %.",
+        "drift",
     ),
     "hum": _Words("amplitude_rad", _say_hum, "drift"),
 }

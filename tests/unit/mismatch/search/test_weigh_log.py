@@ -14,6 +14,7 @@ from softfinger.inference.simulate import (
 )
 from softfinger.measurement.measure import add_components
 from softfinger.measurement.steady import steady_log
+from softfinger.mechanics.effects.measurement_file import MeasurementEntry
 from softfinger.mismatch.diagnose import Posed, mend_clock
 from softfinger.mismatch.search.judge import _carry_over, find_clock_rate, weigh_log
 
@@ -102,7 +103,10 @@ def test_a_clock_is_not_set_where_an_effect_explains_more():
 
     def mend(singles):
         survey = SimpleNamespace(ranked=(singles, []), needed=7.0)
-        return mend_clock(Posed(late, problem, base, survey, {}), lambda angles, known: known)
+        posed = Posed(late, problem, base, survey, {}, MeasurementEntry())
+        return mend_clock(posed, lambda mended, known: (mended, known))
 
-    assert "clock_rate" in mend([])
+    mended, known = mend([])
+    assert mended.clock_rate == pytest.approx(0.002, rel=0.1)
+    assert known["clock_rate"][0] == abs(mended.clock_rate)
     assert mend([effect]).angles is late

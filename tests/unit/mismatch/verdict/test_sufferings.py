@@ -15,6 +15,7 @@ def build_measurement(found):
             "trial_factor": (("trial", "joint"), [[1.0, 1.1], [4.0, 4.2], [0.9, 1.0]]),
             "outlier_distance": (("trial", "frame"), [[0.0, 0.0], [0.0, 0.0], [0.0, 40.0]]),
             "repeated": (("trial", "frame"), [[False, True], [False, False], [False, False]]),
+            "saturated": (("trial", "frame"), [[False, False], [False, True], [False, False]]),
             "noise_sd": ("joint", [0.003, 0.003]),
             "hum_frequency": ("hum", [7.1, 14.2]),
         },
@@ -41,10 +42,15 @@ def test_a_hum_is_told_with_its_frequencies_as_a_drift():
 def test_the_trials_that_suffer_are_named():
     told = describe_measurement(
         build_measurement(
-            {"uneven_noise": (0.6, 30.0), "outliers": (0.01, 20.0), "repeated_frames": (0.1, 9.0)}
+            {
+                "uneven_noise": (0.6, 30.0),
+                "outliers": (0.01, 20.0),
+                "repeated_frames": (0.1, 9.0),
+                "saturated_sensor": (0.02, 8.0),
+            }
         )
     )
-    assert [one.trials for one in told] == [["b"], ["c"], ["a"]]
+    assert [one.trials for one in told] == [["b"], ["c"], ["a"], ["b"]]
     assert "that of b is 4.1 times" in told[0].statement
 
 

@@ -1,0 +1,51 @@
+"""Recordings set right by what is known to be wrong.
+
+Every step that fits, predicts or compares sees the same recordings: those that this function
+gives. What cannot be set right, because its size alone is known, is part of the noise instead
+(`inference.disturbances`).
+"""
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from softfinger.measurement.steady import steady_log
+from softfinger.mechanics.effects.measurement_file import HumEntry, MeasurementEntry
+
+
+def mend_recordings(angles: xr.Dataset, known: MeasurementEntry) -> xr.Dataset:
+    """Steady the log, set the clock and take hums off.
+
+    Parameters
+    ----------
+    angles
+        The `angles` artifact.
+    known
+        What is wrong with it; trials that a hum does not name keep their angles.
+
+    Returns
+    -------
+    Dataset
+        As `angles`, with time multiplied by 1 + rate, plateaus of the load at their mean, and
+        each hum a cos ωt + b sin ωt taken off, t being the time that was set right.
+    """
+    if known.steady_load:
+        angles = steady_log(angles)[0]
+    if known.clock_rate:
+        angles = angles.assign(time=angles["time"] * (1.0 + known.clock_rate))
+    if known.hums:
+        angle = angles["joint_angle"].transpose("trial", "joint", "frame")
+        moved = sum(_move_hum(angles, hum) for hum in known.hums)
+        angles = angles.assign(joint_angle=angle - moved)
+    return angles
+
+
+def _move_hum(angles: xr.Dataset, hum: HumEntry) -> NDArray[np.float64]:
+    """Angles (trial, joint, frame) [rad] of a hum."""
+    phase = 2.0 * np.pi * hum.frequency_hz * angles["time"].transpose("trial", "frame").values
+    nothing = [0.0] * angles.sizes["joint"]
+    cosine, sine = (
+        np.array([part.get(str(name), nothing) for name in angles["trial"].values])[:, :, None]
+        for part in (hum.cosine_rad, hum.sine_rad)
+    )
+    return cosine * np.cos(phase)[:, None] + sine * np.sin(phase)[:, None]

@@ -1,0 +1,51 @@
+"""What the recordings of a model file suffer from."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from softfinger.mechanics.effects.prior_file import Part, Positive
+
+Disturbance = Literal[
+    "noisy_load", "load_drift", "timing_jitter", "clock_offset", "clock_rate", "drift", "gain_drift"
+]
+DIGITS = 7
+Amplitudes = dict[str, list[float]]
+
+
+class HumEntry(Part):
+    """A wave that goes on whatever the load does.
+
+    `cosine_rad` and `sine_rad`: trial → amplitude of each joint.
+    """
+
+    frequency_hz: Positive
+    cosine_rad: Amplitudes
+    sine_rad: Amplitudes
+
+
+class MeasurementEntry(Part):
+    """What recordings suffer from, found together with the physics.
+
+    `steady_load`: readings while the load rests count as one; `clock_rate`: how slow the
+    camera's clock runs, as a share; `disturbances`: their sds, each in its own unit.
+    """
+
+    steady_load: bool = False
+    clock_rate: Annotated[float, Field(gt=-0.5, lt=0.5)] = 0.0
+    hums: list[HumEntry] = Field(default_factory=list)
+    disturbances: dict[Disturbance, Positive] = Field(default_factory=dict)
+
+    def shorten(self) -> "MeasurementEntry | None":
+        """Keep as many digits as files have; None if nothing is wrong."""
+        if self == MeasurementEntry():
+            return None
+        return MeasurementEntry.model_validate(_shorten(self.model_dump()))
+
+
+def _shorten(content: Any) -> Any:  # noqa: ANN401 (a document's parts have any type)
+    if isinstance(content, dict):
+        return {key: _shorten(value) for key, value in content.items()}
+    if isinstance(content, list):
+        return [_shorten(value) for value in content]
+    return float(f"{content:.{DIGITS}g}") if isinstance(content, float) else content

@@ -1,0 +1,55 @@
+"""Recordings are set right by what is known to be wrong with them."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from softfinger.measurement.mend import mend_recordings
+from softfinger.mechanics.effects.measurement_file import HumEntry, MeasurementEntry
+
+TIME = np.tile(np.arange(50) / 25.0, (3, 1))
+TORQUE = np.array([0.0, 0.0, 0.040, 0.0404, 0.0396])
+NAMES = ["a", "b", "c"]
+
+
+@pytest.fixture
+def still():
+    return xr.Dataset(
+        {
+            "time": (("trial", "frame"), TIME),
+            "joint_angle": (("trial", "joint", "frame"), np.full((3, 2, 50), 0.3)),
+            "load_torque": (("trial", "knot"), np.tile(TORQUE, (3, 1))),
+        },
+        {"trial": NAMES, "joint": [1, 2]},
+        {"campaign": "still"},
+    )
+
+
+def test_sound_recordings_stay_as_they_are(still):
+    xr.testing.assert_identical(mend_recordings(still, MeasurementEntry()), still)
+
+
+def test_readings_of_a_load_at_rest_count_as_one(still):
+    mended = mend_recordings(still, MeasurementEntry(steady_load=True))
+    np.testing.assert_allclose(mended["load_torque"].values[1], [0.0, 0.0, 0.04, 0.04, 0.04])
+
+
+def test_a_hum_is_taken_off_at_the_times_that_were_set_right(still):
+    right = 1.004 * TIME
+    phase = 2.0 * np.pi * 3.1 * right
+    hum = HumEntry(
+        frequency_hz=3.1,
+        cosine_rad={"c": [0.01, 0.02], "a": [0.03, 0.04]},
+        sine_rad={"c": [0.05, 0.06], "a": [0.07, 0.08]},
+    )
+    loud = still["joint_angle"].values.copy()
+    loud[2, 1] += 0.02 * np.cos(phase[2]) + 0.06 * np.sin(phase[2])
+    loud[0, 0] += 0.03 * np.cos(phase[0]) + 0.07 * np.sin(phase[0])
+    recorded = still.assign(joint_angle=(still["joint_angle"].dims, loud))
+    mended = mend_recordings(recorded, MeasurementEntry(clock_rate=0.004, hums=[hum]))
+    np.testing.assert_allclose(mended["time"].values, right)
+    angle = mended["joint_angle"].values
+    np.testing.assert_allclose(angle[[2, 0], [1, 0]], 0.3)
+    np.testing.assert_array_equal(angle[1], 0.3)
+    assert np.ptp(angle[2, 0]) > 0.05
+    assert mended.attrs == {"campaign": "still"}
