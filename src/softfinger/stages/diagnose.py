@@ -25,6 +25,7 @@ from softfinger.mechanics.effects.model_file import (
 from softfinger.mismatch.diagnose import diagnose as find_left_out
 from softfinger.mismatch.experiment.proposal import propose_experiment
 from softfinger.mismatch.tables.outcome import describe_repair, tabulate_diagnosis
+from softfinger.mismatch.verdict.assumed import list_assumed, list_unused
 from softfinger.mismatch.verdict.schema import Warned, write_verdict
 from softfinger.mismatch.verdict.sufferings import doubt_declared, doubt_patience
 from softfinger.provenance import derive_seed, describe_run
@@ -104,6 +105,9 @@ def diagnose(
         for doubt in find_doubts(recorded)
     ]
     warnings += doubt_declared(found.problem.noise)
+    warnings += list_unused(recorded, found.problem.trials.name)
+    load_known = found.problem.setting.load_known
+    warnings += list_assumed(found.problem.noise, load_known=load_known)
     warnings += doubt_patience(found.cut_short, config["longest_search_s"])
     said = said.model_copy(update={"next_experiment": proposal, "warnings": warnings})
     write_load_files(proposal, Path(next_experiment))  # Snakemake gives a str

@@ -165,3 +165,9 @@ def test_rows_of_a_log_err_alone_unless_there_are_very_many():
     many, sd = _group_rows(np.arange(600) / 30, np.full(600, 0.04))
     assert 30 < many.max() < 64
     np.testing.assert_allclose(sd, np.bincount(many)[0] ** -0.5)
+
+
+def test_one_clean_trial_has_no_disturbance(record):
+    problem, fit = pose_problem(record().isel(trial=[0]))
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    assert fit_disturbances(problem, base)[0] == {}

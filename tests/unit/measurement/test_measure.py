@@ -174,3 +174,20 @@ def test_an_effect_of_the_first_frames_keeps_its_evidence_among_outliers(make_ca
     clean, spoilt = gain_of_delay(angles), gain_of_delay(scatter_outliers(angles)[0])
     assert clean > 50
     assert spoilt > 0.95 * clean
+
+
+def test_one_trial_shows_its_noise_and_nothing_between_trials(drawn):
+    angles, motion = drawn()
+    found = measure(angles.isel(trial=[0]), motion[:1])
+    assert list_found(found) == {}
+    assert (found["trial_factor"] == 1.0).all()
+    np.testing.assert_allclose(found["noise_sd"], SD * np.array([1.0, 0.8, 1.3]), rtol=0.25)
+
+
+def test_two_trials_show_that_their_noise_differs(drawn):
+    angles, motion = drawn()
+    louder = disturb(angles, motion, np.array([1.0, 4.0] + [1.0] * 6)[:, None, None])
+    found = measure(louder.isel(trial=[0, 1]), motion[:2])
+    assert list(list_found(found)) == ["uneven_noise"]
+    ratio = found["trial_factor"].values[1] / found["trial_factor"].values[0]
+    np.testing.assert_allclose(ratio, 4.0, rtol=0.3)

@@ -7,10 +7,13 @@ import pytest
 import xarray as xr
 from scipy.signal import lfilter
 
+from softfinger.measurement.mend import mend_recordings
+from softfinger.mechanics.effects.model_file import FittedTo
 from softfinger.mismatch import diagnose
 from softfinger.mismatch.checks.hums import find_hums
 from softfinger.mismatch.checks.lines import find_line
 from softfinger.mismatch.decisions import DECISIONS
+from softfinger.mismatch.tables.outcome import describe_repair
 
 CONFIG = {
     "bootstrap_replicates": 99,
@@ -163,7 +166,12 @@ def test_a_campaign_that_hums_is_adequate_and_its_hum_is_a_finding(
     assert size == pytest.approx(0.002 / np.sqrt(2), rel=0.15)
     assert found.findings.line.gain < np.log(100.0)
     assert found.findings.p_value > 0.01
-    still = diagnose(draw_campaign(2, 0.0).isel(trial=slice(trials)), CONFIG, 5, lambda i, _: i)
+    quiet = draw_campaign(2, 0.0).isel(trial=slice(trials))
+    known = describe_repair(found, FittedTo(campaign="hum", sha256="0" * 64)).measurement
+    mended = mend_recordings(angles, known)["joint_angle"]
+    np.testing.assert_allclose(mended, found.angles["joint_angle"], atol=1e-7)
+    assert float(((mended - quiet["joint_angle"]) ** 2).mean()) < 0.1 * size**2
+    still = diagnose(quiet, CONFIG, 5, lambda i, _: i)
     for name in ("noise_sd", "noise_autocorrelation"):
         both = [float(one.problem.noise[name][0]) for one in (found, still)]
         assert both[0] == pytest.approx(both[1], rel=0.1)
