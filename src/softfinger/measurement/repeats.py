@@ -21,23 +21,38 @@ def find_repeated_frames(angles: xr.Dataset, frames: xr.Dataset) -> NDArray[np.b
     used, present = frames["used"].values, frames["present"].values
     found = np.zeros_like(used)
     for trial in np.flatnonzero(used.any(axis=1)):
-        some = np.flatnonzero(used[trial])
-        rows = angle[trial, present[trial]][:, some]
+        rows = angle[trial, present[trial]][:, used[trial]]
         same = (np.diff(rows, axis=1) == 0.0).all(axis=0)
-        if same.any() and np.prod([_expect_equal(row) for row in rows]) < DECISIONS.equal_by_chance:
-            found[trial, some[1:]] = same
+        found[trial, np.flatnonzero(used[trial])[1:]] = same
+    if found.any():
+        chance = np.where(present, _expect_equals(angle, used), 1.0)
+        found &= (chance.prod(axis=1) < DECISIONS.equal_by_chance)[:, None]
     return found
+
+
+def _expect_equals(angle: NDArray[np.float64], used: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Chance (trial, joint) that neighbours are equal by rounding.
+
+    Where a joint never moved, the usual one of its other trials; without those, 1.
+    """
+    chance = np.array(
+        [[_expect_equal(row[some]) for row in rows] for rows, some in zip(angle, used, strict=True)]
+    )
+    for column in chance.T:
+        known = column[np.isfinite(column)]
+        column[np.isnan(column)] = np.median(known) if known.size else 1.0
+    return chance
 
 
 def _expect_equal(values: NDArray[np.float64]) -> float:
     """Chance that two neighbours (n,) are equal by rounding.
 
-    It follows from the size of their differences.
+    It follows from the size of their differences, and is NaN where all are equal.
     """
     change = np.abs(np.diff(values))
     change = change[change > 0]
     if not change.size:
-        return 1.0
+        return np.nan
     return float(min(1.0, find_step_array(values) / np.median(change)))
 
 
