@@ -17,15 +17,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from softfinger.faults import Fault
 from softfinger.inference.budget import BUDGET
-from softfinger.inference.disturbance_directions import list_disturbances
-from softfinger.inference.mixed_effects_laplace import Fit
+from softfinger.inference.decisions import DECISIONS
 from softfinger.inference.mixed_effects_linearised import solve_linearised
 from softfinger.inference.priors import PRIORS
 from softfinger.inference.problem import Candidate, Problem
-from softfinger.inference.reduce import reduce_trials, whiten_residual, whiten_slope
+from softfinger.inference.reduce import reduce_trials
 from softfinger.measurement.components import choose_components
+from softfinger.measurement.trials import Trials
 
 Array = NDArray[np.float64]
 
@@ -38,7 +37,30 @@ SIZES: Mapping[str, Array] = {
     "drift": np.array(PRIORS.drift_sizes),
     "gain_drift": np.array(PRIORS.gain_drift_sizes),
 }
-SLIGHT = 1e-6  # of the noise's variance, that a direction adds
+STEP_SHARE = 0.01  # of a row's load by which the model is moved
+STEP_S = 0.002
+
+
+def list_disturbances(problem: Problem, candidate: Candidate) -> dict[str, Array]:
+    """What errors of unit size move the angles by.
+
+    Id → (trial, joint, bin · 2, column) [rad].
+
+    A load that was only assumed has no log that errs.
+    """
+    speed = _measure_speed(problem, candidate)
+    time = problem.trials.node.reshape(len(speed), 1, -1)
+    found = {
+        "timing_jitter": _spread_jitter(problem.trials, speed),
+        "drift": _list_walks(problem),
+        "gain_drift": _drift_gain(problem, candidate),
+    }
+    if problem.setting.load_known:
+        found["clock_offset"] = speed[..., None]
+        found["clock_rate"] = (speed * time)[..., None]
+        found["noisy_load"] = _move_rows(problem, candidate)
+        found["load_drift"] = _drift_load(problem, candidate)
+    return found
 
 
 def fit_disturbances(
@@ -110,78 +132,133 @@ def soften_gram_array(
     return gram, float(np.linalg.slogdet(inner)[1].sum())
 
 
-def admit_disturbances(
-    problem: Problem, size: Mapping[str, float], directions: Mapping[str, Array]
-) -> Problem:
-    """Enlarge the noise along some directions by their sizes."""
+def _simulate(problem: Problem, candidate: Candidate, **changes: Array) -> Array:
+    moved = replace(problem, trials=problem.trials._replace(**changes))
+    nothing = np.zeros(0, np.int64)
+    return moved.simulate(candidate.model, candidate.fit.own, candidate.fit.shared, nothing)[0]
+
+
+def _measure_speed(problem: Problem, candidate: Candidate) -> Array:
+    """Speed (trial, joint, bin · 2) [rad/s] over milliseconds."""
+    node = problem.trials.node
+    after, before = (_simulate(problem, candidate, node=node + s) for s in (STEP_S, -STEP_S))
+    return (after - before) / (2 * STEP_S)
+
+
+def _spread_jitter(trials: Trials, speed: Array) -> Array:
+    """One column for each bin with fast motion.
+
+    The frames of such a bin err alone.
+    """
+    count, joints, nodes = speed.shape
+    mean = speed.reshape(count, joints, -1, 2).mean(axis=3)
+    frames = np.ones((count, nodes // 2))
+    for i, starts in enumerate(trials.starts):
+        frames[i, : len(starts) - 1] = np.diff(starts)
+        mean[i, :, len(starts) - 1 :] = 0.0
+    mean = mean / np.sqrt(frames)[:, None]
+    order = np.argsort(-np.abs(mean).max(axis=1), axis=1)[:, : BUDGET.jitter_bins]
+    columns = np.zeros((count, joints, nodes // 2, order.shape[1]))
+    for k in range(order.shape[1]):
+        at = order[:, k]
+        columns[np.arange(count), :, at, k] = mean[np.arange(count), :, at]
+    return np.repeat(columns, 2, axis=2)
+
+
+def _walk_array(share: Array) -> Array:
+    """Leading shapes (…, k) of a random walk.
+
+    It is over shares (…) of a trial, of sd 1 at its end.
+
+    Karhunen–Loève: √2 sin((k − ½) π t/T) / ((k − ½) π).
+
+    >>> bool(abs((_walk_array(np.ones(1)) ** 2).sum() - 1.0) < 0.05)
+    True
+    """
+    pitch = (np.arange(BUDGET.drift_shapes) + 0.5) * np.pi
+    return np.sqrt(2.0) * np.sin(share[..., None] * pitch) / pitch
+
+
+def _list_walks(problem: Problem) -> Array:
+    """How a random walk of each joint moves angles.
+
+    It has the noise's sd at a trial's end.
+    """
+    trials, joints = problem.trials, problem.trials.joints
+    walk = _walk_array(_share_trial(trials))
+    sd = problem.noise["noise_sd"].values
+    columns = np.einsum("tns,jk,j->tjnks", walk, np.eye(joints), sd)
+    return columns.reshape(*columns.shape[:3], joints * BUDGET.drift_shapes)
+
+
+def _drift_gain(problem: Problem, candidate: Candidate) -> Array:
+    """How a walking gain of the angles' own sensor moves them.
+
+    Each joint's deflection from where its trial began, times a random walk of its own.
+    """
+    still = _simulate(problem, candidate)
+    share = _share_trial(problem.trials)
+    away = still - still[:, :, :1]
+    columns = np.einsum("tjn,tns,jk->tjnks", away, _walk_array(share), np.eye(still.shape[1]))
+    return columns.reshape(*still.shape, -1)
+
+
+def _share_trial(trials: Trials) -> Array:
+    """How much of a trial has gone by (trial, bin · 2)."""
+    node = trials.node.reshape(len(trials.name), -1)
+    return (node - node[:, :1]) / np.maximum(node[:, -1:] - node[:, :1], 1e-300)
+
+
+def _move_rows(problem: Problem, candidate: Candidate) -> Array:
+    """Effect on the angles of load log errors.
+
+    Every row of the log has a relative error.
+    """
     trials = problem.trials
-    scaled = np.concatenate([size[name] * directions[name] for name in size], axis=3)
-    parts, gained = [], []
-    for i in range(len(trials.name)):
-        vectors, sd, _ = np.linalg.svd(whiten_slope(trials, scaled, i), full_matrices=False)
-        gained.append(np.log1p(sd**2).sum())
-        kept = sd**2 > SLIGHT
-        shrink = 1.0 - 1.0 / np.sqrt(1.0 + sd[kept] ** 2)
-        parts.append(vectors[:, kept] * np.sqrt(shrink))
-    soft = np.zeros((len(parts), trials.size.max(), max(part.shape[1] for part in parts)))
-    for whole, part in zip(soft, parts, strict=True):
-        whole[: len(part), : part.shape[1]] = part
-    softer = trials._replace(soft=soft, logdet=trials.logdet + np.array(gained))
-    return replace(problem, trials=softer, directions=scaled, disturbed=dict(size))
+    rows = [_group_rows(*load) for load in zip(trials.load_time, trials.load_torque, strict=True)]
+    count = max(int(row.max(initial=-1)) + 1 for row, _ in rows)
+    label, sd = (np.stack(part) for part in zip(*rows, strict=True))
+    still = _simulate(problem, candidate)
+    columns = np.zeros((*still.shape, count))
+    for k in range(count):
+        error = np.where(label == k, STEP_SHARE * sd, 0.0)
+        torque = trials.load_torque * (1.0 + error)
+        columns[..., k] = (_simulate(problem, candidate, load_torque=torque) - still) / STEP_SHARE
+    return columns
 
 
-def admit_known(problem: Problem, fit: Fit, size: Mapping[str, float]) -> tuple[Problem, Fit]:
-    """Admit disturbances of known sizes, and fit the base again."""
-    directions = list_disturbances(problem, Candidate(problem.base, fit, fit.log_evidence))
-    size = {name: sd for name, sd in size.items() if name in directions}
-    if not size:
-        return problem, fit
-    softer = admit_disturbances(problem, size, directions)
-    again = softer.fit(problem.base, (fit.own, fit.shared, fit.omega))
-    if again is None:
-        raise Fault(
-            f"the model cannot be fitted with the disturbances {', '.join(size)} of the model "
-            "file's measurement; remove them there"
-        )
-    return softer, again._replace(first=again.log_evidence)
+def _drift_load(problem: Problem, candidate: Candidate) -> Array:
+    """How a walking load cell gain moves the angles.
 
-
-def spread_disturbances(problem: Problem, like: NDArray[np.int64], time: Array) -> Array:
-    """Interpolate trials' directions to times.
-
-    The times are (trial, moment) [s] of trials `like`, their places; the result is
-    (trial, joint, moment, k) [rad], each column times a standard normal number.
+    It walks within a trial.
     """
-    trials, directions = problem.trials, problem.directions
-    if directions is None:
-        return np.zeros((len(like), trials.joints, time.shape[1], 0))
-    found = np.zeros((len(like), trials.joints, time.shape[1], directions.shape[3]))
-    for row, trial in enumerate(like):
-        node = trials.node[trial].ravel()
-        for joint, column in np.ndindex(trials.joints, directions.shape[3]):
-            moved = np.interp(time[row], node, directions[trial, joint, :, column])
-            found[row, joint, :, column] = moved
-    return found
+    trials = problem.trials
+    start, end = trials.node[:, 0, 0, None], trials.node[:, -1, -1, None]
+    walk = _walk_array(np.clip((trials.load_time - start) / (end - start), 0.0, 1.0))
+    still = _simulate(problem, candidate)
+    moved = [
+        _simulate(problem, candidate, load_torque=trials.load_torque * (1.0 + STEP_SHARE * shape))
+        for shape in np.moveaxis(walk, -1, 0)
+    ]
+    return np.stack([(angle - still) / STEP_SHARE for angle in moved], axis=-1)
 
 
-def locate_disturbances(problem: Problem, candidate: Candidate, time: Array) -> Array:
-    """Most probable disturbance (trial, joint, frame) [rad] at times.
+def _group_rows(time: Array, torque: Array) -> tuple[NDArray[np.int64], Array]:
+    """Which knots err together (knot,), with which sd.
 
-    The times are (trial, frame) [s].
+    −1 where there is no load.
 
-    The modes of η and φ are given; between the bins' nodes it follows straight lines.
+    A jump has two knots; the first of them repeats the row before.
+
+    >>> _group_rows(np.array([0.0, 4.0, 4.0, 9.0]), np.array([2.0, 2.0, 1.0, 1.0]))[0]
+    array([0, 0, 1, 2])
     """
-    trials, fit, moved = problem.trials, candidate.fit, problem.directions
-    found = np.zeros((len(trials.name), trials.joints, time.shape[1]))
-    if moved is None:
-        return found
-    angle = problem.simulate(candidate.model, fit.own, fit.shared, np.zeros(0, np.int64))[0]
-    stiff = trials._replace(soft=trials.soft[:, :, :0])
-    for i in range(len(trials.name)):
-        white, left = whiten_slope(trials, moved, i), whiten_residual(stiff, angle, i)
-        left = left[:, trials.present[i]].ravel()
-        inner = np.eye(white.shape[1]) + white.T @ white
-        shift = moved[i] @ np.linalg.solve(inner, white.T @ left)
-        for j in range(trials.joints):
-            found[i, j] = np.interp(time[i], trials.node[i].ravel(), shift[j])
-    return found
+    after = np.append(time[1:] == time[:-1], False)
+    repeats = np.append(False, torque[1:] == torque[:-1])
+    same = repeats & (after | np.append(False, time[1:] == time[:-1]))
+    row = np.cumsum(~same) - 1
+    loaded = torque != 0.0
+    _, row[loaded] = np.unique(row[loaded], return_inverse=True)
+    number = int(row[loaded].max(initial=-1)) + 1
+    together = max(1, -(-number // DECISIONS.load_rows))
+    return np.where(loaded, row // together, -1), np.full(len(time), together**-0.5)

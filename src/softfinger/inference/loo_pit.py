@@ -20,7 +20,7 @@ from scipy.stats import kstest, norm
 
 from softfinger.inference.budget import BUDGET
 from softfinger.inference.decisions import DECISIONS
-from softfinger.inference.disturbances import spread_disturbances
+from softfinger.inference.disturbed import spread_disturbances
 from softfinger.inference.motion import move_trials
 from softfinger.inference.predictive import Recorded, draw_own, scale_noise
 

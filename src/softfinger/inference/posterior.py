@@ -13,7 +13,7 @@ from softfinger.inference.budget import BUDGET
 from softfinger.inference.correction import Correction, correct_draws
 from softfinger.inference.correlation import Covariance
 from softfinger.inference.density import Effects, Given, build_pymc_model
-from softfinger.inference.disturbances import admit_known
+from softfinger.inference.disturbed import admit_known
 from softfinger.inference.expansion import Expansion, expand_fit, forget_trial, keep_trial
 from softfinger.inference.gibbs import sample_gibbs
 from softfinger.inference.integrate import compute_integrated_log_likelihood

@@ -13,7 +13,7 @@ from softfinger.inference.correlation import (
     shape_free_partials,
 )
 from softfinger.inference.density import Effects
-from softfinger.inference.disturbances import spread_disturbances
+from softfinger.inference.disturbed import spread_disturbances
 from softfinger.inference.motion import move_trials
 from softfinger.inference.priors import PopulationPrior
 from softfinger.inference.problem import Candidate, Problem

@@ -2,7 +2,7 @@
 
 Every step that fits, predicts or compares sees the same recordings: those that this function
 gives. What cannot be set right, because its size alone is known, is part of the noise instead
-(`inference.disturbances`).
+(`inference.disturbed`).
 """
 
 import numpy as np

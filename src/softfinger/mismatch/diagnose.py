@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from softfinger.inference.disturbances import fit_disturbances
+from softfinger.inference.disturbances import SIZES, fit_disturbances
 from softfinger.inference.problem import Candidate, Problem, pose_problem
 from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.measure import add_components
@@ -220,6 +220,7 @@ def _close(
     masking = tabulate_masking(found.columns, problem, search.base)
     hidden, refused = set(list_invisible(masking, needed)), found.catalogue[1]
     verdict = conclude(problem, search, posterior, findings, angles, hidden, refused, needed)
-    mended = mended.model_copy(update={"disturbances": dict(problem.disturbed)})
+    sizes = {name: sd for name, sd in problem.disturbed.items() if name in SIZES}
+    mended = mended.model_copy(update={"disturbances": sizes})
     rest = found.alarms, masking, findings, cut_short, angles, mended
     return Diagnosis(verdict, problem, search, posterior, *rest)

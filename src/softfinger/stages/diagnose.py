@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from softfinger.artifacts import open_artifact, save_artifact, write_atomically
 from softfinger.artifacts.specs import angles as angles_spec
@@ -22,6 +23,7 @@ from softfinger.mechanics.effects.model_file import (
     read_model_file,
     write_model_file,
 )
+from softfinger.mismatch.diagnose import Diagnosis
 from softfinger.mismatch.diagnose import diagnose as find_left_out
 from softfinger.mismatch.experiment.proposal import propose_experiment
 from softfinger.mismatch.tables.outcome import describe_repair, tabulate_diagnosis
@@ -100,19 +102,26 @@ def diagnose(
         said, r_hat = refine_verdict(found, found.angles, rng, r_hat_max)
         print(f"sampling the repaired model: largest R-hat {r_hat:.3f}")
     proposal = propose_experiment(found, recorded)
-    warnings = [
-        Warned(id=doubt.id, trials=list(doubt.trials), statement=doubt.statement)
-        for doubt in find_doubts(recorded)
-    ]
-    warnings += doubt_declared(found.problem.noise)
-    warnings += list_unused(recorded, found.problem.trials.name)
-    load_known = found.problem.setting.load_known
-    warnings += list_assumed(found.problem.noise, load_known=load_known)
+    warnings = list_warnings(found, recorded)
     warnings += doubt_patience(found.cut_short, config["longest_search_s"])
     said = said.model_copy(update={"next_experiment": proposal, "warnings": warnings})
     write_load_files(proposal, Path(next_experiment))  # Snakemake gives a str
     with write_atomically(verdict) as temporary:
         write_verdict(said, temporary)
+
+
+def list_warnings(found: Diagnosis, recorded: xr.Dataset) -> list[Warned]:
+    """List what looks wrong in recordings, or is assumed of them."""
+    problem = found.problem
+    return [
+        *(
+            Warned(id=doubt.id, trials=list(doubt.trials), statement=doubt.statement)
+            for doubt in find_doubts(recorded)
+        ),
+        *doubt_declared(problem.noise),
+        *list_unused(recorded, problem.trials.name),
+        *list_assumed(problem.noise, load_known=problem.setting.load_known),
+    ]
 
 
 def write_load_files(proposal: Mapping[str, Any] | None, folder: Path) -> None:

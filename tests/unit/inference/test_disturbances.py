@@ -3,13 +3,16 @@
 import numpy as np
 import pytest
 
-from softfinger.inference.disturbance_directions import _group_rows, list_disturbances
 from softfinger.inference.disturbances import (
+    _group_rows,
+    fit_disturbances,
+    list_disturbances,
+    soften_gram_array,
+)
+from softfinger.inference.disturbed import (
     admit_disturbances,
     admit_known,
-    fit_disturbances,
     locate_disturbances,
-    soften_gram_array,
 )
 from softfinger.inference.mixed_effects_linearised import solve_linearised
 from softfinger.inference.problem import Candidate, pose_problem

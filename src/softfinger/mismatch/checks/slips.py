@@ -20,7 +20,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from softfinger.inference.disturbances import locate_disturbances
+from softfinger.inference.disturbed import locate_disturbances
 from softfinger.inference.problem import LAYOUT, Candidate, Problem, simulate_frames
 from softfinger.measurement.memory import correlate_frames, list_memories, whiten_neighbours
 from softfinger.measurement.quiet import find_quiet_array

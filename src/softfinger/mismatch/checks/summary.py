@@ -5,7 +5,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import norm
 
-from softfinger.inference.disturbances import locate_disturbances
+from softfinger.inference.disturbed import locate_disturbances
 from softfinger.inference.mixed_effects import Prior
 from softfinger.inference.mixed_effects_laplace import Fit
 from softfinger.inference.mixed_effects_loo import compute_left_out

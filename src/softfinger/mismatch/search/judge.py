@@ -16,7 +16,8 @@ import xarray as xr
 from scipy.optimize import minimize_scalar
 
 from softfinger.inference.budget import BUDGET as INFERENCE
-from softfinger.inference.disturbances import SIZES, admit_disturbances, fit_disturbances
+from softfinger.inference.disturbances import SIZES, fit_disturbances
+from softfinger.inference.disturbed import admit_disturbances
 from softfinger.inference.problem import Candidate, Problem, predict_frames
 from softfinger.measurement.measure import add_components, measure
 from softfinger.measurement.trials import prepare_trials

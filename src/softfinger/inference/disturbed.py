@@ -1,0 +1,97 @@
+"""Recordings whose noise is larger along some directions.
+
+They are those in which an error of log, clock or picture moves the angles (`disturbances`).
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softfinger.faults import Fault
+from softfinger.inference.disturbances import list_disturbances
+from softfinger.inference.mixed_effects_laplace import Fit
+from softfinger.inference.problem import Candidate, Problem
+from softfinger.inference.reduce import whiten_residual, whiten_slope
+
+Array = NDArray[np.float64]
+
+SLIGHT = 1e-6  # of the noise's variance, that a direction adds
+
+
+def admit_disturbances(
+    problem: Problem, size: Mapping[str, float], directions: Mapping[str, Array]
+) -> Problem:
+    """Enlarge the noise along some directions by their sizes."""
+    trials = problem.trials
+    scaled = np.concatenate([size[name] * directions[name] for name in size], axis=3)
+    parts, gained = [], []
+    for i in range(len(trials.name)):
+        vectors, sd, _ = np.linalg.svd(whiten_slope(trials, scaled, i), full_matrices=False)
+        gained.append(np.log1p(sd**2).sum())
+        kept = sd**2 > SLIGHT
+        shrink = 1.0 - 1.0 / np.sqrt(1.0 + sd[kept] ** 2)
+        parts.append(vectors[:, kept] * np.sqrt(shrink))
+    soft = np.zeros((len(parts), trials.size.max(), max(part.shape[1] for part in parts)))
+    for whole, part in zip(soft, parts, strict=True):
+        whole[: len(part), : part.shape[1]] = part
+    softer = trials._replace(soft=soft, logdet=trials.logdet + np.array(gained))
+    return replace(problem, trials=softer, directions=scaled, disturbed=dict(size))
+
+
+def admit_known(problem: Problem, fit: Fit, size: Mapping[str, float]) -> tuple[Problem, Fit]:
+    """Admit disturbances of known sizes, and fit the base again."""
+    directions = list_disturbances(problem, Candidate(problem.base, fit, fit.log_evidence))
+    size = {name: sd for name, sd in size.items() if name in directions}
+    if not size:
+        return problem, fit
+    softer = admit_disturbances(problem, size, directions)
+    again = softer.fit(problem.base, (fit.own, fit.shared, fit.omega))
+    if again is None:
+        raise Fault(
+            f"the model cannot be fitted with the disturbances {', '.join(size)} of the model "
+            "file's measurement; remove them there"
+        )
+    return softer, again._replace(first=again.log_evidence)
+
+
+def spread_disturbances(problem: Problem, like: NDArray[np.int64], time: Array) -> Array:
+    """Interpolate trials' directions to times.
+
+    The times are (trial, moment) [s] of trials `like`, their places; the result is
+    (trial, joint, moment, k) [rad], each column times a standard normal number.
+    """
+    trials, directions = problem.trials, problem.directions
+    if directions is None:
+        return np.zeros((len(like), trials.joints, time.shape[1], 0))
+    found = np.zeros((len(like), trials.joints, time.shape[1], directions.shape[3]))
+    for row, trial in enumerate(like):
+        node = trials.node[trial].ravel()
+        for joint, column in np.ndindex(trials.joints, directions.shape[3]):
+            moved = np.interp(time[row], node, directions[trial, joint, :, column])
+            found[row, joint, :, column] = moved
+    return found
+
+
+def locate_disturbances(problem: Problem, candidate: Candidate, time: Array) -> Array:
+    """Most probable disturbance (trial, joint, frame) [rad] at times.
+
+    The times are (trial, frame) [s].
+
+    The modes of η and φ are given; between the bins' nodes it follows straight lines.
+    """
+    trials, fit, moved = problem.trials, candidate.fit, problem.directions
+    found = np.zeros((len(trials.name), trials.joints, time.shape[1]))
+    if moved is None:
+        return found
+    angle = problem.simulate(candidate.model, fit.own, fit.shared, np.zeros(0, np.int64))[0]
+    stiff = trials._replace(soft=trials.soft[:, :, :0])
+    for i in range(len(trials.name)):
+        white, left = whiten_slope(trials, moved, i), whiten_residual(stiff, angle, i)
+        left = left[:, trials.present[i]].ravel()
+        inner = np.eye(white.shape[1]) + white.T @ white
+        shift = moved[i] @ np.linalg.solve(inner, white.T @ left)
+        for j in range(trials.joints):
+            found[i, j] = np.interp(time[i], trials.node[i].ravel(), shift[j])
+    return found
