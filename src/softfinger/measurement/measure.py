@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from softfinger.faults import Fault
 from softfinger.measurement.budget import BUDGET
 from softfinger.measurement.decisions import DECISIONS
 from softfinger.measurement.frames import select_frames
@@ -58,13 +59,13 @@ def measure(angles: xr.Dataset, motion: Array | None = None) -> xr.Dataset:
     left = angles["joint_angle"].transpose(*LAYOUT)
     left = left if motion is None else left - motion
     angles = angles.assign(joint_angle=left)
-    every = frames["used"]
+    every = frames[["used", "present"]]
     frames = _leave_out(frames, _find_outliers(angles, frames, None))
     if motion is None:
         return _complete(angles, frames, fit_noise(angles, frames), {})
     scales, frames = _scale_noise(angles, frames, _measure_deflection(motion, frames))
     known = complete_noise(fit_noise(angles, frames).noise, angles, frames)
-    frames = frames.assign(used=every)
+    frames = frames.assign(every)
     frames = _leave_out(frames, _find_outliers(angles, frames, known))
     fit = fit_noise(angles, frames)
     found = list_components(scales, fit, frames)
@@ -175,8 +176,17 @@ def _find_outliers(angles: xr.Dataset, frames: xr.Dataset, noise: xr.Dataset | N
 
 def _leave_out(frames: xr.Dataset, distance: Array) -> xr.Dataset:
     used = frames["used"].values & (distance == 0.0)
-    used &= (used.sum(axis=1) >= DECISIONS.least_frames)[:, None]
-    return frames.assign(used=(FRAMES, used), outlier_distance=(FRAMES, distance))
+    enough = (used.sum(axis=1) >= DECISIONS.least_frames)[:, None]
+    if not enough.any():
+        raise Fault(
+            f"no trial has {DECISIONS.least_frames} frames that inform: all others repeat the one "
+            "before or are gross errors; check the recordings' numbers"
+        )
+    return frames.assign(
+        used=(FRAMES, used & enough),
+        present=(LAYOUT[:2], frames["present"].values & enough),
+        outlier_distance=(FRAMES, distance),
+    )
 
 
 def _measure_deflection(motion: Array, frames: xr.Dataset) -> Array:
