@@ -39,7 +39,11 @@ def draw_measurement(noise: xr.Dataset, unit: str) -> Figure:
 
 
 def _draw_shares(ax: Axes, number: np.ndarray, noise: xr.Dataset) -> None:
-    kinds = (("gross_share", BLUE, "x", "gross errors"), ("repeated_share", RED, "+", "repeated"))
+    kinds = (
+        ("gross_share", BLUE, "x", "gross errors"),
+        ("repeated_share", RED, "+", "repeated"),
+        ("saturated_share", GREEN, "1", "at a sensor's limit"),
+    )
     for name, colour, mark, label in kinds:
         ax.plot(number, 100 * noise[name], mark, ms=4, color=colour, label=label)
     ax.set(xlabel="trial [1]", ylabel="frames left out [%]", ylim=(0, None))

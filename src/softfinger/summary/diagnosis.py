@@ -135,15 +135,16 @@ def summarise_measurement(measurement: xr.Dataset) -> xr.Dataset:
     Returns
     -------
     Dataset
-        gross_share, repeated_share (trial), of the frames that were seen; noise_ratio (trial,
+        gross_share, repeated_share, saturated_share (trial), of the frames that were seen; noise_ratio (trial,
         joint), sd over the campaign's, NaN where a joint is absent; grown_sd (deflection, joint)
         [rad], sd of the noise at a deflection [rad] of the coordinate.
     """
-    gross, repeated = measurement["outlier_distance"] > 0, measurement["repeated"] == 1
-    seen = (gross | repeated | (measurement["used"] == 1)).sum("frame")
+    gross = measurement["outlier_distance"] > 0
+    repeated, saturated = (measurement[name] == 1 for name in ("repeated", "saturated"))
+    seen = (gross | repeated | saturated | (measurement["used"] == 1)).sum("frame")
     deflection = xr.DataArray(DEFLECTION, {"deflection": DEFLECTION}, "deflection")
     growth = np.sqrt(1.0 + (measurement["noise_per_rad"] * deflection) ** 2)
-    share = {"gross_share": gross, "repeated_share": repeated}
+    share = {"gross_share": gross, "repeated_share": repeated, "saturated_share": saturated}
     return xr.Dataset(
         {
             **{name: marked.sum("frame") / seen.clip(min=1) for name, marked in share.items()},

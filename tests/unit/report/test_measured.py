@@ -19,6 +19,7 @@ def test_each_trial_is_summed_up(found):
     noise = found.find("noise")
     np.testing.assert_allclose(noise["gross_share"], [0, 4 / 41, 0, 0, 0])
     assert (noise["repeated_share"] == 0).all()
+    assert (noise["saturated_share"] == 0).all()
     np.testing.assert_allclose(noise["noise_ratio"].sel(joint=2), [1, 3, 1, 1, 1])
     last = noise["grown_sd"].isel(deflection=-1)
     np.testing.assert_allclose(last, 0.002 * np.sqrt(5.0))

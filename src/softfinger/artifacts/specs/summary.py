@@ -55,6 +55,7 @@ SPEC = ArtifactSpec(
         "noise": {
             "gross_share": _trial("1", "frames left out as gross errors", **_SHARE),
             "repeated_share": _trial("1", "frames that repeat the one before", **_SHARE),
+            "saturated_share": _trial("1", "frames at or after a limit of a sensor", **_SHARE),
             "noise_ratio": Variable(
                 ("trial", "joint"), "1", "sd of the noise over the campaign's", at_least=0.0
             ),
