@@ -135,9 +135,9 @@ def summarise_measurement(measurement: xr.Dataset) -> xr.Dataset:
     Returns
     -------
     Dataset
-        gross_share, repeated_share, saturated_share (trial), of the frames that were seen; noise_ratio (trial,
-        joint), sd over the campaign's, NaN where a joint is absent; grown_sd (deflection, joint)
-        [rad], sd of the noise at a deflection [rad] of the coordinate.
+        gross_share, repeated_share, saturated_share (trial), of the frames that were seen;
+        noise_ratio (trial, joint), sd over the campaign's, NaN where a joint is absent; grown_sd
+        (deflection, joint) [rad], sd of the noise at a deflection [rad] of the coordinate.
     """
     gross = measurement["outlier_distance"] > 0
     repeated, saturated = (measurement[name] == 1 for name in ("repeated", "saturated"))
