@@ -17,6 +17,7 @@ rule diagnose:
         **{name: OUT / f"{name}.nc" for name in DIAGNOSIS},
         verdict=OUT / "verdict.json",
         repaired=OUT / "model.yaml",
+        survivors=OUT / "survivors.yaml",
         next_experiment=directory(OUT / "next_experiment"),
     log:
         OUT / "logs/diagnose.log",

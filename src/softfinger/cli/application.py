@@ -21,7 +21,7 @@ from softfinger.faults import Fault
 from softfinger.progress import silence_progress
 from softfinger.stages.keys import choose_settings
 
-FIRST = ("demo", "new", "import", "check", "run", "diagnose", "effects", "doctor", "rig")
+FIRST = ("demo", "new", "import", "check", "run", "diagnose", "next", "effects", "doctor", "rig")
 STEPS = "Single steps"
 HELP = """\
 From rig videos of a wire-driven soft finger to its posterior, its spread and a report.

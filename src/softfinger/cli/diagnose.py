@@ -43,8 +43,9 @@ def diagnose(
 
     The campaign may have any level.
 
-    Writes OUT/verdict.json, OUT/model.yaml (the repaired model), the artifacts behind them and
-    OUT/report.html. Where OUT has a fit too, the report is that of both.
+    Writes OUT/verdict.json, OUT/model.yaml (the repaired model), OUT/survivors.yaml (the models
+    that are left), the artifacts behind them and OUT/report.html. Where OUT has a fit
+    too, the report is that of both.
     Exit status 0: there is a verdict, whatever it is. 1: the campaign is refused.
     """
     file = write_verdict(campaign, out, config, model, mcmc)
@@ -82,6 +83,7 @@ def write_verdict(
             angles=prepare_angles(campaign, out, settings),
             verdict=verdict,
             repaired=out / "model.yaml",
+            survivors=out / "survivors.yaml",
             next_experiment=out / "next_experiment",
             config=choose_settings(settings, "diagnose"),
             r_hat_max=settings["estimation"]["r_hat_max"],

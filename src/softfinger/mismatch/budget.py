@@ -77,6 +77,30 @@ class DiagnosisBudget:
     """Chains at a time. Why: the draws are the same whatever it is."""
     target_accept: float = 0.8
     """Share of accepted steps that tuning seeks. Why: a whitened posterior is nearly normal."""
+    survivors: int = 5
+    """Models that a plan tells apart. Why: a sixth has a few percent at most."""
+    first_places: int = 4
+    """Places of each kind of protocol that are tried. Why: the best is then improved."""
+    leading_shapes: int = 2
+    """Kinds of protocol that are improved. Why: the third was behind from the start."""
+    simplex_tries: int = 24
+    """Protocols that each improvement tries. Why: a plan within a minute."""
+    angle_rounds: int = 5
+    """Times that a load is lowered to hold the angle. Why: angles follow loads nearly."""
+    sure_draws: int = 300
+    """Campaigns drawn for the probability of a sure answer. Why: it is known to 3 %."""
+    safety_draws: int = 8
+    """Times that all trials are drawn to check angles. Why: hundreds of fingers in all."""
+    knots: int = 500
+    """Knots of a load history, at most. Why: a controller stores 512."""
+    stairs: int = 6
+    """Levels of a staircase. Why: up and down twice."""
+    levels_planned: int = 4
+    """Levels of load, one for each history. Why: a law's curve needs them."""
+    fastest_cycles: float = 20.0
+    """Cycles of a load in a trial, at most. Why: a rig stores 512 knots."""
+    cycle_knots: int = 16
+    """Knots in a cycle. Why: chords leave the sine by 2 % of its amplitude."""
     max_depth: int = 10
     """Doublings of a trajectory. Why: a whitened posterior needs three."""
 

@@ -39,5 +39,12 @@ class DiagnosisPriors:
     wave_sizes: tuple[float, ...] = (0.1, 0.3, 1.0, 3.0, 10.0, 100.0)
     """Equally likely powers of a wave over noise's. Why: half decades."""
 
+    least_load: float = 0.2
+    """Share of the largest load that a plan pulls at least. Why: less hides in the noise."""
+    rest_s: float = 60.0
+    """[s] between trials where no clock was logged. Why: the usual one."""
+    load_relaxed: float = 3.0
+    """Factor on a limit that may be in the way. Why: what another rig can do."""
+
 
 PRIORS = DiagnosisPriors()

@@ -119,7 +119,37 @@ class Sine(_Profile):
         return list(zip(turns * self.period_s, tension, strict=True))
 
 
-Profile = Annotated[Steps | Staircase | Ramps | Triangle | Sine, Field(discriminator="shape")]
+class LoadPath(_Profile):
+    """Straight lines between given knots.
+
+    >>> path = LoadPath(name="a", shape="path", time_s=[0, 2, 2, 5], tension_n=[0, 4, 1, 1])
+    >>> path.build_knots()
+    (array([0., 2., 2., 5.]), array([0., 4., 1., 1.]))
+    """
+
+    shape: Literal["path"]
+    time_s: Levels
+    tension_n: Levels
+
+    @model_validator(mode="after")
+    def _go_forward(self) -> Self:
+        if len(self.time_s) != len(self.tension_n):
+            raise ValueError(
+                f"time_s has {len(self.time_s)} numbers and tension_n {len(self.tension_n)}; give "
+                "one tension for each time"
+            )
+        pairs = zip(self.time_s, self.time_s[1:], strict=False)
+        if self.time_s[0] != 0.0 or any(after < before for before, after in pairs):
+            raise ValueError("time_s must start at 0 and never run backwards")
+        return self
+
+    def _list_knots(self) -> list[tuple[float, float]]:
+        return list(zip(self.time_s, self.tension_n, strict=True))
+
+
+Profile = Annotated[
+    Steps | Staircase | Ramps | Triangle | Sine | LoadPath, Field(discriminator="shape")
+]
 
 
 def _hold(levels: list[float], hold: float) -> list[tuple[float, float]]:

@@ -26,6 +26,11 @@ from softfinger.mechanics.effects.model_file import (
 from softfinger.mismatch.diagnose import Diagnosis
 from softfinger.mismatch.diagnose import diagnose as find_left_out
 from softfinger.mismatch.experiment.proposal import propose_experiment
+from softfinger.mismatch.experiment.survivors import (
+    describe_survivors,
+    list_survivors,
+    write_survivors,
+)
 from softfinger.mismatch.tables.outcome import describe_repair, tabulate_diagnosis
 from softfinger.mismatch.verdict.assumed import list_assumed, list_unused
 from softfinger.mismatch.verdict.schema import Warned, write_verdict
@@ -53,6 +58,7 @@ def diagnose(
     angles: Path,
     verdict: Path,
     repaired: Path,
+    survivors: Path,
     next_experiment: Path,
     config: Mapping[str, Any],
     r_hat_max: float,
@@ -64,8 +70,8 @@ def diagnose(
 
     Parameters
     ----------
-    verdict, repaired
-        The verdict (JSON) and the model file (YAML) that are written.
+    verdict, repaired, survivors
+        The verdict (JSON), the model file and the models that are left (YAML) that are written.
     next_experiment
         Folder for the load logs of the experiment that is proposed; empty where none is.
     r_hat_max
@@ -93,6 +99,11 @@ def diagnose(
         save_artifact(tables[name], SPECS[name], path, provenance)
     with write_atomically(repaired) as temporary:
         write_model_file(describe_repair(found, fitted_to), temporary)
+    left = list_survivors(found.problem, found.posterior)
+    write_survivors(
+        describe_survivors(left, fitted_to, found.verdict.decision, found.verdict.not_testable),
+        Path(survivors),
+    )
     said = found.verdict
     if config["sample_repaired"]:
         # the sampler takes seconds to import
@@ -101,7 +112,7 @@ def diagnose(
         rng = np.random.default_rng(stream)
         said, r_hat = refine_verdict(found, found.angles, rng, r_hat_max)
         print(f"sampling the repaired model: largest R-hat {r_hat:.3f}")
-    proposal = propose_experiment(found, recorded)
+    proposal = propose_experiment(found, recorded, stream)
     warnings = list_warnings(found, recorded)
     warnings += doubt_patience(found.cut_short, config["longest_search_s"])
     said = said.model_copy(update={"next_experiment": proposal, "warnings": warnings})

@@ -17,6 +17,8 @@ from softfinger.mismatch.checks.locate import label_phase, list_trial_covariates
 from softfinger.mismatch.checks.slips import find_slips
 from softfinger.mismatch.checks.summary import compute_excess
 from softfinger.mismatch.experiment import proposal
+from softfinger.mismatch.experiment.choice import Choice
+from softfinger.mismatch.experiment.plan import Expected, NextExperiment
 from softfinger.mismatch.experiment.protocols import PlannedProtocol, build_design
 from softfinger.mismatch.search import judge as judge_module
 from softfinger.mismatch.tables.predict import list_levels
@@ -94,19 +96,18 @@ def test_of_what_is_unlisted_likely_parts_are_stated():
 
 
 def test_no_protocol_is_proposed_that_shows_too_little(clean, draw_campaign, monkeypatch):
-    hidden = clean.verdict.model_copy(update={"not_testable": ["gravity"]})
+    hidden = clean.verdict.model_copy(update={"not_testable": ["yield_threshold"]})
     told = draw_campaign(2, 0.0).assign(load_kind=("trial", np.full(7, "torque_nm")))
-    for gain in (16.0, 18.0):  # of which 14.2 and 16.2 count
-        table = xr.Dataset(
-            {
-                "expected_gain": ("effect", [gain]),
-                "likeness": (("effect", "other_effect"), np.eye(1)),
-            },
-            {"effect": ["gravity"], "other_effect": ["gravity"]},
-        )
-        monkeypatch.setattr(proposal, "plan_experiment", lambda *_, t=table: {"step": t})
+    step = Choice("step", PlannedProtocol(np.array([[0.0, 5.0]]), np.full((1, 2), 0.02)), 1.0)
+    for gain in (14.0, 16.0):
+        expected = {"step": Expected(1.0, np.full((2, 2), gain), 0.5, 0.5)}
+
+        def plan(_, question, limits, *__, found=expected, **___):
+            return NextExperiment(question, limits, step, found, 1.0, {})
+
+        monkeypatch.setattr(proposal, "plan_next", plan)
         found = proposal.propose_experiment(clean._replace(verdict=hidden), told)
-        assert (found is None) == (gain < 17.0)
+        assert (found is None) == (gain < 15.0)
 
 
 def test_an_experiment_is_of_a_dozen_trials(posed):

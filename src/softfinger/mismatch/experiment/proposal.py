@@ -1,24 +1,32 @@
 """What to record next, for what is open."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from softfinger.faults import Fault
+from softfinger.inference.problem import Problem
+from softfinger.mismatch.budget import BUDGET
+from softfinger.mismatch.candidates.rank import list_pieces
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.diagnose import Diagnosis
-from softfinger.mismatch.experiment.protocols import (
-    choose_protocol,
-    list_protocols,
-    plan_experiment,
-)
+from softfinger.mismatch.experiment.account import describe_plan
+from softfinger.mismatch.experiment.limits import RigLimits
+from softfinger.mismatch.experiment.plan import plan_next
+from softfinger.mismatch.experiment.purposes import Question, ask_whether, ask_which
+from softfinger.mismatch.experiment.survivors import Survivor, list_survivors, suppose_effects
+from softfinger.mismatch.priors import PRIORS
 
 
-def propose_experiment(found: Diagnosis, angles: xr.Dataset) -> dict[str, Any] | None:
-    """Propose the protocol for a verdict's open questions.
+def propose_experiment(
+    found: Diagnosis, angles: xr.Dataset, seed: int = 0
+) -> dict[str, Any] | None:
+    """Propose the recordings for a verdict's open questions.
 
-    That is what its equivalent sets differ in, else what these recordings could not show. The
-    protocols keep within the largest load and the longest trial that were recorded.
+    That is what its equivalent sets differ in, else what these recordings could not show. It keeps
+    within the largest load and angle, the frame rate and the trials' length that were recorded.
 
     Parameters
     ----------
@@ -28,44 +36,62 @@ def propose_experiment(found: Diagnosis, angles: xr.Dataset) -> dict[str, Any] |
     Returns
     -------
     dict
-        protocol, tells_apart, expected_gain_nats (effect → gain), n_trials, load_column, loads
-        (one per history, in turn: time_s, load) and a statement; None where nothing is open, or no
-        protocol would help.
+        As of `describe_plan`; None where nothing is open, or no protocol would help.
     """
     wanted = list_open_questions(found)
     if not wanted:
         return None
-    chosen = angles.sel(trial=found.problem.trials.name)
-    largest = float(np.abs(chosen["load_torque"].values).max())
-    protocols = list_protocols(largest, float(np.nanmax(chosen["time"].values)))
-    best = choose_protocol(
-        plan_experiment(found.problem, found.search.base, protocols), wanted, DECISIONS.shows
-    )
-    if best is None:
+    survivors = list_survivors(found.problem, found.posterior)
+    question = pose_open_question(found.problem, survivors, found.verdict.decision, wanted)
+    if question is None:
         return None
-    name, gain = best
-    column, scale = choose_column(chosen)
-    protocol = protocols[name]
-    seen = [
-        str(effect)
-        for effect in gain["effect"].values
-        if float(gain.sel(effect=effect)) > DECISIONS.shows
-    ]
-    return {
-        "protocol": name,
-        "tells_apart": seen,
-        "expected_gain_nats": {
-            str(e): round(float(g), 1) for e, g in zip(wanted, gain, strict=True)
-        },
-        "n_trials": DECISIONS.design_trials,
-        "load_column": column,
-        "loads": [
-            {"time_s": time.tolist(), "load": (torque * scale).tolist()}
-            for time, torque in zip(protocol.load_time, protocol.load_torque, strict=True)
-        ],
-        "statement": f"{DECISIONS.design_trials} trials of the protocol '{name}', of the same "
-        f"length and largest load, would show {', '.join(seen)}.",
-    }
+    limits = recall_limits(found.problem, angles, DECISIONS.design_trials)
+    rng = np.random.default_rng(seed)
+    try:
+        plan = plan_next(found.problem, question, limits, rng, short=True)
+    except Fault:
+        return None
+    said = describe_plan(plan, *choose_column(angles.sel(trial=found.problem.trials.name)))
+    return said if said["tells_apart"] else None
+
+
+def pose_open_question(
+    problem: Problem, survivors: Sequence[Survivor], decision: str, hidden: Sequence[str]
+) -> Question | None:
+    """Ask which survivor is right, or what is hidden.
+
+    Which one, where the decision is `ambiguous`. None where nothing of what is hidden can be
+    supposed beside the most probable one.
+    """
+    if decision == "ambiguous" and len(survivors) > 1:
+        return ask_which(survivors)
+    only = survivors[0]
+    known = only.candidate.model.ids
+    pieces, _ = list_pieces(problem.setting)
+    there = [piece for piece in pieces if piece.effect.id in set(hidden) - known]
+    if not there:
+        return None
+    return ask_whether(suppose_effects(problem, only, there, hidden))
+
+
+def recall_limits(problem: Problem, angles: xr.Dataset, trials: int) -> RigLimits:
+    """Limits within which recordings were made.
+
+    Where the rest between trials is not known, it is a minute.
+    """
+    chosen = angles.sel(trial=problem.trials.name)
+    known = problem.setting.rest_time[np.isfinite(problem.setting.rest_time)]
+    rest = float(np.median(known)) if known.size else PRIORS.rest_s
+    return RigLimits(
+        load=float(np.abs(chosen["load_torque"].values).max()),
+        angle=float(np.nanmax(np.abs(chosen["joint_angle"].values))),
+        rate=np.inf,
+        minutes=trials * (problem.setting.duration + rest) / 60.0,
+        trials=trials,
+        rest=rest,
+        interval=problem.trials.interval,
+        knots=BUDGET.knots,
+    )
 
 
 def list_open_questions(found: Diagnosis) -> list[str]:
