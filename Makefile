@@ -33,8 +33,8 @@ recovery: setup ## what both ways of fitting do to the main job's known truth: a
 fuzz: setup ## ten thousand spoiled inputs more: each ends in sentences or in angles (an hour; goes on where it ended)
 	$(BIN)/python -m benchmarks.fuzz 10000
 
-kill-test: setup ## kill `run` forty times at random moments, in four ways: nothing is lost, nothing is left (an hour)
-	$(BIN)/python -m pytest -m slow tests/workflow/test_run_killed.py
+kill-test: setup ## kill run, track, fit, diagnose, record … at 50 random moments, in four ways: nothing is lost (an hour)
+	$(BIN)/python -m pytest -m slow tests/workflow/test_run_killed.py tests/workflow/test_verbs_killed.py tests/workflow/rig/test_killed.py
 
 kills: setup ## kill the workflow and its jobs twenty times: it ends as if nothing had been (10 to 20 minutes)
 	$(BIN)/python -m pytest -m slow tests/workflow/test_kills.py

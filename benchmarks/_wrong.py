@@ -198,6 +198,59 @@ def _copy_joint(table: pd.DataFrame, joints: list[str]) -> pd.DataFrame:
     return table
 
 
+def _bridge(table: pd.DataFrame, joints: list[str]) -> pd.DataFrame:
+    for start in (0.2, 0.55, 0.7):
+        first = int(start * len(table))
+        table.loc[first : first + max(8, len(table) // 40), joints] = np.nan
+    table[joints] = table[joints].interpolate()
+    return table
+
+
+def _bridge_joint(table: pd.DataFrame, joints: list[str]) -> pd.DataFrame:
+    first = int(0.6 * len(table))
+    table.loc[first : first + 12, joints[1]] = np.nan
+    table[joints] = table[joints].interpolate()
+    return table
+
+
+def _zero_first(table: pd.DataFrame, joints: list[str]) -> pd.DataFrame:
+    table[joints] -= table[joints].iloc[0]
+    return table
+
+
+def _zero_mean(table: pd.DataFrame, joints: list[str]) -> pd.DataFrame:
+    table[joints] -= table[joints].iloc[:10].mean()
+    return table
+
+
+def _repeat_block(table: pd.DataFrame, joints: list[str]) -> pd.DataFrame:
+    count, first = len(table) // 8, int(0.3 * len(table))
+    table.loc[first + 2 * count : first + 3 * count - 1, joints] = (
+        table[joints].iloc[first : first + count].to_numpy()
+    )
+    return table
+
+
+def _paste_block(tables: Tables, chosen: Sequence[int]) -> None:
+    for k in chosen:
+        own, joints = tables.angles[k], tables.joints
+        other = tables.angles[(k + 1) % len(tables.angles)]
+        count, first = len(own) // 8, int(0.4 * len(own))
+        own.loc[first : first + count - 1, joints] = other[joints].iloc[:count].to_numpy()
+
+
+def _cut_log(table: pd.DataFrame) -> pd.DataFrame:
+    """Keep a log's samples until seven tenths of it."""
+    time = table["time_s"].to_numpy()
+    sampled = np.arange(time[0], time[0] + 0.7 * np.ptp(time), 0.05)
+    column = table.columns[1]
+    return pd.DataFrame({"time_s": sampled, column: np.interp(sampled, time, table[column])})
+
+
+def _cut_log_of_changes(table: pd.DataFrame) -> pd.DataFrame:
+    return table[table["time_s"] <= table["time_s"].iloc[0] + 0.71 * np.ptp(table["time_s"])]
+
+
 def _shift(table: pd.DataFrame, by: float) -> pd.DataFrame:
     table["time_s"] += by
     return table
@@ -285,6 +338,9 @@ MISTAKES: dict[str, tuple[Change, tuple[str, ...]]] = {
     "angles_in_mrad": (scale_column("angles", "q", 1e3), (ALL, ONE)),
     "radians_as_degrees": (scale_column("angles", "q", np.pi / 180), (ALL, HALF, ONE)),
     "one_joint_in_turns": (scale_column("angles", "q1_rad", 1 / (2 * np.pi)), (HALF, ONE)),
+    "one_joint_in_degrees": (scale_column("angles", "q2_rad", 180 / np.pi), (ALL, HALF, ONE)),
+    "last_joint_in_degrees": (scale_column("angles", "q3_rad", 180 / np.pi), (ALL, ONE)),
+    "one_joint_in_mrad": (scale_column("angles", "q1_rad", 1e3), (ALL, HALF, ONE)),
     "one_joint_tenth": (scale_column("angles", "q2_rad", 0.1), (HALF, ONE)),
     "sign_flipped": (scale_column("angles", "q", -1.0), (ALL, HALF, ONE)),
     "sign_of_a_joint": (edit_angles(_flip_joint), (ALL, HALF, ONE)),
@@ -306,6 +362,14 @@ MISTAKES: dict[str, tuple[Change, tuple[str, ...]]] = {
         edit_angles(lambda t, j: t.assign(**{k: (t[k] / 0.1).round() * 0.1 for k in j})),
         (ALL, HALF, ONE),
     ),
+    "bridged": (edit_angles(_bridge), (ALL, HALF, ONE)),
+    "bridged_joint": (edit_angles(_bridge_joint), (HALF, ONE)),
+    "zeroed_at_first": (edit_angles(_zero_first), (HALF, ONE)),
+    "zeroed_by_mean": (edit_angles(_zero_mean), (HALF, ONE)),
+    "block_repeated": (edit_angles(_repeat_block), (ALL, ONE)),
+    "block_of_another": (_paste_block, (ONE,)),
+    "log_cut": (edit_load(_cut_log), (ALL, HALF, ONE)),
+    "log_of_changes_cut": (edit_load(_cut_log_of_changes), (HALF, ONE)),
     "wrapped": (edit_angles(_wrap), (ALL, ONE)),
     "reversed": (edit_angles(_reverse), (ALL, HALF, ONE)),
     "without_noise": (edit_angles(_smooth), (ALL,)),

@@ -1,6 +1,6 @@
 """The table of trials: its rows and their covariates."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from softfinger.campaign.tables import read_text_table
-from softfinger.faults import CampaignFault, TrialFault, show
+from softfinger.faults import CampaignFault, TrialFault, list_briefly, show
 from softfinger.gate import find_obstacle
 
 TABLE_NAME = "trials.csv"
@@ -66,6 +66,8 @@ def _read_covariates(folder: Path, table: pd.DataFrame) -> dict[str, np.ndarray]
         )
     repeated = [] if "trial" not in table.columns else _find_repeated(table["trial"])
     faults += [f"the name {show(name)} appears more than once" for name in repeated]
+    if "trial" in table.columns:
+        faults += list(_list_colliding(table["trial"]))
     covariates = {}
     for column in table.columns.difference(["trial", "started_at", "load", *LEVELS], sort=False):
         text = table[column].str.strip()
@@ -87,6 +89,17 @@ def _read_covariates(folder: Path, table: pd.DataFrame) -> dict[str, np.ndarray]
 def _find_repeated(names: pd.Series) -> list[str]:
     stripped = names.str.strip()
     return stripped[stripped.duplicated()].unique().tolist()
+
+
+def _list_colliding(names: pd.Series) -> Iterator[str]:
+    """Names whose files would be one file on some disks."""
+    different = names.str.strip().drop_duplicates()
+    folded = different.str.casefold()
+    for _, group in different[folded.duplicated(keep=False)].groupby(folded):
+        yield (
+            f"the names {list_briefly([show(name) for name in group])} differ in capitals only; "
+            "files named after them are one file on some disks; rename one"
+        )
 
 
 def read_row(

@@ -117,7 +117,7 @@ def run_workflow(campaign: Path, out: Path, config: Path | None, cores: int) -> 
     out.mkdir(parents=True, exist_ok=True)
     files = ["--configfile", str(config.resolve())] if config else []
     settings = [f"campaign={campaign.resolve()}", f"out={out.resolve()}"]
-    command = [sys.executable, "-m", "snakemake"]
+    command = [sys.executable, "-P", "-m", "snakemake"]
     command += ["--snakefile", str(PROJECT / "workflow/Snakefile")]
     command += ["--workflow-profile", str(PROJECT / "profiles/default")]
     command += ["--quiet"] if QUIET in os.environ else []

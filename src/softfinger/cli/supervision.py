@@ -59,7 +59,8 @@ def hold_folder(folder: Path) -> Path:
 def run_to_end(command: list[str]) -> int:
     """Run a command; no process outlives this one.
 
-    Returns its exit status.
+    Returns its exit status. No Python that it starts takes modules from the folder in which it
+    works: what lies there is data.
 
     Raises
     ------
@@ -67,8 +68,13 @@ def run_to_end(command: list[str]) -> int:
         This process was asked to end, by Ctrl-C, SIGTERM or SIGHUP; the command was ended first.
     """
     reading, writing = os.pipe()
-    guarded = [sys.executable, "-m", "softfinger.guard", str(reading), *command]
-    running = subprocess.Popen(guarded, pass_fds=[reading, *_held.values()], start_new_session=True)
+    guarded = [sys.executable, "-P", "-m", "softfinger.guard", str(reading), *command]
+    running = subprocess.Popen(
+        guarded,
+        pass_fds=[reading, *_held.values()],
+        start_new_session=True,
+        env=os.environ | {"PYTHONSAFEPATH": "1"},
+    )
     os.close(reading)
     told: list[float] = []  # when
 

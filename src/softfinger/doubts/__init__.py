@@ -6,9 +6,11 @@ its evidence, its likeliest cause and what to do.
 
 import xarray as xr
 
+from softfinger.doubts.bridged import doubt_bridged
 from softfinger.doubts.camera import doubt_camera
 from softfinger.doubts.copies import doubt_copies
 from softfinger.doubts.covariates import doubt_covariates
+from softfinger.doubts.coverage import doubt_coverage
 from softfinger.doubts.dimension import doubt_dimension
 from softfinger.doubts.doubt import Doubt
 from softfinger.doubts.features import describe_trials
@@ -20,6 +22,7 @@ from softfinger.doubts.sensors import doubt_sensors
 from softfinger.doubts.table import tabulate_doubts
 from softfinger.doubts.timing import doubt_timing
 from softfinger.doubts.together import doubt_together
+from softfinger.doubts.zeroed import doubt_zeroed
 
 __all__ = ["Doubt", "doubt_camera", "doubt_files", "find_doubts", "tabulate_doubts"]
 
@@ -34,10 +37,13 @@ def find_doubts(angles: xr.Dataset) -> list[Doubt]:
         *doubt_dimension(trials, angles),
         *doubt_timing(trials, angles["started_at"].to_numpy()),
         *doubt_together(trials),
+        *doubt_coverage(trials),
         *doubt_joints(trials),
         *(doubt_rest(trials) if finger else ()),
+        *doubt_zeroed(trials),
         *doubt_scale(trials),
         *doubt_sensors(trials, rotates=finger),
+        *doubt_bridged(trials),
         *doubt_copies(trials),
         *doubt_covariates(names, covariates, angles["covariate_value"].to_numpy()),
     ]

@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from softfinger.doubts.noise import measure_noise, measure_resolution
 from softfinger.doubts.response import (
     Response,
     choose_times,
@@ -16,8 +17,9 @@ from softfinger.doubts.response import (
 
 Array = NDArray[np.float64]
 MOST_FRAMES, MOST_KNOTS = 240, 300
-ROUNDING = 1e-9  # of the arithmetic, far below any noise [rad]
-MISSING, STALE = 1, 2  # bits of angle_flag
+MISSING, STALE, JUMP = 1, 2, 4  # bits of angle_flag
+SAMPLED = 20  # rows of a log that was sampled; one of fewer may name its changes only
+RELEASES = 8  # times after a log's end at which the load may have been taken off
 # Shifts [s] of the recording against its load that are tried.
 SHIFTS = (0.3, 0.6, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0)
 
@@ -38,6 +40,7 @@ class TrialFeatures:
     rest: Array  # (joint,) [rad] before the load acts; NaN where that was not recorded
     response: Response
     noise: Array  # (joint,) [rad]
+    resolution: Array  # (joint,) [rad], the step to which the angles are rounded
     correlation: Array  # (joint, joint) of the noise
     moved: Array  # (joint,) [rad] from rest to the farthest, by the response
     gain: Array  # (joint,) [rad per load] response after the campaign's usual duration
@@ -45,6 +48,9 @@ class TrialFeatures:
     shift: float  # [s] of the recording against the load that explains most
     shifted: float  # unexplained at that shift
     pace: float  # [s] in which the chain's response, at that shift, reaches half of it
+    log_end: float  # [s] of the log's last row
+    log_interval: float  # [s] between its rows; infinite where they are few
+    released: float  # unexplained if the load was taken off after the log's end; NaN: no such time
 
     @property
     def interval(self) -> float:
@@ -78,8 +84,8 @@ def describe_trials(angles: xr.Dataset) -> list[TrialFeatures]:
     return [_describe(str(n), *a, horizon) for n, a in zip(names, arrays, strict=True)]
 
 
-def _cut(one: xr.Dataset) -> tuple[Array, Array, Array, Array, float]:
-    """Frames, angles, load and stale share of a trial.
+def _cut(one: xr.Dataset) -> tuple[Array, Array, Array, Array, float, NDArray[np.bool_]]:
+    """Frames, angles, load, stale share and jumps of a trial.
 
     The padding is cut off; the share is that of stale frames.
     """
@@ -89,7 +95,8 @@ def _cut(one: xr.Dataset) -> tuple[Array, Array, Array, Array, float]:
     flag = one["angle_flag"].transpose("joint", "frame").to_numpy()[:, inside]
     angle = np.where(flag & MISSING, np.nan, angle)
     load_time, load = one["load_time"].to_numpy(), one["load_torque"].to_numpy()
-    return time[inside], angle, load_time, load, float((flag & STALE > 0).any(axis=0).mean())
+    stale = float((flag & STALE > 0).any(axis=0).mean())
+    return time[inside], angle, load_time, load, stale, flag & JUMP > 0
 
 
 def _describe(
@@ -99,10 +106,12 @@ def _describe(
     load_time: Array,
     load: Array,
     stale: float,
+    jumps: NDArray[np.bool_],
     horizon: float,
 ) -> TrialFeatures:
     chosen = thin(time, load_time)
-    few, seen = time[chosen], angle[:, chosen]
+    few, seen = time[chosen], np.where(jumps[:, chosen], np.nan, angle[:, chosen])
+    rows = np.unique(load_time)
     knots = np.unique(np.linspace(0, load_time.size - 1, MOST_KNOTS).astype(int))
     load_time, load = load_time[knots], load[knots]
     times = choose_times(float(time[-1] - time[0]), float(np.median(np.diff(time))))
@@ -128,6 +137,7 @@ def _describe(
         rest=measure_rest(time, angle, find_first_load(load_time, load)),
         response=response,
         noise=noise,
+        resolution=measure_resolution(angle),
         correlation=correlation,
         moved=_find_farthest(fitted - response.rest[:, None]),
         gain=reached,
@@ -135,6 +145,9 @@ def _describe(
         shift=shift,
         shifted=shifted,
         pace=_find_pace(best, horizon),
+        log_end=float(rows[-1]),
+        log_interval=float(np.median(np.diff(rows))) if rows.size >= SAMPLED else np.inf,
+        released=_try_release(few, seen, load_time, load, times),
     )
 
 
@@ -181,31 +194,6 @@ def measure_unexplained(response: Response, angle: Array) -> float:
     return float(np.sqrt(left / max(np.nansum(motion**2), 1e-300)))
 
 
-def measure_noise(angle: Array) -> tuple[Array, Array]:
-    """Noise sd (joint,) [rad] and correlation (joint, joint).
-
-    Both come from second differences.
-
-    Robust against the motion: of the frames, the half in which the joints bend least counts.
-    """
-    bend = angle[:, 2:] - 2.0 * angle[:, 1:-1] + angle[:, :-2]
-    bend = bend[:, np.isfinite(bend).all(axis=0)]
-    joints = len(angle)
-    if bend.shape[1] < 8:
-        return np.full(joints, np.nan), np.full((joints, joints), np.nan)
-    scale = 1.4826 * np.median(np.abs(bend), axis=1)
-    scale = np.where(scale < ROUNDING, 0.0, scale)  # of rounded angles, mostly on a line
-    size = np.abs(bend / np.where(scale > 0, scale, np.inf)[:, None]).max(axis=0)
-    calm = bend[:, size < 4.0]
-    if calm.shape[1] < 8:
-        return scale / np.sqrt(6.0), np.full((joints, joints), np.nan)
-    sd = calm.std(axis=1)
-    covariance = np.cov(calm).reshape(joints, joints)
-    product = np.outer(sd, sd)
-    correlation = np.where(product > 0, covariance / np.where(product > 0, product, 1.0), np.nan)
-    return scale / np.sqrt(6.0), correlation
-
-
 def _find_shift(
     explain: Callable[[float], tuple[Response, float]], unexplained: float, span: float
 ) -> float:
@@ -216,6 +204,23 @@ def _find_shift(
     tried = [sign * s for s in SHIFTS if s < 0.5 * span for sign in (1, -1)]
     left = {shift: explain(shift)[1] for shift in tried} | {0.0: unexplained}
     return min(left, key=lambda shift: left[shift])
+
+
+def _try_release(time: Array, angle: Array, load_time: Array, load: Array, times: Array) -> float:
+    """Unexplained if the load went to zero after its log.
+
+    The best of some times; NaN where the log lasts as long as the recording.
+    """
+    after = time[time > load_time[-1]]
+    if after.size < 2 * RELEASES or load[-1] == 0.0:
+        return float("nan")
+    left = []
+    for at in np.linspace(load_time[-1], after[-RELEASES // 2], RELEASES):
+        terms = compute_terms(
+            time, np.append(load_time, [at, at]), np.append(load, [load[-1], 0.0]), times
+        )
+        left.append(measure_unexplained(fit_response(terms, angle, times), angle))
+    return min(left)
 
 
 def _find_farthest(moved: Array) -> Array:

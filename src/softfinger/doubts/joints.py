@@ -12,6 +12,7 @@ from softfinger.doubts.features import TrialFeatures
 Array = NDArray[np.float64]
 AGAINST = 0.2  # of the chain's largest motion
 DEAD = 0.03
+OWN_NOISE = 4.0  # times as much as a unit that makes the motion so small would leave
 ABOVE_NOISE = 12.0
 MOST_JOINTS = 6  # of which every order is tried
 # Relative angles of neighbours share a link's error: their noise goes against each other.
@@ -55,7 +56,8 @@ def _doubt_dead(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
     moved = np.abs([trial.moved for trial in trials])
     share = np.median(moved / np.maximum(moved.max(axis=1, keepdims=True), 1e-300), axis=0)
     noise = np.nan_to_num(np.median([trial.noise for trial in trials], axis=0))
-    dead = (share < DEAD) & (np.median(moved.max(axis=1)) > ABOVE_NOISE * noise.max())
+    own = (noise == 0.0) | (noise > OWN_NOISE * share * noise.max())  # else it is another unit
+    dead = (share < DEAD) & own & (np.median(moved.max(axis=1)) > ABOVE_NOISE * noise.max())
     for joint in np.flatnonzero(dead) + 1:
         yield Doubt(
             "joint_hardly_moves",

@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 from softfinger.doubts.doubt import Doubt, name_factor, name_trials
 from softfinger.doubts.features import TrialFeatures
 from softfinger.doubts.groups import find_apart
+from softfinger.doubts.noise import bound_noise
 from softfinger.doubts.together import begins_late
+from softfinger.doubts.units import doubt_units
 
 Array = NDArray[np.float64]
 LEAST_RATIO = 2.5  # below it stiffness may well differ
@@ -17,8 +19,13 @@ NOISE_RATIO = 8.0
 
 
 def doubt_scale(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
-    """Doubt gains and noise, by joint and together."""
-    yield from _doubt_noise(trials)
+    """Doubt units, gains and noise, by joint and together."""
+    units = list(doubt_units(trials))
+    yield from units
+    explained = {name for doubt in units for name in doubt.trials}
+    trials = [trial for trial in trials if trial.name not in explained]
+    if trials:
+        yield from _doubt_noise(trials)
     trials = [trial for trial in trials if not begins_late(trial)]  # their gain is unknown
     if not trials:
         return
@@ -77,7 +84,7 @@ def _describe_joint(
 
 
 def _doubt_noise(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
-    noise = np.array([trial.noise for trial in trials])
+    noise = np.array([bound_noise(trial.noise, trial.resolution) for trial in trials])
     apart = find_apart(_log(noise.mean(axis=1)), np.log(NOISE_RATIO))
     if apart.any():
         ratio = np.exp(_compare(_log(noise.mean(axis=1)), apart))

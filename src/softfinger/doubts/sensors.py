@@ -17,6 +17,7 @@ FEW_STEPS = 20.0  # of a quantised angle, over the motion
 WRAP_RAD = 2.5  # between two frames
 SMOOTH = 1e-6  # noise over the motion
 LAST = 25.0  # sd of the noise
+SPIKES = 3  # in all trials together
 
 SAID = {
     "repeated_frames": (
@@ -63,11 +64,23 @@ def doubt_sensors(trials: Sequence[TrialFeatures], *, rotates: bool = True) -> I
             if what == "wrapped" and not rotates:
                 continue
             found.setdefault(what, []).append((trial.name, size))
+    # Where other frames spring away as well, the last one was not cut short.
+    if sum(count_spikes(trial) for trial in trials) >= SPIKES:
+        found.pop("last_row", None)
     for what, members in found.items():
         names = [name for name, _ in members]
         size = float(np.median([size for _, size in members]))
         said = SAID[what].format(size)
         yield Doubt(what, f"{name_trials(names, len(trials))} {said}", tuple(names))
+
+
+def count_spikes(trial: TrialFeatures) -> int:
+    """Frames that spring away from both neighbours, which stay together."""
+    angle = trial.angle
+    away = angle[:, 1:-1] - 0.5 * (angle[:, :-2] + angle[:, 2:])
+    limit = LAST * np.sqrt(1.5) * np.nan_to_num(trial.noise)[:, None]
+    alone = np.abs(angle[:, 2:] - angle[:, :-2]) < 0.3 * np.abs(away)
+    return int(((np.abs(away) > limit) & (limit > 0) & alone).any(axis=0).sum())
 
 
 def examine_sensors(trial: TrialFeatures) -> dict[str, float]:

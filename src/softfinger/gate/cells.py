@@ -2,6 +2,7 @@
 
 import datetime as dt
 import json
+import resource
 from collections.abc import Iterator
 from typing import Any
 
@@ -17,7 +18,7 @@ from python_calamine import (
 from softfinger.faults import Fault
 from softfinger.gate.child import Message
 
-MOST_CELLS = 10_000_000
+CELL_BYTES = 16  # of an empty cell, at least
 KINDS = {kind.__name__: kind for kind in (dt.datetime, dt.date, dt.time)}
 
 
@@ -33,7 +34,7 @@ def read_book(path: str, hidden: bool) -> Iterator[Message]:
     Raises
     ------
     Fault
-        It is no workbook, is protected, or has more than 10 million cells.
+        It is no workbook, is protected, or has more cells than this process has memory for.
     """
     try:
         book = CalamineWorkbook.from_path(path)
@@ -78,10 +79,11 @@ def _decode(cell: list) -> dt.datetime | dt.date | dt.time | dt.timedelta:
 
 def _read_sheet(sheet: CalamineSheet) -> tuple[list[list[Any]], int]:
     height, width = sheet.total_height, sheet.total_width
-    if height * width > MOST_CELLS:
+    memory = resource.getrlimit(resource.RLIMIT_AS)[0]
+    if resource.RLIM_INFINITY != memory < CELL_BYTES * height * width:
         raise Fault(
-            f"it has a sheet, {sheet.name!r}, of {height} rows and {width} columns; expected at "
-            f"most {MOST_CELLS:g} cells"
+            f"it has a sheet, {sheet.name!r}, of {height} rows and {width} columns, which need "
+            f"more than {memory / 2**30:g} GiB of memory"
         )
     rows = sheet.to_python(skip_empty_area=False)
     return rows, _fill_merged(sheet, rows)

@@ -65,11 +65,13 @@ def read_in_child(
     with _open_shared() as shared:
         numbers = [str(limits.memory_bytes), str(shared.fileno()), str(os.getpid())]
         child = subprocess.Popen(
-            [sys.executable, "-m", __name__, *numbers, task],
+            # -P: no module comes from the folder in which somebody works
+            [sys.executable, "-P", "-m", __name__, *numbers, task],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
-            env=os.environ | {"OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": os.pathsep.join(sys.path)},
+            env=os.environ
+            | {"OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
             pass_fds=[shared.fileno()],
         )
         try:

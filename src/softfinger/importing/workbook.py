@@ -7,11 +7,12 @@ import pandas as pd
 
 from softfinger.faults import Fault
 from softfinger.gate.cells import decode_rows, read_book
-from softfinger.gate.child import read_in_child
+from softfinger.gate.child import Limits, read_in_child
 from softfinger.importing.cells import find_decimal
 from softfinger.importing.faults import ImportFault
 from softfinger.importing.sheet import Sheet
 
+SLOWEST = 200_000  # bytes of a workbook per second
 NOT_READ = {
     "other": "it is not a sheet of cells",
     "hidden": "it is hidden; type tables: {hidden_sheets: true} to have it read",
@@ -41,7 +42,7 @@ def read_sheets(path: Path, name: Path, *, hidden: bool = False) -> tuple[list[S
     """
     sheets, dropped = [], []
     try:
-        for about, coded in read_in_child(read_book, str(path), hidden):
+        for about, coded in read_in_child(read_book, str(path), hidden, limits=_allow(path)):
             if about["state"] in NOT_READ:
                 dropped.append(f"{name}, sheet '{about['sheet']}': {NOT_READ[about['state']]}")
             else:
@@ -52,6 +53,12 @@ def read_sheets(path: Path, name: Path, *, hidden: bool = False) -> tuple[list[S
             "others, or export its sheets as CSV"
         ) from None
     return sheets, dropped
+
+
+def _allow(path: Path) -> Limits:
+    """A million rows take their time."""
+    patience = Limits.silence_s + path.stat().st_size / SLOWEST
+    return Limits(silence_s=patience)
 
 
 def _build_sheet(file: Path, name: str, merged: int, coded: np.ndarray) -> Sheet:

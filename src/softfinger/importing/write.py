@@ -69,14 +69,17 @@ def write_campaign(
 def name_files(names: Sequence[str]) -> list[str]:
     """Names of files for a file system.
 
-    >>> name_files(["a/b", "a b", "a_b"])
-    ['a_b', 'a_b_2', 'a_b_3']
+    Also for one to which capitals make no difference.
+
+    >>> name_files(["a/b", "a b", "a_b", "A_b"])
+    ['a_b', 'a_b_2', 'a_b_3', 'A_b_4']
     """
     given: list[str] = []
     for name in names:
         stem = re.sub(r"[^\w.+-]+", "_", name).strip("._") or "trial"
-        count = sum(re.sub(r"_\d+$", "", g) == stem or g == stem for g in given)
-        given.append(f"{stem}_{count + 1}" if stem in given else stem)
+        taken, own = [g.casefold() for g in given], stem.casefold()
+        count = sum(own in (g, re.sub(r"_\d+$", "", g)) for g in taken)
+        given.append(f"{stem}_{count + 1}" if own in taken else stem)
     return given
 
 

@@ -36,7 +36,7 @@ def check(folder: Path) -> tuple[Campaign, dict[str, str], list[Doubt]]:
             )
     doubts += doubt_files({trial.name: trial.recording for trial in campaign.trials})
     if tabled:
-        angles = assemble_angles(replace(campaign, trials=tabled), [])
+        angles = assemble_angles(replace(campaign, trials=tabled), [], covariance=False)
         aside = angles["set_aside_trial"].values.astype(str).tolist()
         reasons |= dict(zip(aside, angles["set_aside_reason"].values.astype(str), strict=True))
         doubts += find_doubts(angles)

@@ -25,7 +25,11 @@ from softfinger.tracking.specimen import refuse_relaxation, scale_motion
 
 
 def assemble_angles(
-    campaign: Campaign, markers: Sequence[xr.Dataset], limits: Mapping[str, float] = LIMITS
+    campaign: Campaign,
+    markers: Sequence[xr.Dataset],
+    limits: Mapping[str, float] = LIMITS,
+    *,
+    covariance: bool = True,
 ) -> xr.Dataset:
     """Gather all trials into the one `angles` artifact.
 
@@ -37,6 +41,8 @@ def assemble_angles(
     limits : mapping
         What tracking must reach for a trial to be used; see
         :data:`softfinger.tracking.quality.LIMITS`.
+    covariance : bool
+        Whether the result has the angles' claimed covariance, which is most of its memory.
 
     Returns
     -------
@@ -65,11 +71,14 @@ def assemble_angles(
         raise CampaignFault(campaign.name, ["no trial can be used", *listed])
     refuse_mixed_loads(campaign.name, {t.name: one.attrs["load_kind"] for t, one in used})
     refuse_wrong_sign(campaign.name, [dataset for _, dataset in used])
-    if campaign.specimen is None:
-        return _gather(campaign, used, reasons)
-    scaled, attrs = scale_motion(campaign.specimen, [dataset for _, dataset in used])
-    trials = [trial for trial, _ in used]
-    return _gather(campaign, list(zip(trials, scaled, strict=True)), reasons).assign_attrs(attrs)
+    trials, recordings, attrs = [t for t, _ in used], [one for _, one in used], {}
+    if campaign.specimen is not None:
+        recordings, attrs = scale_motion(campaign.specimen, recordings)
+    if not covariance:
+        recordings = [one.drop_vars("joint_angle_covariance") for one in recordings]
+    return _gather(campaign, list(zip(trials, recordings, strict=True)), reasons).assign_attrs(
+        attrs
+    )
 
 
 def read_trial(
@@ -92,7 +101,8 @@ def read_trial(
         The recording or its load log cannot be used, or it was tracked too poorly.
     """
     recording = _read_level(campaign, trial, filmed)
-    recording = recording.isel(frame=np.isfinite(recording["time"].to_numpy()))
+    timed = np.isfinite(recording["time"].to_numpy())
+    recording = recording if timed.all() else recording.isel(frame=timed)
     time = recording["time"].to_numpy()
     if time.size < 2:
         raise TrialFault(f"{trial.recording.name}: has {time.size} frames; expected at least 2")
@@ -145,7 +155,7 @@ def _read_level(campaign: Campaign, trial: Trial, filmed: Mapping[str, xr.Datase
     if trial.level == "angles":
         table = read_angle_table(campaign, trial)
         joints, frames = table["joint_angle"].shape
-        unclaimed = np.full((frames, joints, joints), np.nan)
+        unclaimed = np.broadcast_to(np.nan, (frames, joints, joints))
         flag = np.where(np.isfinite(table["joint_angle"]), 0, MISSING).astype(np.uint8)
         return table.assign(
             joint_angle_covariance=(("frame", "joint", "other_joint"), unclaimed),

@@ -14,6 +14,7 @@ _ABOVE_NOISE = 8.0  # standard deviations
 _RETURN = 0.25  # how near to where it left, in units of the step
 _AFTER_LOAD = (-1.5, 3.5)  # frames about a jump of the load at which a motion may begin
 _NEARBY_CHANGES = 31
+_PIECE = 50_000  # windows that are sorted at a time
 _ALIKE = 1e-4  # difference of two changes that are the same, in the typical change
 _MOST_ALIKE = 0.3  # share of changes that have a twin nearby, above which values are rounded
 
@@ -58,10 +59,14 @@ def _resolves_finely(change: np.ndarray) -> np.ndarray:
     if at.size < 2:
         return np.full(change.size, at.size > 0)
     size = min(_NEARBY_CHANGES, at.size)
-    nearby = np.sort(sliding_window_view(change[at], size), axis=1)
-    alike = np.diff(nearby, axis=1) < _ALIKE * np.median(nearby, axis=1)[:, None]
-    first = (np.searchsorted(at, np.arange(change.size)) - size // 2).clip(0, len(nearby) - 1)
-    return alike.mean(axis=1)[first] < _MOST_ALIKE
+    windows = sliding_window_view(change[at], size)
+    alike = np.empty(len(windows))
+    for start in range(0, len(windows), _PIECE):  # sorted at once, they would fill the memory
+        nearby = np.sort(windows[start : start + _PIECE], axis=1)
+        twins = np.diff(nearby, axis=1) < _ALIKE * np.median(nearby, axis=1)[:, None]
+        alike[start : start + _PIECE] = twins.mean(axis=1)
+    first = (np.searchsorted(at, np.arange(change.size)) - size // 2).clip(0, len(windows) - 1)
+    return alike[first] < _MOST_ALIKE
 
 
 def find_jumps_array(time: np.ndarray, value: np.ndarray, load_jumps: np.ndarray) -> np.ndarray:

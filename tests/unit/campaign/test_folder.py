@@ -58,6 +58,7 @@ def test_all_faults_are_listed_at_once(folder, damage):
     [
         ("trial,started_at", "name,started_at", "column 'trial' is missing"),
         ("second,", "first,", "the name 'first' appears more than once"),
+        ("second,", "First,", "the names 'first', 'First' differ in capitals only"),
         ("21.5", "warm", "row 2, column 'temperature_c': is 'warm'"),
     ],
 )

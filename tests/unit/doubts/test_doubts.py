@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from tests.unit.doubts.conftest import build_angles
 
 from softfinger.artifacts import list_faults
@@ -64,6 +65,39 @@ def repeat_frames(angles):
     angles["angle_flag"][:, :, np.arange(240) % 4 > 0] = 2
 
 
+def hold_joint(angle, part=0.05):
+    angle[1] = part * angle[1] + 0.002 * np.random.default_rng(4).standard_normal(240)
+    return angle
+
+
+def bridge(angle):
+    for first, last in ((60, 75), (130, 139)):
+        part = np.linspace(0.0, 1.0, last - first + 1)
+        angle[:, first : last + 1] = angle[:, [first]] + np.diff(angle[:, [first, last]]) * part
+    return angle
+
+
+def repeat_rows(angle):
+    angle[:, 150:200] = angle[:, 90:140]
+    return angle
+
+
+def paste_rows(angles):
+    angles["joint_angle"][3, :, 150:190] = angles["joint_angle"][1, :, 30:70].to_numpy()
+
+
+def cut_log(angles):
+    angles["load_time"][2] = np.minimum(angles["load_time"][2], 4.0)
+    angles["load_torque"][2] = np.array([0.0, 0.0, 0.04, 0.04, 0.04, 0.04])
+
+
+def cut_logs(angles):
+    angles["load_time"][:] = np.minimum(angles["load_time"], 4.0)
+    angles["load_torque"][:] = np.array([0.0, 0.0, 0.04, 0.04, 0.04, 0.04])
+    fall = np.exp(-(np.arange(240) - 150).clip(0) / 20.0)
+    angles["joint_angle"][:] *= np.where(np.arange(240) > 150, fall, 1.0)
+
+
 def no_log(angles):
     angles["load_time"] += 3600.0
 
@@ -75,8 +109,8 @@ MISTAKES = [
     (multiply("load_torque", 102.0), "dimension", []),
     (multiply("joint_angle", np.pi / 180, [2]), "scale_of_trials", ["t2"]),
     (multiply("joint_angle", np.pi / 180, [2]), "noise_of_trials", ["t2"]),
-    (on_angle(lambda a: a * np.array([[1.0], [0.05], [1.0]])), "scale_of_joint", ["t2"]),
-    (on_angle(lambda a: a * np.array([[1.0], [0.01], [1.0]]), EVERY), "joint_hardly_moves", []),
+    (on_angle(hold_joint), "scale_of_joint", ["t2"]),
+    (on_angle(lambda a: hold_joint(a, 0.01), EVERY), "joint_hardly_moves", []),
     (multiply("time", 1e3), "frame_interval", []),
     (multiply("time", 1e3), "trials_overlap", ["t0"]),
     (multiply("time", 2.0, [2]), "frame_interval_of_trials", ["t2"]),
@@ -104,6 +138,17 @@ MISTAKES = [
     (on_angle(cut), "last_row", ["t2"]),
     (repeat_frames, "repeated_frames", ["t0"]),
     (copy_trial, "copies", ["t1", "t3"]),
+    (on_angle(repeat_rows), "repeated_part", ["t2"]),
+    (paste_rows, "shared_part", ["t1", "t3"]),
+    (on_angle(bridge), "bridged_gaps", ["t2"]),
+    (on_angle(lambda a: a - a[:, [0]], HALF), "zeroed", ["t1", "t3", "t5"]),
+    (on_angle(lambda a: a - a[:, :30].mean(axis=1, keepdims=True), HALF), "zeroed", ["t1"]),
+    (on_angle(lambda a: a - np.median(a[:, :31], axis=1, keepdims=True)), "zeroed", ["t2"]),
+    (cut_log, "log_ends_early", ["t2"]),
+    (cut_logs, "log_ends_early", ["t0"]),
+    (on_angle(lambda a: a * np.array([[1.0], [57.3], [1.0]]), EVERY), "unit_of_joint", []),
+    (on_angle(lambda a: a * np.array([[1.0], [57.3], [1.0]])), "unit_of_joint", ["t2"]),
+    (on_angle(lambda a: a / np.array([[6.28], [1.0], [1.0]]), HALF), "unit_of_joint", ["t1"]),
     (multiply("covariate_value", 100.0), "covariate", ["t0"]),
     (add("covariate_value", 273.15, [2]), "covariate", ["t2"]),
     (multiply("link_mass", 1e3), "dimension", []),
@@ -129,6 +174,44 @@ def test_each_mistake_is_doubted_with_its_trials(angles, change, kind, trials):
 def test_right_campaigns_are_not_doubted(seed):
     assert find_doubts(build_angles(seed=seed)) == []
     assert find_doubts(build_angles(trials=1, seed=seed)) == []
+
+
+def test_lines_of_rows_and_of_times_are_both_bridges(angles):
+    angles["time"] += 0.4 / 30 * np.random.default_rng(5).random((7, 240))
+    time, angle = angles["time"][2].to_numpy(), angles["joint_angle"][2].to_numpy().copy()
+    for by in (time, np.arange(240.0)):
+        new = angle.copy()
+        new[1, 71:79] = np.interp(by[71:79], by[[70, 79]], angle[1, [70, 79]])
+        angles["joint_angle"][2] = new
+        (doubt,) = find_doubts(angles)
+        assert (doubt.id, doubt.trials, doubt.joints) == ("bridged_gaps", ("t2",), (2,))
+
+
+def test_a_last_row_among_outliers_is_one_of_them(angles):
+    rng = np.random.default_rng(6)
+    for trial in angles["joint_angle"].to_numpy():
+        trial[1, rng.choice(np.arange(5, 235), 3, replace=False)] += 0.3
+    angles["joint_angle"][2, 1, -1] += 0.3
+    assert find_doubts(angles) == []
+
+
+def test_a_coarse_sensor_copies_bridges_and_zeroes_nothing():
+    angles = build_angles(seed=8)
+    angles["joint_angle"] = (angles["joint_angle"] / 0.004).round() * 0.004
+    assert find_doubts(angles) == []
+
+
+def test_a_log_that_names_only_changes_may_end_early(angles):
+    angles["load_time"] = angles["load_time"].clip(max=5.0)
+    assert find_doubts(angles) == []
+
+
+def test_a_zero_load_at_the_end_of_a_log_stays_zero(angles):
+    fall = np.exp(-(np.arange(240) - 150).clip(0) / 20.0)
+    angles["joint_angle"] *= xr.DataArray(np.where(np.arange(240) > 150, fall, 1.0), dims="frame")
+    angles["load_torque"][:, 4:] = 0.0
+    angles["load_time"] = angles["load_time"].clip(max=6.0)
+    assert "log_ends_early" not in {doubt.id for doubt in find_doubts(angles)}
 
 
 def test_doubts_become_an_artifact(angles):

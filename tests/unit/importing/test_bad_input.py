@@ -139,6 +139,22 @@ def test_a_cell_far_from_the_others_is_refused(rows, read, write_book):
     assert "cells far from the others" in said
 
 
+def test_a_million_rows_of_a_dozen_columns_are_no_reason_to_refuse(monkeypatch):
+    class Sheet:
+        name, total_height, total_width, merged_cell_ranges = "first", 1_048_576, 12, None
+
+        def to_python(self, skip_empty_area):
+            return [["t", 1.0]]
+
+    from softfinger.gate import cells
+
+    monkeypatch.setattr(cells.resource, "getrlimit", lambda kind: (4 << 30, 4 << 30))
+    assert cells._read_sheet(Sheet()) == ([["t", 1.0]], 0)
+    monkeypatch.setattr(cells.resource, "getrlimit", lambda kind: (1 << 20, 1 << 20))
+    with pytest.raises(Fault, match="'first', of 1048576 rows and 12 columns, which need more"):
+        cells._read_sheet(Sheet())
+
+
 def test_a_workbook_that_unpacks_to_gigabytes_is_refused(read, write_book):
     folder = write_book("a.xlsx", {"first": [["t", "x"], [0, 1], [1, 2]]})
     add_to_sheet(folder / "a.xlsx", b'<row r="4"><c t="str"><v>' + b"x" * 400_000_000)

@@ -10,6 +10,7 @@ import shutil
 from functools import cache
 from itertools import pairwise
 
+import numpy as np
 import pytest
 from example_artifacts import gather
 from test_layers import KINDS
@@ -68,6 +69,53 @@ def view(request, browser, address):
     page.emulate_media(reduced_motion="reduce")
     page.goto(address)
     yield page
+    page.close()
+
+
+HOSTILE = (
+    "<script>window.owned=1</script>",
+    "<img src=x onerror=window.owned=1>",
+    "'\"><svg onload=window.owned=1>",
+    "<a href=javascript:window.owned=1>x</a>",
+    "</style></script><script>window.owned=1</script>",
+    "<iframe srcdoc='<script>parent.owned=1</script>'>",
+)
+
+
+def make_hostile(artifacts):
+    """Names of the campaign, its trials, covariates and reasons that try to run code."""
+    angles = artifacts["angles"]
+    count = angles.sizes["trial"]
+    names = [f"{HOSTILE[k % len(HOSTILE)]}{k}" for k in range(count)]
+    columns = [f"{HOSTILE[k % len(HOSTILE)]}{k}" for k in range(angles.sizes["covariate"])]
+    angles = angles.assign_coords(
+        trial=np.array(names, dtype=object), covariate=np.array(columns, dtype=object)
+    )
+    reasons = np.array(HOSTILE, dtype=object)
+    angles = angles.drop_dims("set_aside_trial").assign(
+        set_aside_reason=("set_aside_trial", reasons)
+    )
+    angles = angles.assign_coords(set_aside_trial=reasons)
+    return {"angles": angles.assign_attrs(campaign=HOSTILE[0], source=HOSTILE[1])}
+
+
+def test_no_name_runs_as_a_script(browser, artifacts, tmp_path):
+    path = tmp_path / "hostile.html"
+    path.write_text(render_report(gather(make_hostile(artifacts))), "utf-8")
+    page = browser.new_page()
+    asked, dialogs = [], []
+    page.on("request", lambda request: asked.append(request.url.split(":")[0]))
+    page.on("dialog", lambda dialog: dialogs.append(dialog.message))
+    page.goto(path.as_uri())
+    open_parts(page)
+    page.wait_for_timeout(500)
+    assert page.evaluate("typeof window.owned") == "undefined"
+    assert page.evaluate("document.querySelectorAll('iframe, img[src=x], svg[onload]').length") == 0
+    for link in page.query_selector_all("a[href^='javascript:']"):
+        raise AssertionError(link.inner_text())
+    assert set(asked) <= {"file", "data", "blob"}
+    assert dialogs == []
+    assert HOSTILE[0] in page.inner_text("body")
     page.close()
 
 
