@@ -247,10 +247,6 @@ def _cut_log(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame({"time_s": sampled, column: np.interp(sampled, time, table[column])})
 
 
-def _cut_log_of_changes(table: pd.DataFrame) -> pd.DataFrame:
-    return table[table["time_s"] <= table["time_s"].iloc[0] + 0.71 * np.ptp(table["time_s"])]
-
-
 def _shift(table: pd.DataFrame, by: float) -> pd.DataFrame:
     table["time_s"] += by
     return table
@@ -369,7 +365,6 @@ MISTAKES: dict[str, tuple[Change, tuple[str, ...]]] = {
     "block_repeated": (edit_angles(_repeat_block), (ALL, ONE)),
     "block_of_another": (_paste_block, (ONE,)),
     "log_cut": (edit_load(_cut_log), (ALL, HALF, ONE)),
-    "log_of_changes_cut": (edit_load(_cut_log_of_changes), (HALF, ONE)),
     "wrapped": (edit_angles(_wrap), (ALL, ONE)),
     "reversed": (edit_angles(_reverse), (ALL, HALF, ONE)),
     "without_noise": (edit_angles(_smooth), (ALL,)),

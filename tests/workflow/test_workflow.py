@@ -1,7 +1,9 @@
 """The workflow as a whole: its product, its artifacts, what reruns and what does not."""
 
 import csv
+import os
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ import pytest
 from softfinger.artifacts import open_artifact, open_tree
 from softfinger.artifacts.specs import list_specs
 
+PROJECT = Path(__file__).parents[2]
 SUMMED = {"summarise", "report", "check_artifacts", "all"}
 PROPAGATED = {"propagate", "sobol", "shapley", *SUMMED}
 FITTED = {"sampling", *PROPAGATED}
@@ -29,6 +32,33 @@ def test_every_artifact_keeps_its_declaration(finished):
     for path in [*results.glob("*.nc"), *(results / "markers").glob("*.nc")]:
         spec = SPECS["markers" if path.parent.name == "markers" else path.stem]
         (open_tree if spec.groups else open_artifact)(path, spec)
+
+
+def test_no_result_contains_a_path_of_this_machine(finished):
+    results = finished.root / "results"
+    kinds = {".nc", ".json", ".yaml", ".csv", ".html", ".svg", ".txt"}
+    files = [path for path in results.rglob("*") if path.suffix in kinds]
+    assert len(files) >= 20
+    for path in files:
+        if "logs" not in path.parts:
+            content = path.read_bytes()
+            for folder in (finished.root, PROJECT, Path.home()):
+                assert f"{folder}/".encode() not in content, path
+
+
+@pytest.mark.slow
+def test_a_clock_that_jumped_between_two_runs_changes_no_result(finished):
+    """Files of the future and of the past: what reruns ends with the same bytes."""
+    results = finished.root / "results"
+    artifacts = sorted(results.glob("*.nc"))
+    before = {path: path.read_bytes() for path in artifacts}
+    rng = np.random.default_rng(3)
+    for path in artifacts:
+        moment = path.stat().st_mtime + rng.uniform(-86400.0, 86400.0)
+        os.utime(path, (moment, moment))
+    finished.snakemake("all", "--cores", "2")
+    assert {path: path.read_bytes() for path in artifacts} == before
+    assert "Nothing to be done" in finished.snakemake("all", "--cores", "2", "--dry-run")
 
 
 def test_the_run_ends_in_a_report_and_a_receipt(finished):

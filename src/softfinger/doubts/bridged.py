@@ -82,7 +82,7 @@ def _is_line(straight: NDArray[np.bool_], bend: Array, first: int, last: int) ->
     others = (np.count_nonzero(straight) - length) / max(straight.size - length, 1)
     if straight.size * max(others, STRAIGHT) ** length > CHANCE:
         return False
-    own = float(np.abs(bend[first:last]).max())
+    own = float(np.median(np.abs(bend[first:last])))  # at an end of the line noise may be faint
     for beside in (
         bend[max(first - 1 - BESIDE, 0) : first - 1],
         bend[last + 1 : last + 1 + BESIDE],

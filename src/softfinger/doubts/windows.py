@@ -11,6 +11,7 @@ Whole = NDArray[np.int64]
 CELLS = 24  # changes in a row that no two stretches of a recording share by chance
 SHORTEST = 8  # frames of a window, however many joints there are
 LEAST_VALUES = 6  # different changes in a window: a joint at rest on a coarse sensor has fewer
+ROUNDED = 4  # steps by which the changes along a straight line may differ
 STEPS_PER_RAD = 1e7
 LARGEST = 1e10  # steps; a larger change is no angle
 MOST_RUNS = 2000  # of a recording, the longest: a coarse sensor at rest has very many
@@ -57,7 +58,7 @@ def find_stretches(recordings: Sequence[Array]) -> Iterator[Stretch]:
             begin = int(source - starts[first])
             if first == number and at - begin < length:
                 continue  # it overlaps itself: a constant slope
-            if _count_values(recordings[number][:, at : at + length + 1]) >= LEAST_VALUES:
+            if _is_particular(recordings[number][:, at : at + length + 1]):
                 yield Stretch(first, number, begin, at, windows + length)
 
 
@@ -112,5 +113,7 @@ def _list_runs(earlier: Whole) -> Iterator[tuple[int, int, int]]:
         yield int(begin), int(earlier[begin]), int(size[run])
 
 
-def _count_values(piece: Array) -> int:
-    return np.unique(np.rint(np.diff(piece, axis=1) * STEPS_PER_RAD)).size
+def _is_particular(piece: Array) -> bool:
+    """Whether changes are many and no straight line's."""
+    steps = np.rint(np.diff(piece, axis=1) * STEPS_PER_RAD)
+    return np.unique(steps).size >= LEAST_VALUES and bool(np.ptp(steps, axis=1).max() > ROUNDED)
