@@ -12,6 +12,7 @@ from softfinger.campaign.tables import (
     check_columns,
     check_span,
     check_times,
+    read_number_table,
     read_text_table,
     to_numbers,
 )
@@ -64,12 +65,11 @@ def read_angle_table(campaign: Campaign, trial: Trial) -> xr.Dataset:
     path = trial.recording
     joints = [f"q{j + 1}_rad" for j in range(campaign.finger.joints)]
     columns = joints if campaign.specimen is None else ["motion"]
-    table = read_text_table(path)
-    check_columns(path, table, ["time_s", *columns])
-    time = to_numbers(path, table, "time_s")
+    table = read_number_table(path, ["time_s", *columns], optional=columns)
+    time = table.pop("time_s")
     check_times(path, time)
     check_span(path, time)
-    angle = np.stack([to_numbers(path, table, c, missing_allowed=True) for c in columns])
+    angle = np.stack([table.pop(column) for column in columns])
     for column, values in zip(columns, angle, strict=True):
         if not np.isfinite(values).any():
             raise TrialFault(f"{path.name}, column '{column}': contains no number")

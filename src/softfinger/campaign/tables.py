@@ -1,7 +1,7 @@
 """CSV tables with a declared set of columns."""
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import BinaryIO
 
@@ -13,6 +13,7 @@ from softfinger.gate import find_obstacle
 
 LONGEST_HEADING_BYTES = 20_000
 PIECE_BYTES = 1 << 20
+PIECE_ROWS = 200_000  # whose text is in memory at a time
 MOST_ROWS = 20_000_000
 # A recording lasts from a millisecond to three years, by a clock that begins with the trial.
 SHORTEST_S, LATEST_S = 1e-3, 1e8
@@ -30,30 +31,73 @@ def read_text_table(path: Path) -> pd.DataFrame:
         The file cannot be read or is empty, is not UTF-8, contains a NUL, its headings are not
         different words, its rows do not have one width, or it is larger than any recording.
     """
+    return next(_read_pieces(path, MOST_ROWS + 1))
+
+
+def read_number_table(
+    path: Path, required: Sequence[str], optional: Collection[str] = ()
+) -> dict[str, np.ndarray]:
+    """Read a CSV file of declared columns as numbers.
+
+    Its text is never in memory as a whole. `optional` are columns whose cells may be empty.
+
+    Returns
+    -------
+    dict
+        Column → numpy.ndarray (row,), as of :func:`to_numbers`.
+
+    Raises
+    ------
+    TrialFault
+        As of :func:`read_text_table`, :func:`check_columns` and :func:`to_numbers`.
+    """
+    pieces: dict[str, list[np.ndarray]] = {column: [] for column in required}
+    rows = 0
+    for table in _read_pieces(path, PIECE_ROWS):
+        if not rows:
+            check_columns(path, table, required)
+        for column, numbers in pieces.items():
+            may_miss = column in optional
+            numbers.append(
+                to_numbers(path, table, column, missing_allowed=may_miss, first_row=rows)
+            )
+        rows += len(table)
+        _refuse_too_many(path, rows)
+    return {column: np.concatenate(numbers) for column, numbers in pieces.items()}
+
+
+def _read_pieces(path: Path, rows: int) -> Iterator[pd.DataFrame]:
+    """Pieces of a table of text; the first may be empty."""
     obstacle = find_obstacle(path)
     if obstacle:
         raise TrialFault(f"{path.name}: the file {obstacle}")
     headings = _read_headings(path)
     try:
-        table = pd.read_csv(
+        with pd.read_csv(
             path,
             dtype=str,
             keep_default_na=False,
             encoding="utf-8-sig",
             names=headings,
             header=0,
-            nrows=MOST_ROWS + 1,
-        )
+            chunksize=rows,
+        ) as pieces:
+            for table in pieces:
+                # Of a second piece the index counts on.
+                if not isinstance(table.index, pd.RangeIndex):
+                    raise TrialFault(f"{path.name}: its rows have more fields than its heading")
+                _refuse_too_many(path, len(table))
+                yield table
     except UnicodeDecodeError as error:
         raise TrialFault(f"{path.name}: byte {error.start} is not UTF-8 text") from None
     except (pd.errors.ParserError, pd.errors.EmptyDataError) as error:
         reason = " ".join(str(error).split())
         raise TrialFault(f"{path.name}: it is not a CSV table: {reason}") from None
-    if not isinstance(table.index, pd.RangeIndex):
-        raise TrialFault(f"{path.name}: its rows have more fields than its heading")
-    if len(table) > MOST_ROWS:
+
+
+def _refuse_too_many(path: Path, rows: int) -> None:
+    if rows > MOST_ROWS:
         raise TrialFault(f"{path.name}: it has more than {MOST_ROWS} rows")
-    return table
 
 
 def _read_headings(path: Path) -> list[str]:
@@ -123,9 +167,16 @@ def check_columns(
 
 
 def to_numbers(
-    path: Path, table: pd.DataFrame, column: str, *, missing_allowed: bool = False
+    path: Path,
+    table: pd.DataFrame,
+    column: str,
+    *,
+    missing_allowed: bool = False,
+    first_row: int = 0,
 ) -> np.ndarray:
     """Convert a column of text to numbers.
+
+    `first_row` is how many rows of the file are before the table.
 
     Returns
     -------
@@ -146,8 +197,8 @@ def to_numbers(
     if wrong.any():
         row = int(np.argmax(wrong))
         raise TrialFault(
-            f"{path.name}, row {row + 2}, column '{column}': is {show(text.iloc[row])}; "
-            "expected a finite number"
+            f"{path.name}, row {first_row + row + 2}, column '{column}': is "
+            f"{show(text.iloc[row])}; expected a finite number"
         )
     return values
 

@@ -44,7 +44,8 @@ def find_stale_array(angle: np.ndarray) -> np.ndarray:
     >>> find_stale_array(np.array([[1.0, 2.0, 2.0, 1.0, 2.0]]))
     array([False, False, False, False, False])
     """
-    change = np.abs(np.diff(angle, axis=1))
+    change = np.diff(angle, axis=1)
+    np.abs(change, out=change)
     gone = np.isnan(angle[:, 1:]) & np.isnan(angle[:, :-1])
     equal = ((change == 0) | gone).all(axis=0) & (change == 0).any(axis=0)
     fine = np.zeros_like(equal)

@@ -8,6 +8,7 @@ from softfinger.campaign import (
     read_campaign,
     read_marker_table,
 )
+from softfinger.faults import TrialFault
 
 
 def test_angles_keep_their_order_and_their_gaps(folder):
@@ -46,6 +47,18 @@ def test_a_wrong_angle_table_names_file_row_and_column(folder, damage, old, new,
     assert set(reasons) == {"first", "third"}
     assert said in reasons["first"]
     assert "first.csv" in reasons["first"]
+
+
+@pytest.mark.parametrize("rows", [1, 2, 3])
+def test_a_table_read_in_pieces_is_the_same_and_names_the_same_row(folder, monkeypatch, rows):
+    campaign = read_campaign(folder)
+    whole = read_angle_table(campaign, campaign.trials[0])
+    monkeypatch.setattr("softfinger.campaign.tables.PIECE_ROWS", rows)
+    assert read_angle_table(campaign, campaign.trials[0]).identical(whole)
+    path = folder / "angles/first.csv"
+    path.write_text(path.read_text().replace("0.31,", "x,"))
+    with pytest.raises(TrialFault, match=r"first.csv, row 5, column 'q1_rad': is 'x'"):
+        read_angle_table(campaign, campaign.trials[0])
 
 
 def test_markers_are_ordered_from_base_to_tip(folder):
