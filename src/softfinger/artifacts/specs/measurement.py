@@ -57,6 +57,12 @@ SPEC = ArtifactSpec(
             ("component",), "1", "its size, in the unit of the verdict's finding"
         ),
         "component_evidence": Variable(("component",), "1", "its evidence [nats]"),
+        "clock_rate": Variable(
+            (), "1", "how slow the camera's clock runs, which was set right", optional=True
+        ),
+        "steady_load": Variable(
+            (), "1", "a load at rest counts as one reading", "truth value", optional=True
+        ),
         "hum_frequency": Variable(
             ("hum",), "Hz", "of what the angles hum, strongest first", at_least=0.0
         ),

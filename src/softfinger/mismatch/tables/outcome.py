@@ -42,13 +42,14 @@ def tabulate_diagnosis(
     problem, search = diagnosis.problem, diagnosis.search
     models = search.base, search.best
     needed = diagnosis.false_alarms.threshold(config["false_alarm_probability"])
+    mended = diagnosis.mended.model_dump(include={"clock_rate", "steady_load"})
     tables = {
         "ranking": tabulate_ranking(search, diagnosis.posterior, diagnosis.false_alarms, needed),
         "location": tabulate_location(problem, *models, diagnosis.findings.line),
         "masking": diagnosis.masking,
         "repair": measure_repair(problem, *models, angles, np.random.default_rng(seed)),
         "free_form": tabulate_free_form(diagnosis),
-        "measurement": problem.noise[list(MEASURED)].reset_coords(drop=True),
+        "measurement": problem.noise[list(MEASURED)].assign(mended).reset_coords(drop=True),
         "laws": compute_law_curves(
             search.best.model, search.best.fit.shared, search.best.fit.shared_covariance
         ),
