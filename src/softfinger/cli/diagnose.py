@@ -11,7 +11,6 @@ from typing import Annotated
 import typer
 
 from softfinger.cli.application import (
-    CampaignFolder,
     ConfigFile,
     Json,
     Out,
@@ -20,6 +19,7 @@ from softfinger.cli.application import (
     choose_model,
     show_example,
 )
+from softfinger.cli.join import Campaigns, write_joined
 from softfinger.cli.results import report, summarise
 from softfinger.config import read_config
 from softfinger.stages.keys import choose_settings
@@ -27,7 +27,7 @@ from softfinger.stages.keys import choose_settings
 
 @app.command(epilog=show_example("softfinger diagnose my_campaign --out my_results"))
 def diagnose(
-    campaign: CampaignFolder,
+    campaigns: Campaigns,
     out: Out,
     config: ConfigFile = None,
     model: PhysicsFile = None,
@@ -41,13 +41,17 @@ def diagnose(
 ) -> None:
     """Find out which physics was left out.
 
-    The campaign may have any level.
+    The campaign may have any level. Several are campaigns of one finger, a session each, and are
+    joined in OUT/joined first.
 
     Writes OUT/verdict.json, OUT/model.yaml (the repaired model), OUT/survivors.yaml (the models
     that are left), the artifacts behind them and OUT/report.html. Where OUT has a fit
     too, the report is that of both.
     Exit status 0: there is a verdict, whatever it is. 1: the campaign is refused.
     """
+    (campaign, *others) = campaigns
+    if others:
+        campaign = write_joined(campaigns, out / "joined", config)
     file = write_verdict(campaign, out, config, model, mcmc)
     if page:
         summarise(campaign, out, config, model)

@@ -21,18 +21,7 @@ def _build_form(name: str, setting: Setting) -> Form:
     place = Parameter(
         "at_trial", count / 2 + 1, count / 4, low=1.5, high=count + 0.5, starts=find_jumps(setting)
     )
-    sizes = [
-        signed("change_q_ini_rad", 0.02, per="joint", floor=1e-4)
-        if target == "q_ini"
-        else signed(
-            f"log_ratio_{target}",
-            0.2,
-            per="joint",
-            floor=2e-4,
-            report={f"ratio_{target}": lambda x, _: float(np.exp(x))},
-        )
-        for target in MOVED[name]
-    ]
+    sizes = [_build_size(target) for target in MOVED[name]]
 
     def slots(values: Values) -> dict:
         after = np.arange(1, count + 1) - float(values["at_trial"]) + 1.0
@@ -44,6 +33,40 @@ def _build_form(name: str, setting: Setting) -> Form:
         }
 
     return Form(name, (*sizes, place), slots)
+
+
+def _build_session_form(name: str, session: np.ndarray) -> Form:
+    """Every later session differs from the first in its own way."""
+    later = np.unique(session)[1:]
+    sizes = {
+        (target, number): _build_size(target, f"_session_{number:g}")
+        for target in MOVED[name]
+        for number in later
+    }
+
+    def slots(values: Values) -> dict:
+        return {
+            TARGETS[target]: sum(
+                (session == number)[:, None] * values[sizes[target, number].name]
+                for number in later
+            )
+            for target in MOVED[name]
+        }
+
+    return Form(f"{name}_by_session", tuple(sizes.values()), slots)
+
+
+def _build_size(target: str, suffix: str = "") -> Parameter:
+    """How far a parameter jumps, in each joint."""
+    if target == "q_ini":
+        return signed(f"change_q_ini_rad{suffix}", 0.02, per="joint", floor=1e-4)
+    return signed(
+        f"log_ratio_{target}{suffix}",
+        0.2,
+        per="joint",
+        floor=2e-4,
+        report={f"ratio_{target}{suffix}": lambda x, _: float(np.exp(x))},
+    )
 
 
 def find_jumps(setting: Setting) -> tuple[float, ...]:
@@ -62,7 +85,11 @@ def find_jumps(setting: Setting) -> tuple[float, ...]:
 def _build_forms(setting: Setting) -> list[Form] | str:
     if setting.trials < LEAST_TRIALS:
         return f"a jump between trials needs at least {LEAST_TRIALS} of them"
-    return [_build_form(name, setting) for name in MOVED]
+    forms = [_build_form(name, setting) for name in MOVED]
+    session = setting.covariates.get("session", np.zeros(setting.trials))
+    if np.unique(session).size > 1:
+        forms += [_build_session_form(name, session) for name in MOVED]
+    return forms
 
 
 EFFECT = Effect("session_jump", "the parameters jump at one trial", "between_trials", _build_forms)

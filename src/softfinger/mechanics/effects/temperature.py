@@ -46,7 +46,7 @@ def _build_free_form(name: str, target: str, setting: Setting) -> Form:
 
 
 def _build_forms(setting: Setting) -> list[Form] | str:
-    moving = [name for name, x in setting.covariates.items() if np.ptp(x) > 0]
+    moving = [name for name, x in setting.covariates.items() if np.ptp(x) > 0 and name != "session"]
     if not moving:
         return "no covariate was logged, or none changed"
     if setting.trials < LEAST_TRIALS:
