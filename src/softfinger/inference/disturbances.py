@@ -23,6 +23,7 @@ from softfinger.inference.mixed_effects_linearised import solve_linearised
 from softfinger.inference.priors import PRIORS
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.inference.reduce import reduce_trials
+from softfinger.inference.spreads import list_spreads
 from softfinger.measurement.components import choose_components
 from softfinger.measurement.trials import Trials
 
@@ -71,11 +72,12 @@ def fit_disturbances(
     Returns
     -------
     size, evidence, directions
-        Id → size and evidence [nats] of those that are present; `list_disturbances`.
+        Id → size and evidence [nats] of those that are present; `list_disturbances`, and
+        `list_spreads` of the effects' parameters.
     """
-    directions = list_disturbances(problem, candidate)
     fit = candidate.fit
     angle, slope = problem.simulate(candidate.model, fit.own, fit.shared)
+    directions = list_disturbances(problem, candidate) | list_spreads(candidate, slope)
     known = slope.shape[3]
     whole = reduce_trials(
         problem.trials, angle, np.concatenate([slope, *directions.values()], axis=3)
@@ -92,7 +94,8 @@ def fit_disturbances(
         value = solve_linearised(gram, prior, bounds, place, fit.omega, rounds=rounds)[1]
         return value - 0.5 * float(logdet)
 
-    sizes = {name: SIZES[name] for name in directions if np.any(directions[name])}
+    seen = [name for name in directions if np.any(directions[name])]
+    sizes = {name: SIZES.get(name, np.array(PRIORS.effect_spreads)) for name in seen}
     return *choose_components(evaluate, sizes), directions
 
 

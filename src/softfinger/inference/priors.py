@@ -63,6 +63,8 @@ class InferencePriors:
     """The same of the picture's drift, over the noise. Why: hardly seen up to plain."""
     gain_drift_sizes: tuple[float, ...] = (0.003, 0.01, 0.03)
     """The same of the gain of the angles' own sensor. Why: as of a load cell's."""
+    effect_spreads: tuple[float, ...] = (0.03, 0.1, 0.3)
+    """Equally likely relative sds of an effect's parameter between trials. Why: a new mounting."""
 
 
 PRIORS = InferencePriors()

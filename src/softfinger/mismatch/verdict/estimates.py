@@ -1,9 +1,11 @@
 """A verdict's effects: where, how large, in words."""
 
 import numpy as np
+import xarray as xr
 from scipy.stats import norm
 
 from softfinger.inference.problem import Candidate, Problem
+from softfinger.inference.spreads import CLOCK, name_spread
 from softfinger.mechanics.effects.model import Entry
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.checks.locate import find_window
@@ -53,16 +55,39 @@ def describe(
     piece = candidate.model.pieces[number]
     parameters = estimate_parameters(candidate, number)
     probability = min(1.0, posterior.inclusion[piece.effect.id])
+    spread = find_spread(problem.noise, candidate, number)
     return StatedEffect(
         id=piece.effect.id,
         joints=piece.joints,
         probability=probability,
         parameters=parameters,
+        spread=spread,
         statement=state_effect(
-            piece.effect, piece.form.name, piece.joints, probability, parameters
+            piece.effect, piece.form.name, piece.joints, probability, parameters, spread
         ),
         location=locate_effect(problem, base, candidate, number),
     )
+
+
+def find_spread(measurement: xr.Dataset, candidate: Candidate, number: int) -> dict[str, float]:
+    """Relative sd between trials of a piece's parameters that differ."""
+    found = dict(
+        zip(
+            measurement["component"].values.astype(str).tolist(),
+            measurement["component_size"].values.tolist(),
+            strict=True,
+        )
+    )
+    effect = candidate.model.pieces[number].effect.id
+    spread = {
+        name.removeprefix(name_spread(effect, "")): size
+        for name, size in found.items()
+        if name.startswith(name_spread(effect, ""))
+    }
+    if effect == CLOCK and "clock_offset" in found:
+        mean = estimate_parameters(candidate, number)["delay_s"].mean
+        spread["delay_s"] = found["clock_offset"] / max(abs(mean), found["clock_offset"] / 10.0)
+    return spread
 
 
 def estimate_parameters(candidate: Candidate, number: int) -> dict[str, Estimate]:

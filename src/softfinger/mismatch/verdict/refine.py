@@ -66,7 +66,12 @@ def refine_verdict(
             return effect
         piece = forms[effect.id]
         words = state_effect(
-            piece.effect, piece.form.name, effect.joints, effect.probability, found[effect.id]
+            piece.effect,
+            piece.form.name,
+            effect.joints,
+            effect.probability,
+            found[effect.id],
+            effect.spread,
         )
         return effect.model_copy(update={"parameters": found[effect.id], "statement": words})
 

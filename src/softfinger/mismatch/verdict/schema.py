@@ -61,12 +61,16 @@ class StatedLaw(_VerdictPart):
 
 
 class StatedEffect(_VerdictPart):
-    """One piece of physics that was left out."""
+    """One piece of physics that was left out.
+
+    `spread`: parameter → sd between trials, as a share of its value; those that differ.
+    """
 
     id: str
     joints: list[int]
     probability: Probability
     parameters: dict[str, Estimate]
+    spread: dict[str, float] = {}
     law: StatedLaw | None = None
     statement: str
     location: Location | None

@@ -1,6 +1,7 @@
 """Plain sentences with figures, built from fitted effects."""
 
 import math
+from collections.abc import Mapping
 
 from softfinger.mechanics.effects.effect import Effect
 from softfinger.mismatch.verdict.schema import Estimate
@@ -46,20 +47,37 @@ def state_effect(
     joints: list[int],
     probability: float,
     parameters: dict[str, Estimate],
+    spread: Mapping[str, float],
 ) -> str:
-    """State one effect: what, where, how large, how sure."""
+    """State one effect: what, where, how large, how sure.
+
+    `spread` is what its parameters differ by from trial to trial, relatively.
+    """
     where = f" ({list_joints(joints)})" if joints else ""
     sentence = effect.sentence[0].upper() + effect.sentence[1:]
     sizes = []
     for name, value in parameters.items():
-        quantity = name.rstrip("_0123456789")
-        suffix = next((suffix for suffix in UNITS if quantity.endswith(suffix)), "")
-        words = (quantity.removesuffix(suffix) + name.removeprefix(quantity)).replace("_", " ")
-        size = format_estimate(value.mean, value.sd)
-        sizes.append(f"{words} {size} {UNITS.get(suffix, '')}".rstrip())
+        words, unit = split_unit(name)
+        sizes.append(f"{words} {format_estimate(value.mean, value.sd)} {unit}".rstrip())
     sure = f"{probability:.3g}" if probability < 0.9995 else "above 0.999"  # none is 1
     best = "; ".join(filter(None, [form.replace("_", " "), ", ".join(sizes)]))
+    differs = [
+        f" From trial to trial the {split_unit(name)[0]} differs by {100 * size:.2g} %."
+        for name, size in spread.items()
+    ]
     return (
         f"{sentence}{where}: {effect.id.replace('_', ' ')} was left out, with probability "
-        f"{sure}. Best form: {best}."
+        f"{sure}. Best form: {best}.{''.join(differs)}"
     )
+
+
+def split_unit(name: str) -> tuple[str, str]:
+    """Split a parameter's name into words and its unit.
+
+    >>> split_unit("lag_s"), split_unit("play_rad_2")
+    (('lag', 's'), ('play 2', 'rad'))
+    """
+    quantity = name.rstrip("_0123456789")
+    suffix = next((suffix for suffix in UNITS if quantity.endswith(suffix)), "")
+    words = (quantity.removesuffix(suffix) + name.removeprefix(quantity)).replace("_", " ")
+    return words, UNITS.get(suffix, "")

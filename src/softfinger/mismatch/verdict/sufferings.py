@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from softfinger.inference.spreads import is_spread
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.verdict.schema import Suffering, Warned
 
@@ -22,12 +23,17 @@ class _Words(NamedTuple):
 
 
 def describe_measurement(measurement: xr.Dataset) -> list[Suffering]:
-    """Describe every component, the most evident first."""
+    """Describe every component, the most evident first.
+
+    Parameters of effects that differ between trials are the effects', not the measurement's.
+    """
     names = measurement["component"].values.astype(str).tolist()
     sizes = measurement["component_size"].values.tolist()
     evidence = measurement["component_evidence"].values.tolist()
     found = []
     for name, size, nats in zip(names, sizes, evidence, strict=True):
+        if is_spread(name):
+            continue
         words = WORDS[name]
         found.append(
             Suffering(

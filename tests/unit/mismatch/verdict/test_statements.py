@@ -11,4 +11,10 @@ from softfinger.mismatch.verdict.statements import state_effect
 )
 def test_no_effect_is_certain(probability, words):
     effect = list_effects()["gravity"]
-    assert f"with probability {words}. " in state_effect(effect, "even", [1], probability, {})
+    assert f"with probability {words}. " in state_effect(effect, "even", [1], probability, {}, {})
+
+
+def test_a_parameter_that_differs_between_trials_is_stated():
+    effect = next(iter(list_effects().values()))
+    words = state_effect(effect, "even", [], 0.9, {}, {"delay_s": 0.143})
+    assert words.endswith("From trial to trial the delay differs by 14 %.")

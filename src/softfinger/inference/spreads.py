@@ -1,0 +1,70 @@
+"""Parameters of effects that differ from trial to trial.
+
+A trial whose parameter is φ (1 + s z), z ~ N(0, 1), moves to first order by s z φ ∂F/∂φ beside
+what φ alone does; one that is fitted as its logarithm, by s z ∂F/∂log φ. So a spread s between
+trials is a disturbance along the effect's own tangents. It is nothing at s = 0, and evidence
+decides. What acts between trials has no spread of its own: that is the joints' own.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softfinger.inference.problem import Candidate
+from softfinger.mechanics.effects.model import EffectModel
+
+Array = NDArray[np.float64]
+
+MARK = ":"
+CLOCK = "camera_delay"
+"""A delay that differs between trials is the component `clock_offset`."""
+
+
+def name_spread(effect: str, parameter: str) -> str:
+    """Id of a spread among the components of a measurement.
+
+    >>> name_spread("wire_friction", "coefficient")
+    'wire_friction:coefficient'
+    """
+    return f"{effect}{MARK}{parameter}"
+
+
+def is_spread(component: str) -> bool:
+    """Whether a component is a spread of an effect's parameter."""
+    return MARK in component
+
+
+def list_spreads(candidate: Candidate, slope: Array) -> dict[str, Array]:
+    """What spreads of relative size 1 move the angles by.
+
+    Parameters
+    ----------
+    slope
+        (trial, joint, bin · 2, 4 · joint + p) [rad] by η and φ.
+
+    Returns
+    -------
+    dict
+        Id → (trial, joint, bin · 2, place) [rad]; empty where there is one trial.
+    """
+    if len(slope) < 2:
+        return {}
+    model, shared = candidate.model, candidate.fit.shared
+    own = slope.shape[3] - len(shared)
+    found: dict[str, dict[tuple, Array]] = {}
+    for k, entry in enumerate(model.entries):
+        piece = model.pieces[entry.piece]
+        if piece.effect.level == "between_trials" or piece.effect.id == CLOCK:
+            continue
+        size = 1.0 if entry.parameter.log else shared[k]
+        places = found.setdefault(name_spread(piece.effect.id, _name(model, k)), {})
+        places[entry.place] = places.get(entry.place, 0.0) + size * slope[..., own + k]
+    return {name: np.stack(list(places.values()), axis=-1) for name, places in found.items()}
+
+
+def _name(model: EffectModel, k: int) -> str:
+    """Name of a number of φ; all terms of a free law differ together."""
+    entry = model.entries[k]
+    if not entry.parameter.term:
+        return entry.parameter.name
+    law = model.pieces[entry.piece].form.law
+    return law.name if law else "law"
