@@ -53,6 +53,8 @@ def build_setting(angles: xr.Dataset, trials: Trials, own: NDArray[np.float64]) 
         camera=bool(angles.attrs.get("camera", 0)),
         drift=own[:, :, :3],
         specimen="motion_unit" in angles.attrs,
+        own_time=np.exp(np.median(own[:, :, 1] - own[:, :, 0], axis=0)),
+        first_seen=find_first_seen(chosen["time"].transpose("trial", "frame").values, trials),
     )
 
 
@@ -87,6 +89,16 @@ def find_step_gap(trials: Trials) -> float:
     jump = (gap == 0.0) & (np.diff(trials.load_torque, axis=1) != 0.0)
     stated = gap[:, :-1][jump[:, 1:]]
     return float(stated[stated <= STEP_WITHIN_FRAME_INTERVALS * trials.interval].max(initial=0.0))
+
+
+def find_first_seen(time: NDArray, trials: Trials) -> float:
+    """Median time [s] from a trial's first load to the second frame after it; 0 where none is."""
+    found = []
+    for frames, knots, load in zip(time, trials.load_time, trials.load_torque, strict=True):
+        loaded = np.flatnonzero(load)
+        after = np.sort(frames[frames > knots[loaded[0]]]) if loaded.size else loaded
+        found += [float(after[1] - knots[loaded[0]])] if after.size > 1 else []
+    return float(np.median(found)) if found else 0.0
 
 
 def _elastic_end(trials: Trials, own: NDArray, stop: NDArray) -> NDArray:

@@ -33,6 +33,8 @@ SETTING = {
     "step_gap": (),
     "camera": (),
     "specimen": (),
+    "first_seen": (),
+    "own_time": _JOINT,
 }
 """Field of `Setting` → dims; all but the sizes and the covariates."""
 FINGER = {

@@ -30,6 +30,7 @@ from softfinger.mismatch.search.judge import (
     settle_measurement,
     weigh_log,
 )
+from softfinger.mismatch.search.one_load import share_with_creep
 from softfinger.mismatch.search.patience import Patience
 from softfinger.mismatch.search.settle import (
     Posterior,
@@ -209,7 +210,8 @@ def _close(
 ) -> Diagnosis:
     """Examine what is left, weigh all sets, and conclude."""
     needed = found.needed
-    search = name_species(problem, search) if search.best is not search.base else search
+    if search.best is not search.base:
+        search = share_with_creep(problem, name_species(problem, search))
     search = shape_rest(problem, settle_search(search))
     findings = examine(problem, search, angles, needed=needed)
     kept = drop_negligible(search)

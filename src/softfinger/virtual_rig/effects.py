@@ -103,4 +103,5 @@ def describe_setting(
         geometry=True,
         masses=True,
         camera=True,
+        own_time=np.median(1.0 / rate, axis=0),
     )

@@ -136,6 +136,11 @@ class Setting:
         fitted.
     specimen
         Whether it is a specimen, without wire, links, lens or plane.
+    first_seen
+        [s] from the first load to the second frame after it, median over trials; 0 = unknown.
+    own_time
+        (joint,) [s], c_v/k_v of the base model, median over trials; where it is not given, between
+        the shortest and the longest time.
     """
 
     trials: int
@@ -161,6 +166,19 @@ class Setting:
     camera: bool = False
     drift: NDArray[np.float64] | None = None
     specimen: bool = False
+    first_seen: float = 0.0
+    own_time: NDArray[np.float64] | None = None
+
+    def __post_init__(self) -> None:
+        """Give joints a time of their own."""
+        if self.own_time is None:
+            middle = float(np.sqrt(self.shortest * self.duration))
+            object.__setattr__(self, "own_time", np.full(self.joints, middle))
+
+    @property
+    def shortest(self) -> float:
+        """The shortest time [s] that the frames resolve: less than usual where they come denser."""
+        return min(self.interval, self.first_seen or self.interval)
 
     @property
     def one_course(self) -> bool:
@@ -237,6 +255,12 @@ class Effect:
         Whether its law is of the motion: angle, rate, or torque of the spring. A trial under one
         load shows such a law as a course in time, and creep may have any course. So its free form
         needs several loads in a trial, and its textbook forms several trials.
+    place
+        Names a place in which several effects act: two of them are not claimed together, for one
+        freer law is both.
+    place_in_time
+        The same under one load in each trial: there its law is a course in time, as is that of any
+        effect of that place.
     """
 
     id: str
@@ -246,6 +270,12 @@ class Effect:
     part: str = ""
     hooks: tuple[Hook, ...] = ()
     of_motion: bool = False
+    place: str = ""
+    place_in_time: str = ""
+
+    def find_place(self, setting: Setting) -> str:
+        """Where it acts, among the places that several effects share; else its id."""
+        return self.place or (not setting.levels and self.place_in_time) or self.id
 
     def list_forms(self, setting: Setting) -> list[Form] | str:
         """Forms that a campaign allows, or why none."""

@@ -10,17 +10,21 @@ import math
 import numpy as np
 
 from softfinger.compiled import compiled
-from softfinger.mechanics.effects.creep_spectrum import SPECTRUM, build_spectrum
+from softfinger.mechanics.effects.creep_spectrum import (
+    CREEP,
+    SPECTRUM,
+    build_spectra,
+)
 from softfinger.mechanics.effects.effect import Effect, Form, Parameter, Setting, Values, positive
 from softfinger.mechanics.forward.hooks import Hook
 from softfinger.mechanics.forward.modes import FAST, FLOW, LADDER, RATES, SPACING, WITH_LADDER
-from softfinger.mechanics.forward.slot import LOG_C_P, LOG_K_V, Slot, declare
+from softfinger.mechanics.forward.slot import LOG_C_P, LOG_C_V, LOG_K_V, Slot, declare
 from softfinger.mechanics.forward.work import Linear, Model
 
 LEAST_LOSS = 1e-4  # an exponent of exactly 1 is the dashpot and no springpot
 
 
-_COMPLIANCE, _ELASTIC, _FLOW, _EXPONENT, _FLOW_SHARE = declare(
+_COMPLIANCE, _ELASTIC, _FLOW, _EXPONENT, _FLOW_SHARE, _OWN = declare(
     springpot_compliance=Slot(
         "joint", "rad/(N m s^a)", 0.0, "springpot in series: creep · t^a / Γ(1 + a)"
     ),
@@ -30,7 +34,11 @@ _COMPLIANCE, _ELASTIC, _FLOW, _EXPONENT, _FLOW_SHARE = declare(
         "joint", "1", 0.5, "its exponent a, 0 = spring, 1 = dashpot", "nonnegative", at_most=1.0
     ),
     flow_share=Slot("joint", "1", 1.0, "factor on the dashpot's flow; 0 takes it away"),
-)
+    springpot_own_time=Slot(
+        "joint", "1", 0.0, "1: the springpot's time is in units of the joint's c_v/k_v",
+        constant=True,
+    ),
+)  # fmt: skip
 
 
 @compiled
@@ -55,8 +63,11 @@ def add_springpot(model: Model, linear: Linear, j: int) -> None:
     value = model.joint[j]
     soft, thin = math.exp(-value[LOG_K_V]), math.exp(-value[LOG_C_P])
     compliance = value[_COMPLIANCE] + value[_ELASTIC] * soft + value[_FLOW] * thin
+    longer = value[_OWN] * (value[LOG_C_V] - value[LOG_K_V])  # log of the unit of time
+    pace = math.exp(-value[_EXPONENT] * longer)
     for step in range(WITH_LADDER - LADDER):
         weight, by_exponent = springpot_weight(step, value[_EXPONENT])
+        weight, by_exponent = pace * weight, pace * (by_exponent - longer * weight)
         linear.gain[j, LADDER + step] += compliance * weight
         for c in model.columns[j]:
             change = model.d_joint[c, j]
@@ -64,6 +75,8 @@ def add_springpot(model: Model, linear: Linear, j: int) -> None:
             d_compliance += (change[_FLOW] - value[_FLOW] * change[LOG_C_P]) * thin
             d_gain = (change[_COMPLIANCE] + d_compliance) * weight
             d_gain += compliance * by_exponent * change[_EXPONENT]
+            d_longer = value[_OWN] * (change[LOG_C_V] - change[LOG_K_V])
+            d_gain -= compliance * weight * value[_EXPONENT] * d_longer
             linear.d_gain[j, LADDER + step, c] += d_gain
 
 
@@ -103,7 +116,7 @@ def _sum_tail(x: float) -> tuple[float, float]:
 
 
 def _build_forms(setting: Setting) -> list[Form]:
-    middle = np.sqrt(setting.interval * setting.duration)  # where share and exponent are untied
+    middle = np.sqrt(setting.shortest * setting.duration)  # where share and exponent are untied
     exponent = Parameter("exponent", 0.5, 0.2, low=0.05, high=0.95, starts=(0.25, 0.5, 0.75))
     share = positive("springpot_share", 0.3, per="joint", floor=5e-4)
 
@@ -123,12 +136,22 @@ def _build_forms(setting: Setting) -> list[Form]:
             "springpot_exponent": values["exponent"],
         }
 
-    return [
+    def own_time(values: Values) -> dict:
+        a, time = float(values["exponent"]), middle / setting.own_time
+        return {
+            "springpot_elastic_share": values["springpot_share"] * math.gamma(1 + a) * time**-a,
+            "springpot_exponent": a,
+            "springpot_own_time": 1.0,
+        }
+
+    forms = [
         Form("beside", (share, exponent), beside),
         Form("own_compliance", (share, exponent), own_compliance),
         _replace_dashpot(setting),
-        build_spectrum(setting),
     ]
+    if setting.trials > 1:
+        forms.append(Form("in_own_time", (share, exponent), own_time))
+    return [*forms, *build_spectra(setting)]
 
 
 def _replace_dashpot(setting: Setting) -> Form:
@@ -160,4 +183,5 @@ EFFECT = Effect(
         ),
         SPECTRUM,
     ),
+    place=CREEP,
 )

@@ -13,6 +13,7 @@ import math
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
+from softfinger.mechanics.effects.creep_spectrum import CREEP
 from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, positive
 from softfinger.mechanics.effects.law import Law, free_form
 from softfinger.mechanics.forward.curve import combine, weigh_slope, weigh_value
@@ -91,4 +92,5 @@ EFFECT = Effect(
     _build_forms,
     hooks=(Hook("damper", thin_damper, ("damper_power", "damper_law")),),
     of_motion=True,
+    place_in_time=CREEP,
 )

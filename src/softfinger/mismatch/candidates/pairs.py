@@ -56,8 +56,8 @@ def score_pairs(problem: Problem, origin: Candidate, columns: ScoreColumns) -> l
     """Score forms two by two over the fit."""
     scores = []
     for one, other in combinations(_choose_forms(problem, origin, columns), 2):
-        distinct = one.model.pieces[-1].effect.id != other.model.pieces[-1].effect.id
-        pair = join_blocks(one, other) if distinct else None
+        places = {b.model.pieces[-1].effect.find_place(problem.setting) for b in (one, other)}
+        pair = join_blocks(one, other) if len(places) == 2 else None
         if pair is not None:
             gain = score_block(problem, origin, columns, pair)
             scores.append(Score(pair.model, gain, pair.shared))

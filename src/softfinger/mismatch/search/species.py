@@ -24,10 +24,10 @@ from softfinger.mismatch.search.stepwise import Search
 
 
 class Kin(NamedTuple):
-    """An effect that shares a free law with others."""
+    """An effect that shares a free law with others: its free forms by name, and its textbook's."""
 
     effect: Effect
-    free: Form
+    free: dict[str, Form]
     textbook: list[Form]
 
 
@@ -73,10 +73,9 @@ def list_kin(problem: Problem, form: Form) -> list[Kin]:
     kin = []
     for effect in list_effects().values():
         forms = effect.list_forms(problem.setting)
-        same = [] if isinstance(forms, str) else [f for f in forms if f.kin == form.kin]
-        free = next((f for f in same if f.name == form.name), None)
-        if free is not None:
-            kin.append(Kin(effect, free, [f for f in forms if not f.kin]))
+        same = {} if isinstance(forms, str) else {f.name: f for f in forms if f.kin == form.kin}
+        if same:
+            kin.append(Kin(effect, same, [f for f in forms if not f.kin]))
     return kin
 
 
@@ -86,7 +85,8 @@ def _is_open(problem: Problem, piece: Piece) -> bool:
 
 def _rename(candidate: Candidate, at: int, one: Kin, share: float) -> Candidate:
     pieces = list(candidate.model.pieces)
-    pieces[at] = replace(pieces[at], effect=one.effect, form=one.free)
+    form = one.free[pieces[at].form.name]
+    pieces[at] = replace(pieces[at], effect=one.effect, form=form)
     evidence = candidate.log_evidence + float(np.log(max(share, 1e-300)))
     model = replace(candidate.model, pieces=tuple(pieces))
     return candidate._replace(model=model, log_evidence=evidence)
@@ -95,13 +95,13 @@ def _rename(candidate: Candidate, at: int, one: Kin, share: float) -> Candidate:
 def _measure_loss(problem: Problem, search: Search, at: int, one: Kin) -> float:
     """What the best textbook form loses [nats] against the free law."""
     best = search.best
-    fits = [_fit_textbook(problem, best, at, Piece(one.effect, form, best.model.pieces[at].places))
+    fits = [fit_in_place(problem, best, at, Piece(one.effect, form, best.model.pieces[at].places))
             for form in one.textbook]  # fmt: skip
     return best.log_evidence - find_best(c for c in fits if c is not None)
 
 
-def _fit_textbook(problem: Problem, best: Candidate, at: int, piece: Piece) -> Candidate | None:
-    """Fit one textbook form in the law's place, from the best of its starts."""
+def fit_in_place(problem: Problem, best: Candidate, at: int, piece: Piece) -> Candidate | None:
+    """Fit a model with another form in one piece's place, from the best of its starts."""
     pieces = list(best.model.pieces)
     pieces[at] = piece
     model: EffectModel = replace(best.model, pieces=tuple(pieces))

@@ -11,11 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from softfinger.faults import Fault
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mechanics.effects.model import Piece
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.columns import ScoreColumns, collect_columns
+from softfinger.mismatch.candidates.elsewhere import list_compatible, list_elsewhere
 from softfinger.mismatch.candidates.other_forms import find_other_form, keep_leading, swap_forms
 from softfinger.mismatch.candidates.pairs import rank_pairs
 from softfinger.mismatch.candidates.rank import (
@@ -222,7 +222,7 @@ def _extend(
     floor: float,
 ) -> list[Candidate]:
     """Rank every further effect; `floor` as in `fit_scored`."""
-    more = _compatible(rival, [p for p in pieces if p.effect.id not in rival.model.ids])
+    more = list_compatible(rival, list_elsewhere(problem, rival.model, pieces))
     columns = collect_columns(problem, rival, progress(more, "trying effects"))
     return rank_pieces(problem, rival, columns, progress, floor)[0]
 
@@ -264,19 +264,6 @@ def _fit_without(problem: Problem, candidate: Candidate, piece: Piece) -> Candid
     if fit is None or not fit.converged:
         return None
     return prune(problem, Candidate(model, fit, fit.log_evidence))
-
-
-def _compatible(candidate: Candidate, pieces: Iterable[Piece]) -> list[Piece]:
-    """Pieces that claim no slot in another sense."""
-    fitting = []
-    for piece in pieces:
-        try:
-            model = candidate.model.extend(piece)
-            model.fill_slots(model.shared_prior[0])
-        except (Fault, ValueError, ArithmeticError):
-            continue
-        fitting.append(piece)
-    return fitting
 
 
 def _eliminate(
