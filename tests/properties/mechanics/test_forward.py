@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from softfinger.mechanics.forward.curve import KNOTS
 from softfinger.mechanics.forward.simulate import describe_finger, simulate_joint_angle_array
 from softfinger.mechanics.forward.slots import SLOTS, build_slots, build_tangent
 from softfinger.mechanics.geometry import FingerGeometry
@@ -24,6 +25,16 @@ EFFECTS = {
         "springpot_elastic_share": 0.1, "springpot_flow_share": 0.7,
         "springpot_exponent": 0.4, "flow_share": 0.5,
     },
+    "second_retardation in own time": {
+        "second_share": 0.1, "second_time": 4.0, "second_own_time": 1.0,
+    },
+    "fractional_creep in own time": {
+        "springpot_elastic_share": 0.1, "springpot_exponent": 0.4, "springpot_own_time": 1.0,
+    },
+    "creep spectrum in own time": {
+        "spectrum": 0.05 * np.exp(-(((np.arange(KNOTS) - 7.5) / 2.5) ** 2)),
+        "spectrum_shortest": 0.1, "spectrum_longest": 200.0, "spectrum_own_time": 1.0,
+    },
     "strain_stiffening": {
         "stiffening_square": 2.0, "stiffening_linear": 0.5, "stiffening_exponential": 0.3,
         "stiffening_measure": 1.0,
@@ -36,6 +47,9 @@ EFFECTS = {
     "moment_arm": {"arm_scale": 1.0},
     "actuator_lag": {"lag": 0.2},
     "actuator_lag of two stages": {"lag": 0.2, "lag_second_share": 0.3},
+    "actuator_lag by a response": {
+        "response": np.r_[0.1, 0.2, 0.0, 0.3, np.zeros(KNOTS - 4)], "response_unit": 0.1,
+    },
     "softening": {"log_k_v": 0.1, "log_c_v": 0.2, "log_c_p": -0.2, "q_ini": 0.01},
     "preload_memory": {"initial_angle": 0.05},
     "preload_memory at the start": {"initial_torque": 0.01},
@@ -48,10 +62,17 @@ EFFECTS = {
         "coupling_share": 0.1 * PAIR.T,
         "coupling_saturation": 2.0,
     },
+    "membrane": {
+        "membrane_stiffness": 0.01 * (PAIR + PAIR.T), "membrane_share": 0.2 * (PAIR + PAIR.T),
+        "membrane_law": 0.1 * np.sin(np.arange(KNOTS)), "membrane_reach": 0.5,
+    },
     "kinematic_coupling": {"coupling_kinematic": 0.1 * PAIR},
     "gravity": {"tilt_along": 0.2, "tilt_across": -0.3},
     "inertia": {"inertia_scale": 1.0},
     "camera_delay": {"delay": 0.05},
+    "lens_distortion by direction": {
+        "direction_law": 0.1 * np.sin(np.arange(KNOTS)), "direction_reach": 1.5,
+    },
     "lens_distortion": {
         "lens_radial": 10.0, "angle_cubic": 0.05, "lens_along": 0.01, "lens_across": -0.02,
     },

@@ -1,9 +1,10 @@
-"""The load acts with a lag or two."""
+"""The load acts with a lag or two, or by a free response."""
 
 import math
 
 from softfinger.compiled import compiled
 from softfinger.mechanics.effects.effect import Effect, Form, Parameter, Setting, Values, positive
+from softfinger.mechanics.effects.load_response import RESPONSE, build_response
 from softfinger.mechanics.forward.advance import delay_jump
 from softfinger.mechanics.forward.hooks import Hook
 from softfinger.mechanics.forward.slot import Slot, declare
@@ -129,7 +130,11 @@ def _build_forms(setting: Setting) -> list[Form] | str:
     def slots_of_two(values: Values) -> dict:
         return {"lag": values["lag_s"], "lag_second_share": values["second_stage_share"]}
 
-    return [Form("first_order", (lag,), slots), Form("two_stages", (lag, share), slots_of_two)]
+    return [
+        Form("first_order", (lag,), slots),
+        Form("two_stages", (lag, share), slots_of_two),
+        build_response(setting),
+    ]
 
 
 EFFECT = Effect(
@@ -141,5 +146,6 @@ EFFECT = Effect(
         Hook("follow", follow_log, ("lag",)),
         Hook("rest", set_pace, ("lag",)),
         Hook("jump", smooth_jump, ("lag",)),
+        RESPONSE,
     ),
 )

@@ -8,11 +8,13 @@ from numpy.typing import NDArray
 from softfinger.compiled import compiled
 from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, signed
 from softfinger.mechanics.effects.effect import time_constant as between
+from softfinger.mechanics.effects.law import Law, free_form
+from softfinger.mechanics.forward.curve import combine, weigh_slope, weigh_value
 from softfinger.mechanics.forward.hooks import Hook
 from softfinger.mechanics.forward.slot import LOG_K_V, Q_INI, Slot, declare
 from softfinger.mechanics.forward.work import Balance, Model, Nodes
 
-_STIFFNESS, _SHARE, _SATURATION, _MEMBRANE, _MEMBRANE_SHARE, _KINEMATIC = declare(
+_STIFFNESS, _SHARE, _SATURATION, _MEMBRANE, _MEMBRANE_SHARE, _LAW, _REACH, _KINEMATIC = declare(
     coupling_stiffness=Slot("coupling", "N m/rad", 0.0, "torque from the other joint's motion"),
     coupling_share=Slot("coupling", "1", 0.0, "the same, as a share of the joint's k_v"),
     coupling_saturation=Slot(
@@ -22,6 +24,12 @@ _STIFFNESS, _SHARE, _SATURATION, _MEMBRANE, _MEMBRANE_SHARE, _KINEMATIC = declar
         "coupling", "N m/rad", 0.0, "torque K (x_k - x_j), both ways where both are given"
     ),
     membrane_share=Slot("coupling", "1", 0.0, "the same, as a share of sqrt(k_v,j k_v,k)"),
+    membrane_law=Slot(
+        "law", "1", 0.0, "added to that share between a joint and the next, a law of |x_k - x_j|"
+    ),
+    membrane_reach=Slot(
+        "joint", "rad", 1.0, "|x_k - x_j| at which that law ends", "positive", constant=True
+    ),
     coupling_kinematic=Slot("coupling", "1", 0.0, "angle from the other joint's motion"),
 )
 
@@ -32,7 +40,8 @@ def add_coupling(model: Model, nodes: Nodes, balance: Balance, i: int, tangents:
 
     Motion is x = q − q_ini.
 
-    Σ (K + c k_v) x / (1 + b |x|); a membrane adds Σ (M + m √(k_v k_v,k)) (x_k − x).
+    Σ (K + c k_v) x / (1 + b |x|); a membrane adds Σ (M + (m + law) √(k_v k_v,k)) (x_k − x), its law
+    one of |x_k − x| between neighbours.
     """
     joints = model.joint.shape[0]
     for j in range(joints):
@@ -64,20 +73,28 @@ def _add_membrane(
 ) -> None:
     """What joint k's relative motion adds to j's torque."""
     mean = math.exp(0.5 * (model.joint[j, LOG_K_V] + model.joint[k, LOG_K_V]))
-    share = model.coupling[_MEMBRANE_SHARE, j, k]
-    stiffness = model.coupling[_MEMBRANE, j, k] + share * mean
     apart = nodes.angle[i, k] - model.joint[k, Q_INI] - nodes.angle[i, j] + model.joint[j, Q_INI]
+    lower, bend = min(j, k), 0.0
+    weights = weigh_value(abs(apart) / model.joint[lower, _REACH])
+    share = model.coupling[_MEMBRANE_SHARE, j, k]
+    if abs(j - k) == 1:
+        law, reach = model.law[lower, _LAW], model.joint[lower, _REACH]
+        share += combine(law, weights)
+        bend = mean * combine(law, weigh_slope(abs(apart) / reach)) * abs(apart) / reach
+    stiffness = model.coupling[_MEMBRANE, j, k] + share * mean
     balance.torque[i, j] += stiffness * apart
-    balance.by_angle[i, j, k] += stiffness
-    balance.by_angle[i, j, j] -= stiffness
+    balance.by_angle[i, j, k] += stiffness + bend
+    balance.by_angle[i, j, j] -= stiffness + bend
     if tangents:
         for c in model.columns[j]:
-            change = model.d_coupling[c, _MEMBRANE, j, k]
-            change += mean * model.d_coupling[c, _MEMBRANE_SHARE, j, k]
+            d_share = model.d_coupling[c, _MEMBRANE_SHARE, j, k]
+            if abs(j - k) == 1:
+                d_share += combine(model.d_law[c, lower, _LAW], weights)
             stiffer = model.d_joint[c, j, LOG_K_V] + model.d_joint[c, k, LOG_K_V]
+            change = model.d_coupling[c, _MEMBRANE, j, k] + mean * d_share
             change = (change + 0.5 * share * mean * stiffer) * apart
-            change += stiffness * (model.d_joint[c, j, Q_INI] - model.d_joint[c, k, Q_INI])
-            balance.tangent[i, j, c] += change
+            turned = model.d_joint[c, j, Q_INI] - model.d_joint[c, k, Q_INI]
+            balance.tangent[i, j, c] += change + (stiffness + bend) * turned
 
 
 @compiled
@@ -130,6 +147,9 @@ def _build_forms(setting: Setting) -> list[Form] | str:
     def membrane_share(values: Values) -> dict:
         return {"membrane_share": values["coupling"] + values["coupling"].T}
 
+    law = Law("membrane_law", "difference_rad", reach, 0.1, terms=5, per="neighbours", kind="sum")
+    free = free_form(law, {"membrane_reach": reach}, Form("", (mutual,), membrane_share))
+
     def slackening(values: Values) -> dict:
         return {**mutual_torque(values), "coupling_saturation": values["saturation_per_rad"]}
 
@@ -141,6 +161,7 @@ def _build_forms(setting: Setting) -> list[Form] | str:
         Form("torque", (share,), torque),
         Form("share_of_stiffness", (share,), own_share),
         Form("kinematic", (share,), kinematic),
+        free,
     ]
 
 
@@ -154,7 +175,13 @@ EFFECT = Effect(
         Hook(
             "balance",
             add_coupling,
-            ("coupling_stiffness", "coupling_share", "membrane_stiffness", "membrane_share"),
+            (
+                "coupling_stiffness",
+                "coupling_share",
+                "membrane_stiffness",
+                "membrane_share",
+                "membrane_law",
+            ),
             mixes=True,
         ),
         Hook("observe", turn_neighbours, ("coupling_kinematic",)),

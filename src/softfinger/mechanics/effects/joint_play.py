@@ -1,4 +1,4 @@
-"""Play: a gap without torque about rest."""
+"""Play: a gap without torque about rest; free: any spring beyond it."""
 
 import math
 
@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
 from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, positive
+from softfinger.mechanics.effects.law import Law, free_form
 from softfinger.mechanics.forward.hooks import Hook
 from softfinger.mechanics.forward.ramp import softplus
 from softfinger.mechanics.forward.slot import Slot, declare
@@ -52,7 +53,9 @@ def _build_forms(setting: Setting) -> list[Form]:
     def slots(values: Values) -> dict:
         return {"play": values["play_rad"], "play_width": WIDTH_RAD}
 
-    return [Form("gap", (play,), slots)]
+    gap = Form("gap", (play,), slots)
+    law = Law("spring_law", "elastic_angle_rad", setting.reach, 0.5, terms=5, per="joint")
+    return [gap, free_form(law, {"spring_reach": setting.reach}, gap)]
 
 
 EFFECT = Effect(

@@ -43,7 +43,7 @@ class Law:
     terms
         How many.
     per
-        One law for the chain, or one for each joint.
+        One law for the chain, one for each joint, or one for each two neighbours.
     kind
         What a reader is shown: the `factor` 1 + law, the `exponential` e^law, or the law itself
         as a `sum`.
@@ -54,7 +54,7 @@ class Law:
     reach: ArrayLike
     size: float
     terms: int = 7
-    per: Literal["chain", "joint"] = "chain"
+    per: Literal["chain", "joint", "neighbours"] = "chain"
     kind: Literal["factor", "exponential", "sum"] = "factor"
 
     def __post_init__(self) -> None:
@@ -96,9 +96,13 @@ class Law:
         return float(reach[place[0]] if place and reach.ndim else reach)
 
     def fill(self, values: Values) -> NDArray[np.float64]:
-        """Coefficients of the curve, (knot,) or (joint, knot)."""
+        """Coefficients of the curve, (knot,) or (joint, knot); of neighbours the lower's."""
         terms = [np.asarray(values[parameter.name])[..., None] for parameter in self.parameters]
-        return np.concatenate(terms, axis=-1) @ build_terms(self.terms)
+        curves = np.concatenate(terms, axis=-1) @ build_terms(self.terms)
+        if self.per != "neighbours":
+            return curves
+        lower = np.arange(len(curves) - 1)
+        return np.concatenate([curves[lower, lower + 1], np.zeros((1, curves.shape[-1]))])
 
     def evaluate(self, values: Values, argument: NDArray[np.float64]) -> NDArray[np.float64]:
         """The law at arguments (n,): (n,) or (joint, n)."""

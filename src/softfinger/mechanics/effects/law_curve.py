@@ -32,7 +32,7 @@ def list_laws(model: EffectModel) -> list[LawPlace]:
         if law is None:
             continue
         names = {parameter.name for parameter in law.parameters}
-        for place in piece.places if law.per == "joint" else [()]:
+        for place in piece.places if law.per != "chain" else [()]:
             terms = [
                 k
                 for k, entry in enumerate(model.entries)

@@ -1,4 +1,4 @@
-"""Angles bent by the optics: radially, or cubic."""
+"""Angles bent by the optics: radially, cubic, or by a free law of direction."""
 
 import math
 
@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
 from softfinger.mechanics.effects.effect import Effect, Form, Parameter, Setting, Values, signed
+from softfinger.mechanics.effects.law import Law, free_form
+from softfinger.mechanics.forward.curve import combine, weigh_slope, weigh_value
 from softfinger.mechanics.forward.hooks import Hook
 from softfinger.mechanics.forward.slot import Slot, declare
 from softfinger.mechanics.forward.work import Model
@@ -15,8 +17,14 @@ AXES = ("along", "across")
 CENTRE_SD_M = 0.015  # how far from the middle of the straight finger a camera may look
 
 
-_CUBIC, _RADIAL, _ALONG, _ACROSS = declare(
+_CUBIC, _LAW, _REACH, _RADIAL, _ALONG, _ACROSS = declare(
     angle_cubic=Slot("joint", "rad^-2", 0.0, "measured angle q + b q³"),
+    direction_law=Slot(
+        "law", "1", 0.0, "measured direction θ (1 + law) of a link, a law of |θ|: that of joint 1"
+    ),
+    direction_reach=Slot(
+        "chain", "rad", 1.0, "direction at which that law ends", "positive", constant=True
+    ),
     lens_radial=Slot(
         "chain", "m^-2", 0.0, "first radial distortion about the optical centre",
         needs=("link_length", "marker_middle"),
@@ -44,6 +52,31 @@ def bend_angle(model: Model, angle: NDArray, by: NDArray, seen: NDArray, gradien
             for c in range(columns):
                 change = 3.0 * cubic * q * q * by[j, frame, c]
                 gradient[j, frame, c] += change + q**3 * model.d_joint[c, j, _CUBIC]
+
+
+@compiled
+def bend_direction(
+    model: Model, angle: NDArray, by: NDArray, seen: NDArray, gradient: NDArray
+) -> None:
+    """The turn of each link, θ_j times a law of |θ_j|, with θ_j the sum of the angles up to j."""
+    joints, frames, columns = gradient.shape
+    law, reach = model.law[0, _LAW], model.chain[_REACH]
+    for frame in range(frames):
+        direction, before = 0.0, 0.0
+        moved, last = np.zeros(columns), np.zeros(columns)
+        for j in range(joints):
+            direction += angle[j, frame]
+            x = abs(direction) / reach
+            weights = weigh_value(x)
+            turn = direction * combine(law, weights)
+            steep = combine(law, weights) + x * combine(law, weigh_slope(x))
+            seen[j, frame] += turn - before
+            before = turn
+            for c in range(columns):
+                moved[c] += by[j, frame, c]
+                change = steep * moved[c] + direction * combine(model.d_law[c, 0, _LAW], weights)
+                gradient[j, frame, c] += change - last[c]
+                last[c] = change
 
 
 @compiled
@@ -118,7 +151,9 @@ def _build_forms(setting: Setting) -> list[Form] | str:
         place = {"lens_along": values["lens_along_m"], "lens_across": values["lens_across_m"]}
         return lens(values) | place
 
-    forms = [Form("cubic", (cubic,), bent)]
+    reach = float(np.sum(setting.reach))
+    law = Law("direction_law", "direction_rad", reach, 0.05, terms=5)
+    forms = [Form("cubic", (cubic,), bent), free_form(law, {"direction_reach": reach})]
     if setting.masses:
         centre = [Parameter(f"lens_{k}_m", 0.0, CENTRE_SD_M, starts=(0.0,)) for k in AXES]
         forms.insert(0, Form("radial", (radial,), lens))
@@ -135,5 +170,6 @@ EFFECT = Effect(
     hooks=(
         Hook("observe", bend_picture, ("lens_radial", "lens_along", "lens_across")),
         Hook("observe", bend_angle, ("angle_cubic",)),
+        Hook("observe", bend_direction, ("direction_law",)),
     ),
 )

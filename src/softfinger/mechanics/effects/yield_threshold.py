@@ -1,6 +1,6 @@
 """A dashpot that flows above a torque.
 
-It flows by the excess (Bingham) or by the whole torque.
+It flows by the excess (Bingham) or by the whole torque; free: by the excess times any law.
 
 Under one constant load alone a threshold vanishes in c_p. It is tried all the same: beside a wire
 whose moment arm changes, say, the joint's torque does not stay what it is.
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
 from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, positive
+from softfinger.mechanics.effects.law import Law, free_form
 from softfinger.mechanics.forward.hooks import Hook
 from softfinger.mechanics.forward.ramp import softplus
 from softfinger.mechanics.forward.slot import Slot, declare
@@ -87,7 +88,10 @@ def _build_form(kind: str, setting: Setting) -> Form:
 
 
 def _build_forms(setting: Setting) -> list[Form]:
-    return [_build_form(kind, setting) for kind in ("excess", "whole_torque")]
+    excess, whole = (_build_form(kind, setting) for kind in ("excess", "whole_torque"))
+    reach = 1.2 * float(setting.largest_torque.max())
+    law = Law("flow_law", "torque_nm", reach, 1.0, terms=5, kind="exponential")
+    return [excess, whole, free_form(law, {"flow_reach": reach}, excess, local=True)]
 
 
 EFFECT = Effect(

@@ -7,7 +7,11 @@ from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.effect import Setting
 from softfinger.mechanics.effects.model import EffectModel, Piece
 from softfinger.mechanics.forward.hooks import find_hooks
-from softfinger.mechanics.forward.simulate import describe_finger, simulate_joint_angle_array
+from softfinger.mechanics.forward.simulate import (
+    describe_finger,
+    describe_unknown_finger,
+    simulate_joint_angle_array,
+)
 from softfinger.mechanics.forward.slots import SLOTS, build_slots
 from softfinger.mechanics.geometry import FingerGeometry
 
@@ -201,6 +205,28 @@ def test_a_wire_that_wraps_bends_and_guides_loses_a_share_for_each_radian():
     angle = simulate_joint_angle_array(own, filled, [], finger, *series, by_own=False)[0].ravel()
     wrapped = np.cumsum(angle + 0.4)
     np.testing.assert_allclose(0.1 * (angle - 0.02), 0.04 * np.exp(-0.25 * wrapped), rtol=1e-4)
+
+
+def test_a_membrane_pulls_two_neighbours_by_a_law_of_their_difference():
+    coupling = list_effects()["joint_coupling"]
+    form = next(form for form in coupling.build_forms(build_setting()) if form.is_free)
+    values = {p.name: np.zeros((JOINTS, JOINTS)) for p in form.parameters}
+    values["coupling"][1, 2], values["membrane_law_1"][1, 2] = 0.4, 0.25
+    values["membrane_law_2"][1, 2] = -0.15
+    stiffness = np.array([0.1, 0.08, 0.3])
+    own = np.array([[[np.log(k), -5.0, 15.0, 0.02] for k in stiffness]])  # a dashpot that is stiff
+    series = np.array([[8.0]]), np.array([[0.0, 8.0]]), np.array([[0.04, 0.04]])
+    filled = build_slots(1, JOINTS, form.slots(values))
+    finger = describe_unknown_finger(JOINTS)
+    angle = simulate_joint_angle_array(own, filled, [], finger, *series, by_own=False)[0].ravel()
+    x = angle - 0.02
+    apart = x[2] - x[1]
+    place = 2.0 * abs(apart) / 0.4 - 1.0  # of the law's reach
+    law = 0.25 * (place + 1.0) - 0.15 * (2.0 * place**2 - 2.0)
+    pull = (0.4 + law) * np.sqrt(stiffness[1] * stiffness[2]) * apart
+    expected = 0.04 + pull * np.array([0.0, 1.0, -1.0])
+    np.testing.assert_allclose(stiffness * x, expected, rtol=1e-4)
+    assert abs(pull) > 0.005
 
 
 def test_a_law_of_the_motion_needs_more_than_one_course_in_time():

@@ -27,6 +27,7 @@ def build_setting(reach=(0.4, 0.35, 0.3), largest_torque=(0.02, 0.03, 0.04, 0.05
         load_known=True, tension=True, stiffness=np.array([0.1, 0.12, 0.15]),
         reach=np.array(reach), number=np.arange(4.0), memory=np.zeros((4, 3)),
         largest_torque=np.array(largest_torque), rest_time=np.full(4, np.nan), geometry=True,
+        camera=True,
     )  # fmt: skip
 
 
@@ -35,8 +36,10 @@ def pick(name):
     setting = build_setting()
     effect = list_effects()[name]
     form = next(form for form in effect.list_forms(setting) if form.name.split("_")[0] == FREE)
-    per_joint = any(p.per == "joint" for p in form.parameters)
-    return EffectModel(setting, (Piece(effect, form, ((0,), (2,)) if per_joint else ()),))
+    per = {p.per for p in form.parameters}
+    places = {"joint": ((0,), (2,)), "neighbours": ((0, 1), (1, 2))}
+    there = next((places[kind] for kind in places if kind in per), ())
+    return EffectModel(setting, (Piece(effect, form, there),))
 
 
 def test_a_curve_is_smooth_and_straight_outside_its_reach():
@@ -91,7 +94,13 @@ def test_a_law_that_is_no_smooth_curve_is_refused(change, sentence):
         Law(**{**content, **change})
 
 
-@pytest.mark.parametrize("name", ["moment_arm", "strain_stiffening", "stress_nonlinear_flow"])
+LAWS = {
+    "moment_arm": 1, "strain_stiffening": 2, "stress_nonlinear_flow": 1, "joint_coupling": 2,
+    "joint_play": 2, "yield_threshold": 1, "lens_distortion": 1,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", LAWS)
 def test_a_curve_has_the_band_of_its_terms(name):
     model = pick(name)
     rng = np.random.default_rng(7)
@@ -106,7 +115,7 @@ def test_a_curve_has_the_band_of_its_terms(name):
         low, high = np.quantile(shown, (0.05, 0.95), axis=0)
         np.testing.assert_allclose(curves["low"][number], low, atol=0.01 * np.ptp(shown))
         np.testing.assert_allclose(curves["high"][number], high, atol=0.01 * np.ptp(shown))
-    assert curves.sizes["law"] == (2 if name == "strain_stiffening" else 1)
+    assert curves.sizes["law"] == LAWS[name]
 
 
 def test_a_model_without_laws_has_no_curves():
@@ -114,7 +123,7 @@ def test_a_model_without_laws_has_no_curves():
     assert curves.sizes["law"] == 0
 
 
-@pytest.mark.parametrize("name", ["moment_arm", "strain_stiffening", "stress_nonlinear_flow"])
+@pytest.mark.parametrize("name", [*LAWS][:4])
 def test_a_law_returns_from_its_file_and_keeps_its_argument(name, tmp_path):
     model = pick(name)
     rng = np.random.default_rng(3)
