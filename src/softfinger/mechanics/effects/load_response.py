@@ -24,6 +24,7 @@ EDGES = np.array([0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0])
 """Delays between which a share arrives, in frame intervals."""
 FINE = np.concatenate([np.linspace(a, b, 5)[:4] for a, b in pairwise(EDGES)])
 SHARE = 0.3  # prior scale of each
+USUAL = 5.0  # frame intervals, beyond which a share is the rarer the later it comes, as is a lag
 DENSE = 48  # knots of a log from which no more are needed
 
 _RESPONSE, _UNIT = declare(
@@ -100,11 +101,13 @@ RESPONSE = Hook("log", spread_log, ("response",))
 
 def build_response(setting: Setting) -> Form:
     """Build the free form of a lag."""
-    middle = 0.5 * (EDGES[1:] + EDGES[:-1]) * setting.interval
-    floors = np.maximum(2e-3 * SHARE, np.minimum(setting.time_floor / middle, 0.5))
+    middle = 0.5 * (EDGES[1:] + EDGES[:-1])
+    sizes = SHARE * np.minimum(1.0, USUAL / middle)
+    least = setting.time_floor / (middle * setting.interval)
+    floors = np.maximum(2e-3 * sizes, np.minimum(least, 0.5))
     shares = tuple(
-        positive(f"share_late_by_{k}", SHARE, high=1.0, floor=float(floor), term=True)
-        for k, floor in enumerate(floors, start=1)
+        positive(f"share_late_by_{k}", float(size), high=1.0, floor=float(floor), term=True)
+        for k, (size, floor) in enumerate(zip(sizes, floors, strict=True), start=1)
     )
 
     def fill(values: Values) -> dict:

@@ -33,8 +33,8 @@ def share_with_creep(problem: Problem, search: Search) -> Search:
     rivals, terms = _fit_rivals(problem, search, at)
     if not rivals:
         return search
-    loss = np.array([search.best.log_evidence - rival.log_evidence for rival in rivals])
-    shares = weigh_species(loss, terms)
+    top = max(search.best.log_evidence, find_best(rivals))
+    shares = weigh_species(np.array([top - rival.log_evidence for rival in rivals]), terms)
     sharing = [
         rival._replace(log_evidence=level + float(np.log(max(share, 1e-300))))
         for rival, share in zip(rivals, shares, strict=True)

@@ -7,6 +7,7 @@ import pytest
 
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.model import Piece
+from softfinger.mismatch.candidates.elsewhere import list_compatible
 from softfinger.mismatch.search import stepwise as module
 from softfinger.mismatch.search.shape import Shape, allow_rest
 from softfinger.mismatch.search.stepwise import hold_against_shape
@@ -70,4 +71,4 @@ def test_effects_that_claim_one_slot_are_not_tried_together(named):
     form = next(f for f in effect.build_forms(problem.setting) if f.name == "instead_of_dashpot")
     one, other = Piece(effect, form, ()), Piece(replace(effect, id="another"), form, ())
     found = best._replace(model=replace(best.model, pieces=(one,)))
-    assert module._compatible(found, [other]) == []
+    assert list_compatible(found, [other]) == []
