@@ -27,8 +27,7 @@ def build_setting(angles: xr.Dataset, trials: Trials, own: NDArray[np.float64]) 
     rest[1:] = np.diff(started) - (stop - begin)[:-1]
     memory = np.zeros(own.shape[:2])
     memory[1:] = _elastic_end(trials, own, stop)[:-1]
-    geometry = bool(np.isfinite(chosen["joint_length"]) and np.isfinite(chosen["wire_offset"]))
-    masses = all(np.isfinite(chosen[f"link_{k}"]).all() for k in ("length", "mass", "centre"))
+    geometry, masses = _find_declared(chosen)
     return Setting(
         trials=len(trials.name),
         joints=trials.joints,
@@ -48,7 +47,7 @@ def build_setting(angles: xr.Dataset, trials: Trials, own: NDArray[np.float64]) 
         rest_time=np.maximum(rest, 0.0),
         covariates=_covariates(chosen),
         geometry=geometry,
-        masses=masses and geometry,
+        masses=masses,
         step_gap=find_step_gap(trials),
         camera=bool(angles.attrs.get("camera", 0)),
         drift=own[:, :, :3],
@@ -56,6 +55,13 @@ def build_setting(angles: xr.Dataset, trials: Trials, own: NDArray[np.float64]) 
         own_time=np.exp(np.median(own[:, :, 1] - own[:, :, 0], axis=0)),
         first_seen=find_first_seen(chosen["time"].transpose("trial", "frame").values, trials),
     )
+
+
+def _find_declared(chosen: xr.Dataset) -> tuple[bool, bool]:
+    """Whether the wire's geometry is declared; whether the links' masses are as well."""
+    geometry = bool(np.isfinite(chosen["joint_length"]) and np.isfinite(chosen["wire_offset"]))
+    masses = all(np.isfinite(chosen[f"link_{k}"]).all() for k in ("length", "mass", "centre"))
+    return geometry, geometry and masses
 
 
 def read_geometry(angles: xr.Dataset) -> FingerGeometry | None:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
-from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, signed
+from softfinger.mechanics.effects.effect import Effect, Form, Parameter, Setting, Values, signed
 from softfinger.mechanics.effects.effect import time_constant as between
 from softfinger.mechanics.effects.law import Law, free_form
 from softfinger.mechanics.forward.curve import combine, weigh_slope, weigh_value
@@ -141,28 +141,32 @@ def _build_forms(setting: Setting) -> list[Form] | str:
         both = values["coupling"] + values["coupling"].T
         return {"coupling_stiffness": both * stiffness}
 
-    def membrane(values: Values) -> dict:
-        return {"membrane_stiffness": (values["coupling"] + values["coupling"].T) * stiffness}
-
-    def membrane_share(values: Values) -> dict:
-        return {"membrane_share": values["coupling"] + values["coupling"].T}
-
-    law = Law("membrane_law", "difference_rad", reach, 0.1, terms=5, per="neighbours", kind="sum")
-    free = free_form(law, {"membrane_reach": reach}, Form("", (mutual,), membrane_share))
-
     def slackening(values: Values) -> dict:
         return {**mutual_torque(values), "coupling_saturation": values["saturation_per_rad"]}
 
     return [
         Form("mutual_torque", (mutual,), mutual_torque),
-        Form("membrane", (mutual,), membrane),
-        Form("membrane_share", (mutual,), membrane_share),
+        *_build_membranes(mutual, stiffness, reach),
         Form("slackening_torque", (mutual, saturation), slackening),
         Form("torque", (share,), torque),
         Form("share_of_stiffness", (share,), own_share),
         Form("kinematic", (share,), kinematic),
-        free,
     ]
+
+
+def _build_membranes(coupling: Parameter, stiffness: float, reach: float) -> list[Form]:
+    """Build the forms of a torque by the difference of two motions."""
+
+    def own(values: Values) -> dict:
+        return {"membrane_stiffness": (values["coupling"] + values["coupling"].T) * stiffness}
+
+    def share(values: Values) -> dict:
+        return {"membrane_share": values["coupling"] + values["coupling"].T}
+
+    law = Law("membrane_law", "difference_rad", reach, 0.1, terms=5, per="neighbours", kind="sum")
+    in_share = Form("membrane_share", (coupling,), share)
+    free = free_form(law, {"membrane_reach": reach}, in_share)
+    return [Form("membrane", (coupling,), own), in_share, free]
 
 
 EFFECT = Effect(
