@@ -25,17 +25,20 @@ mismatch: {bootstrap_replicates: 99, sample_repaired: false}
 
 
 def start(folder: Path, *arguments: object) -> subprocess.Popen:
-    """A command in its own session, as a terminal's would be."""
-    return subprocess.Popen(
+    """A command in its own session, as a terminal's would be; `said.txt` has what it said."""
+    said = (folder / "said.txt").open("ab")
+    running = subprocess.Popen(
         [sys.executable, "-c", CODE, *map(str, arguments)],
         cwd=folder,
         env=os.environ | {"PYTHONPATH": str(PROJECT / "src")},
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
+        stderr=said,
         start_new_session=True,
         preexec_fn=hear_ctrl_c,
     )
+    said.close()
+    return running
 
 
 def hear_ctrl_c() -> None:

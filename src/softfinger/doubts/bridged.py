@@ -34,7 +34,7 @@ def doubt_bridged(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
         whole = len(joints) == trials[0].angle.shape[0]
         yield Doubt(
             "bridged_gaps",
-            f"{name_trials(names, len(trials))} has straight lines without noise between noisy "
+            f"in {name_trials(names, len(trials))} straight lines without noise lie between noisy "
             f"frames: {share:.1%} of {name}, the first at {at:.4g} s; likely gaps that were "
             "filled by interpolation; leave these cells empty",
             tuple(names),

@@ -46,12 +46,12 @@ def _describe_parts(trials: Sequence[TrialFeatures], parts: list[Stretch]) -> Do
     part = max(parts, key=lambda stretch: stretch.frames)
     first, second = trials[part.first], trials[part.second]
     names = tuple(sorted({trials[k].name for p in parts for k in (p.first, p.second)}))
+    others = f" (and so in {len(parts) - 1} more pairs of trials)" if len(parts) > 1 else ""
     return Doubt(
         "shared_part",
         f"{part.frames} frames of trial {second.name}, from {second.time[part.at_frame]:.4g} s, "
-        f"are those of trial {first.name} from {first.time[part.from_frame]:.4g} s (in "
-        f"{len(parts)} pairs of trials); likely rows that were pasted into the wrong file; "
-        "export these recordings again",
+        f"are those of trial {first.name} from {first.time[part.from_frame]:.4g} s{others}; likely "
+        "rows that were pasted into the wrong file; export these recordings again",
         names,
     )
 
@@ -62,7 +62,7 @@ def _describe_repeats(trials: Sequence[TrialFeatures], longest: list[Stretch]) -
     names = tuple(trials[p.first].name for p in longest)
     return Doubt(
         "repeated_part",
-        f"{name_trials(names, len(trials))} contains the same frames twice: in {trial.name} "
+        f"in {name_trials(names, len(trials))} the same frames occur twice: in {trial.name} "
         f"{part.frames} frames from {trial.time[part.at_frame]:.4g} s are those from "
         f"{trial.time[part.from_frame]:.4g} s; likely rows that were pasted or logged twice; "
         "export the recording again",

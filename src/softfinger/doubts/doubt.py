@@ -1,6 +1,6 @@
 """A doubt: finding, evidence, cause, and what to do."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +23,10 @@ FACTORS = {
     25.4: "inches for millimetres",
     2.0: "a factor of two: a radius for a diameter, every second frame",
 }
+# Those of them that a column of angles may have.
+OF_ANGLES = {
+    f: slip for f, slip in FACTORS.items() if "second" not in slip and "newton" not in slip
+}
 NEAR = 0.15  # of a factor, in its logarithm
 
 
@@ -36,7 +40,7 @@ class Doubt:
     joints: tuple[int, ...] = ()
 
 
-def name_factor(ratio: float, spread: float = NEAR) -> str:
+def name_factor(ratio: float, spread: float = NEAR, factors: Mapping[float, str] = FACTORS) -> str:
     """Clause on the slip that makes a ratio.
 
     >>> name_factor(58.0)
@@ -45,11 +49,11 @@ def name_factor(ratio: float, spread: float = NEAR) -> str:
     'a factor of 7e+04'
     """
     size = max(ratio, 1.0 / ratio)
-    near = min(FACTORS, key=lambda factor: abs(np.log(size / factor)))
+    near = min(factors, key=lambda factor: abs(np.log(size / factor)))
     said = f"a factor of {size:.3g}"
     if abs(np.log(size / near)) > max(NEAR, spread):
         return said
-    return f"{said}, near {near:.3g} ({FACTORS[near]})"
+    return f"{said}, near {near:.3g} ({factors[near]})"
 
 
 def name_trials(names: Sequence[str], of: int) -> str:

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from softfinger.doubts.doubt import Doubt, name_factor, name_trials
+from softfinger.doubts.doubt import OF_ANGLES, Doubt, name_factor, name_trials
 from softfinger.doubts.features import TrialFeatures
 from softfinger.doubts.groups import find_apart
 from softfinger.doubts.noise import bound_noise
@@ -13,6 +13,7 @@ from softfinger.doubts.noise import bound_noise
 Array = NDArray[np.float64]
 FAR = np.log(8.0)  # of one joint from every other, in noise and in motion
 ALIKE = np.log(4.0)  # between the two: a unit multiplies both
+SPREAD = 0.3  # of the factor, in its logarithm: noise is not equal in all joints
 # Between trials the noise of a joint over that of the others hardly differs.
 APART, MOVED, ALIKE_APART = np.log(2.5), np.log(1.6), np.log(2.5)
 
@@ -72,8 +73,8 @@ def _describe(joint: int, ratio: float, than: str, names: list[str], of: int) ->
     return Doubt(
         "unit_of_joint",
         f"joint {joint}{where} has {ratio:.3g} times the noise, and about as many times the "
-        f"motion, as {than}: {name_factor(ratio)}; likely another unit in its column; check "
-        f"q{joint}_rad",
+        f"motion, as {than}: {name_factor(ratio, SPREAD, OF_ANGLES)}; likely another unit in its "
+        f"column; check q{joint}_rad",
         tuple(names),
         (joint,),
     )

@@ -27,8 +27,8 @@ def doubt_zeroed(trials: Sequence[TrialFeatures]) -> Iterator[Doubt]:
     rest = [np.abs(start_of(t)).max() for t, k in zip(trials, kept, strict=True) if k]
     yield Doubt(
         "zeroed",
-        f"{name_trials(names, len(trials))} begins at exactly 0 rad in every joint, or has its "
-        f"first frames' mean there; the others begin up to {max(rest):.2g} rad away from 0; likely "
+        f"in {name_trials(names, len(trials))} every joint begins at exactly 0 rad, or its first "
+        f"frames have that mean; the others begin up to {max(rest):.2g} rad away from 0; likely "
         "each of these trials was set to zero at its start; treat all trials alike, best without "
         "subtracting anything",
         tuple(names),

@@ -51,7 +51,8 @@ def test_a_killed_session_keeps_its_trials_and_goes_on(rig_of_its_own, six_trial
         finished = read_finished(folder)
         assert kept.items() <= finished.items()
         kept = finished
-    assert start(tmp_path, "rig", "record", *options).wait() == 0
+    recorder = start(tmp_path, "rig", "record", *options)
+    assert recorder.wait() == 0, (tmp_path / "said.txt").read_text()
     finished = read_finished(folder)
     assert kept.items() <= finished.items()
     assert len(list_trials(folder)) == TRIALS
