@@ -2,17 +2,54 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations, product
 
 import numpy as np
 
+from softfinger.compiled import compiled
+
 _STRETCH = 0.25  # how far a distance on a link may be off, in radii
 _ADAPTION = 0.05  # share of a changed distance that is believed, per frame
 _SEARCH = 8.0  # radii around the predicted place, growing with the time lost
 _LONE_SEARCH = 2.5  # the same for a marker that no other one on its link confirms
 _SEARCH_GROWTH, _LONGEST_GROWTH = 0.05, 40  # per frame, and frames
+
+
+@compiled
+def mark_stretched_array(
+    position: np.ndarray,
+    radius: np.ndarray,
+    first: np.ndarray,
+    second: np.ndarray,
+    distance: np.ndarray,
+) -> np.ndarray:
+    """Markers (marker,) bool of the pairs at a wrong distance.
+
+    `position` is (marker, 2), `radius` (marker,), all in px, the rest (pair,). A pair of which one
+    is not seen is right.
+    """
+    stretched = np.zeros(position.shape[0], np.bool_)
+    for k in range(first.size):
+        a, b = first[k], second[k]
+        gap = math.hypot(position[a, 0] - position[b, 0], position[a, 1] - position[b, 1])
+        if abs(gap - distance[k]) > _STRETCH * max(radius[a], radius[b]):
+            stretched[a] = stretched[b] = True
+    return stretched
+
+
+@compiled
+def adapt_distances_array(
+    position: np.ndarray, first: np.ndarray, second: np.ndarray, distance: np.ndarray
+) -> None:
+    """Let the distances (pair,) follow slowly, in place."""
+    for k in range(first.size):
+        a, b = first[k], second[k]
+        gap = math.hypot(position[a, 0] - position[b, 0], position[a, 1] - position[b, 1])
+        if not math.isnan(gap):
+            distance[k] += _ADAPTION * (gap - distance[k])
 
 
 @dataclass(frozen=True)
@@ -64,7 +101,7 @@ class Body:
     ) -> Body:
         """Learn distances from one picture's markers (marker, axis) [px]."""
         pairs = [pair for link in links for pair in combinations(link, 2)]
-        first, second = np.array(pairs, int).reshape(-1, 2).T
+        first, second = np.array(pairs, int).reshape(-1, 2).T.copy()
         return cls(
             links=tuple(tuple(link) for link in links),
             first=first,
@@ -86,17 +123,11 @@ class Body:
         >>> body.find_stretched(moved, np.full(3, 5.0))
         array([ True,  True, False])
         """
-        off = np.abs(_measure_gap(position[self.first], position[self.second]) - self.distance)
-        wrong = off > _STRETCH * np.maximum(radius[self.first], radius[self.second])
-        stretched = np.zeros(len(position), bool)
-        stretched[self.first[wrong]] = True
-        stretched[self.second[wrong]] = True
-        return stretched
+        return mark_stretched_array(position, radius, self.first, self.second, self.distance)
 
     def adapt(self, position: np.ndarray) -> None:
         """Let distances follow lens and slant slowly."""
-        gap = _measure_gap(position[self.first], position[self.second])
-        self.distance[:] += _ADAPTION * np.where(np.isfinite(gap), gap - self.distance, 0.0)
+        adapt_distances_array(position, self.first, self.second, self.distance)
 
     def recover(
         self,

@@ -5,6 +5,7 @@ import numpy as np
 
 from softfinger.tracking.disc import CONTRAST, RADIUS, SPREAD, X, Y
 from softfinger.tracking.fit import FIT_QUALITY, LARGEST_WINDOW, MARGINS, fit_disc_array
+from softfinger.tracking.flat import SUMS
 from softfinger.tracking.follow import is_certain_array
 
 _SMALL_RADIUS = 4.0  # px: discs are looked for in a picture so far shrunk
@@ -92,9 +93,9 @@ def _fit_anywhere(
     level = float(np.median(around @ weight))
     p = np.array([column, row, 2.2 * difference, radius, 1.0, level, 0.0, 0.0])
     quality = np.empty(len(FIT_QUALITY))
-    rows, side = np.empty((9, LARGEST_WINDOW)), np.empty(LARGEST_WINDOW, np.uint8)
+    rows, flat = np.empty((9, LARGEST_WINDOW)), np.empty((2, len(SUMS)))
     start = (p, MARGINS[0], _NO_DISCS, -1)
-    if not fit_disc_array(picture, weight, *start, quality, rows, side, _ITERATIONS):
+    if not fit_disc_array(picture, weight, *start, quality, rows, flat, _ITERATIONS):
         return None
     near = np.hypot(p[X] - column, p[Y] - row) < radius
     sized = _RADIUS_RANGE[0] < p[RADIUS] / radius < _RADIUS_RANGE[1]

@@ -18,10 +18,8 @@ from softfinger.tracking.disc import (
     X,
     Y,
 )
+from softfinger.tracking.flat import INSIDE, OUTSIDE, add_products_array, measure_rest_array
 from softfinger.tracking.normal import (
-    INSIDE,
-    OUTSIDE,
-    RIM,
     invert_symmetric_array,
     linearise_window_array,
     multiply_rows_array,
@@ -37,7 +35,7 @@ UNIT_XX, UNIT_YY, UNIT_XY, NOISE_VARIANCE, MISFIT = range(5)
 LAST_STEP = 0.05
 #: Widths of background to fit with: the wider, the better the shade is known; the narrower, the
 #: less often something else is in the window.
-MARGINS = (1.5, 2.5, 4.0)
+MARGINS = (1.5, 2.5, 4.0, 6.0)
 LARGEST_WINDOW = 20_000  # pixels: a radius of about 75
 
 _SIZE = len(PARAMETERS)
@@ -59,7 +57,7 @@ def fit_disc_array(
     own: int,
     quality: np.ndarray,
     rows: np.ndarray,
-    side: np.ndarray,
+    flat: np.ndarray,
     iterations: int,
 ) -> bool:
     """Fit one blurred disc by Gauss–Newton, starting from `p`.
@@ -77,29 +75,23 @@ def fit_disc_array(
         Places and reaches of all discs; pixels of those other than `own` are left out.
     quality : (5,)
         Overwritten; in the order of :data:`FIT_QUALITY`, NaN where the fit fails.
-    rows, side : (9, pixel), (pixel,)
+    rows, flat : (9, pixel), (2, 10)
         Room to work in.
     iterations : int
         At most so many steps.
     """
     products = np.empty((_SIZE + 1, _SIZE + 1))
     low, inverse, step = np.empty((_SIZE, _SIZE)), np.empty((_SIZE, _SIZE)), np.empty(_SIZE)
+    before = np.empty(_SIZE)
     quality[:] = np.nan
     widest = _MOST_GROWTH * p[RADIUS]
     first_x, first_y = p[X], p[Y]
     for k in range(iterations):
-        count = linearise_window_array(picture, weight, p, margin, others, own, rows, side)
+        count = linearise_window_array(picture, weight, p, margin, others, own, rows, flat)
         if count <= 0:
             return False
-        multiply_rows_array(rows, count, products)
-        if p[SPREAD] <= SMALLEST_SPREAD and products[_SIZE, SPREAD] <= 0.0:
-            _hold_spread(products)
-        if not invert_symmetric_array(products, low, inverse):
+        if not _solve_step(p, rows, flat, count, products, low, inverse, step):
             return False
-        for a in range(_SIZE):
-            step[a] = 0.0
-            for b in range(_SIZE):
-                step[a] += inverse[a, b] * products[_SIZE, b]
         whole = k < _WHOLE_STEPS
         moved = math.hypot(step[X], step[Y])
         reshaped = max(abs(step[RADIUS]), abs(step[SPREAD])) if whole else 0.0
@@ -110,6 +102,7 @@ def fit_disc_array(
             0.5 * p[SPREAD] / max(abs(step[SPREAD]), 1e-9),
         )
         last = max(moved, reshaped) < LAST_STEP * p[SPREAD]
+        before[:] = p
         _take_step(p, step, share)
         strayed = math.hypot(p[X] - first_x, p[Y] - first_y) > widest
         if strayed or p[RADIUS] > widest or p[SPREAD] > 0.5 * widest:
@@ -117,8 +110,34 @@ def fit_disc_array(
         if last:
             quality[UNIT_XX], quality[UNIT_YY] = inverse[X, X], inverse[Y, Y]
             quality[UNIT_XY] = inverse[X, Y]
-            return _measure_residuals(rows, side, step, count, quality)
+            return _measure_residuals(rows, flat, before, step, count, quality)
     return False
+
+
+@compiled
+def _solve_step(
+    p: np.ndarray,
+    rows: np.ndarray,
+    flat: np.ndarray,
+    count: int,
+    products: np.ndarray,
+    low: np.ndarray,
+    inverse: np.ndarray,
+    step: np.ndarray,
+) -> bool:
+    """Solve for the step that least squares asks for."""
+    multiply_rows_array(rows, count, products)
+    for place in (OUTSIDE, INSIDE):
+        add_products_array(flat[place], p, place, products)
+    if p[SPREAD] <= SMALLEST_SPREAD and products[_SIZE, SPREAD] <= 0.0:
+        _hold_spread(products)
+    if not invert_symmetric_array(products, low, inverse):
+        return False
+    for a in range(_SIZE):
+        step[a] = 0.0
+        for b in range(_SIZE):
+            step[a] += inverse[a, b] * products[_SIZE, b]
+    return True
 
 
 @compiled
@@ -145,31 +164,37 @@ def _hold_spread(products: np.ndarray) -> None:
 
 @compiled
 def _measure_residuals(
-    rows: np.ndarray, side: np.ndarray, step: np.ndarray, count: int, quality: np.ndarray
+    rows: np.ndarray,
+    flat: np.ndarray,
+    before: np.ndarray,
+    step: np.ndarray,
+    count: int,
+    quality: np.ndarray,
 ) -> bool:
     """Noise off the rim and misfit on it.
 
-    Both are those after the last step.
+    Both are those after the last step, which went from `before`.
 
     The noise on the rim is taken midway between that of the light outside and that inside, so that
     no error of the disc's shape counts as noise. Of the eight parameters half are at home on the
     rim; where the window has no other pixels, what is left there is taken for noise.
     """
-    sums, numbers = np.zeros(3), np.zeros(3)
+    if count < _FEWEST_RIM:
+        return False
+    on_rim = 0.0
     for k in range(count):
         r = rows[_SIZE, k]
         for a in range(_SIZE):
             r -= rows[a, k] * step[a]
-        sums[side[k]] += r * r
-        numbers[side[k]] += 1.0
-    if numbers[RIM] < _FEWEST_RIM:
-        return False
-    noise, sides = 0.0, 0
-    for k, parameters in ((OUTSIDE, 3), (INSIDE, 1)):  # level and slopes outside, contrast inside
-        if numbers[k] >= _FEWEST_FLAT:
-            noise += sums[k] / (numbers[k] - parameters)
+        on_rim += r * r
+    on_rim /= count - 4
+    noise, sides, room = 0.0, 0, np.empty((_SIZE + 1, _SIZE + 1))
+    for place, parameters in ((OUTSIDE, 3), (INSIDE, 1)):  # level, slopes outside; contrast inside
+        number = flat[place, 0]
+        if number >= _FEWEST_FLAT:
+            rest = measure_rest_array(flat[place], before, place, step, room)
+            noise += rest / (number - parameters)
             sides += 1
-    on_rim = sums[RIM] / (numbers[RIM] - 4)
     quality[NOISE_VARIANCE] = noise / sides if sides else on_rim
     quality[MISFIT] = on_rim / max(quality[NOISE_VARIANCE], 1e-12)
     return True

@@ -17,9 +17,8 @@ from softfinger.tracking.disc import (
     compute_response_array,
     count_divisions,
 )
+from softfinger.tracking.flat import INSIDE, OUTSIDE, add_pixels_array, compute_even_light
 
-#: Where a pixel of the window lies: wholly outside the disc, wholly inside, on its rim.
-OUTSIDE, INSIDE, RIM = range(3)
 _RIM_WIDTH = 3.5  # half width of the rim in edge spreads
 
 
@@ -38,7 +37,7 @@ def linearise_window_array(
     others: np.ndarray,
     own: int,
     rows: np.ndarray,
-    side: np.ndarray,
+    flat: np.ndarray,
 ) -> int:
     """Residuals and derivatives in a disc's window.
 
@@ -54,52 +53,92 @@ def linearise_window_array(
     others : (disc, 3) [px]
         Places and reaches of all discs; pixels of those other than `own` are left out.
     rows : (9, pixel)
-        Overwritten: derivatives of the light by each parameter, with the shade held in place while
-        the disc moves, and the residual.
-    side : (pixel,)
-        Overwritten: :data:`OUTSIDE`, :data:`INSIDE` or :data:`RIM`.
+        Overwritten: derivatives of the light of the rim's pixels by each parameter, with the shade
+        held in place while the disc moves, and the residual.
+    flat : (2, 10)
+        Overwritten: sums over the pixels outside and inside, as in :mod:`softfinger.tracking.flat`.
 
     Returns
     -------
     int
-        Number of pixels; −1 where they are more than `rows` has room for.
+        Number of pixels on the rim; −1 where they are more than `rows` has room for.
     """
     x, y, radius, spread = p[X], p[Y], p[RADIUS], p[SPREAD]
     width = _compute_rim_width(spread)
-    outer, inner = (radius + width) ** 2, max(0.0, radius - width) ** 2
+    outer, inner = radius + width, max(0.0, radius - width)
     reach = radius + 2.0 * spread + margin
-    crowded = _has_neighbours(x, y, reach, others, own)
-    divisions = count_divisions(spread)
-    height, breadth, channels = picture.shape
+    crowded = has_neighbours(x, y, reach, others, own)
+    height, breadth = picture.shape[0], picture.shape[1]
+    light_out, light_in = compute_even_light(p, OUTSIDE), compute_even_light(p, INSIDE)
+    flat[:] = 0.0
     count = 0
     for i in range(max(0, math.ceil(y - reach)), min(height, math.floor(y + reach) + 1)):
-        dy = i - y
-        half = math.sqrt(max(0.0, reach * reach - dy * dy))
-        for j in range(max(0, math.ceil(x - half)), min(breadth, math.floor(x + half) + 1)):
-            if crowded and _is_taken(j, i, others, own):
-                continue
-            if count == side.size:
-                return -1
-            dx = j - x
-            square = dx * dx + dy * dy
-            share = by_x = by_y = by_radius = by_spread = 0.0
-            if square >= outer:
-                side[count] = OUTSIDE
-            elif square <= inner:
-                side[count] = INSIDE
-                share = 1.0
-            else:
-                side[count] = RIM
-                share, by_x, by_y, by_radius, by_spread = compute_response_array(
-                    dx, dy, radius, spread, divisions
-                )
-            light = weight[0] * picture[i, j, 0]
-            for k in range(1, channels):
-                light += weight[k] * picture[i, j, k]
-            response = (share, by_x, by_y, by_radius, by_spread)
-            _write_pixel(rows, count, p, dx, dy, response, light)
-            count += 1
+        start, stop = find_chord(x, i - y, reach, 0, breadth)
+        a, d = find_chord(x, i - y, outer, start, stop)
+        b, c = find_chord(x, i - y, inner, a, d)
+        if count + d - a > rows.shape[1]:
+            return -1
+        if crowded:
+            for j in range(start, stop):
+                if _is_taken(j, i, others, own):
+                    continue
+                if j < a or j >= d:
+                    add_pixels_array(picture, weight, i, j, j + 1, x, y, light_out, flat[OUTSIDE])
+                elif b <= j < c:
+                    add_pixels_array(picture, weight, i, j, j + 1, x, y, light_in, flat[INSIDE])
+                else:
+                    _write_pixels(picture, weight, i, j, j + 1, p, rows, count)
+                    count += 1
+            continue
+        add_pixels_array(picture, weight, i, start, a, x, y, light_out, flat[OUTSIDE])
+        _write_pixels(picture, weight, i, a, b, p, rows, count)
+        count += b - a
+        add_pixels_array(picture, weight, i, b, c, x, y, light_in, flat[INSIDE])
+        _write_pixels(picture, weight, i, c, d, p, rows, count)
+        count += d - c
+        add_pixels_array(picture, weight, i, d, stop, x, y, light_out, flat[OUTSIDE])
     return count
+
+
+@compiled
+def find_chord(x: float, dy: float, radius: float, first: int, end: int) -> tuple[int, int]:
+    """Columns from, and before, which a circle crosses a row.
+
+    They are between `first` and `end`. Where it does not cross, both are the middle: the pixels
+    before and after it are outside.
+
+    Examples
+    --------
+    >>> find_chord(5.2, 3.0, 5.0, 0, 20)
+    (2, 10)
+    """
+    square = radius * radius - dy * dy
+    half = math.sqrt(square) if square > 0.0 else -0.5
+    start = min(max(first, math.ceil(x - half)), end)
+    stop = max(start, min(end, math.floor(x + half) + 1))
+    return start, stop
+
+
+@compiled
+def _write_pixels(
+    picture: np.ndarray,
+    weight: np.ndarray,
+    row: int,
+    first: int,
+    end: int,
+    p: np.ndarray,
+    rows: np.ndarray,
+    at: int,
+) -> None:
+    """Write pixels on the rim."""
+    divisions, dy = count_divisions(p[SPREAD]), row - p[Y]
+    for j in range(first, end):
+        dx = j - p[X]
+        response = compute_response_array(dx, dy, p[RADIUS], p[SPREAD], divisions)
+        light = weight[0] * picture[row, j, 0]
+        for k in range(1, weight.size):
+            light += weight[k] * picture[row, j, k]
+        _write_pixel(rows, at + j - first, p, dx, dy, response, light)
 
 
 @compiled
@@ -121,7 +160,8 @@ def _write_pixel(
 
 
 @compiled
-def _has_neighbours(x: float, y: float, reach: float, others: np.ndarray, own: int) -> bool:
+def has_neighbours(x: float, y: float, reach: float, others: np.ndarray, own: int) -> bool:
+    """Whether another disc reaches into a window."""
     for k in range(others.shape[0]):
         if k != own and math.hypot(x - others[k, 0], y - others[k, 1]) < reach + others[k, 2]:
             return True

@@ -6,9 +6,14 @@ import numpy as np
 
 from softfinger.tracking.body import Body
 from softfinger.tracking.detection import find_discs_array
-from softfinger.tracking.disc import CONTRAST, RADIUS, X
+from softfinger.tracking.disc import CONTRAST, RADIUS
 from softfinger.tracking.fit import FIT_QUALITY
-from softfinger.tracking.follow import follow_discs_array
+from softfinger.tracking.follow import (
+    drop_stretched_array,
+    follow_discs_array,
+    follow_markers_array,
+    settle_markers_array,
+)
 
 
 @dataclass
@@ -49,35 +54,17 @@ class Tracker:
         fitted (marker, 8), quality (marker, 5)
             NaN where a marker is not seen.
         """
-        fitted = np.full_like(self.known, np.nan)
-        quality = np.full((len(self.known), len(FIT_QUALITY)), np.nan)
-        predicted = self.known[:, :2] + self.velocity
-        self._fit(picture, self.lost_for == 0, predicted, fitted, quality)
-        if np.isnan(fitted[:, X]).any():
+        fitted, predicted = np.empty_like(self.known), np.empty((len(self.known), 2))
+        quality = np.empty((len(self.known), len(FIT_QUALITY)))
+        pairs = (self.body.first, self.body.second, self.body.distance)
+        moving = (self.velocity, self.lost_for)
+        if not follow_markers_array(
+            picture, self.weight, self.known, self.margin, *moving, *pairs, predicted, fitted,
+            quality,
+        ):  # fmt: skip
             self._recover(picture, predicted, fitted, quality)
-        seen = np.isfinite(fitted[:, X])
-        fresh = seen & (self.lost_for == 0)
-        self.velocity = np.where(fresh[:, None], fitted[:, :2] - self.known[:, :2], 0.0)
-        self.known[seen] = fitted[seen]
-        self.body.adapt(fitted[:, :2])
-        self.lost_for = np.where(seen, 0, self.lost_for + 1)
+            settle_markers_array(self.known, *moving, *pairs, fitted)
         return fitted, quality
-
-    def _fit(
-        self,
-        picture: np.ndarray,
-        wanted: np.ndarray,
-        predicted: np.ndarray,
-        fitted: np.ndarray,
-        quality: np.ndarray,
-    ) -> None:
-        """Fit the wanted markers, without those off distance."""
-        follow_discs_array(
-            picture, self.weight, self.known, self.margin, wanted, predicted, fitted, quality
-        )
-        stretched = self.body.find_stretched(fitted[:, :2], self.known[:, RADIUS])
-        if stretched.any():
-            fitted[stretched], quality[stretched] = np.nan, np.nan
 
     def _recover(
         self, picture: np.ndarray, predicted: np.ndarray, fitted: np.ndarray, quality: np.ndarray
@@ -90,4 +77,8 @@ class Tracker:
         for marker, disc in chosen.items():
             wanted[marker] = True
             predicted[marker] = discs[disc, :2]
-        self._fit(picture, wanted, predicted, fitted, quality)
+        follow_discs_array(
+            picture, self.weight, self.known, self.margin, wanted, predicted, fitted, quality
+        )
+        pairs = (self.body.first, self.body.second, self.body.distance)
+        drop_stretched_array(*pairs, self.known, fitted, quality)

@@ -5,6 +5,7 @@ from hypothesis import strategies as st
 
 from softfinger.tracking.angles import build_covariance_array, compute_direction_array, unwrap_array
 from softfinger.tracking.fit import FIT_QUALITY, LARGEST_WINDOW, fit_disc_array
+from softfinger.tracking.flat import SUMS
 from softfinger.tracking.outliers import find_jumps_array
 
 SHAPE = (36, 43)
@@ -13,9 +14,9 @@ START = np.array([20.0, 17.0, -110.0, 6.0, 0.8, 175.0, 0.0, 0.0])
 
 def fit(light, start):
     p, quality = start.copy(), np.empty(len(FIT_QUALITY))
-    rows, side = np.empty((9, LARGEST_WINDOW)), np.empty(LARGEST_WINDOW, np.uint8)
+    rows, flat = np.empty((9, LARGEST_WINDOW)), np.empty((2, len(SUMS)))
     picture, others = np.atleast_3d(light), np.empty((0, 3))
-    assert fit_disc_array(picture, np.ones(1), p, 2.5, others, -1, quality, rows, side, 30)
+    assert fit_disc_array(picture, np.ones(1), p, 2.5, others, -1, quality, rows, flat, 30)
     return p, quality
 
 

@@ -11,6 +11,7 @@ from softfinger.tracking.fit import (
     UNIT_XX,
     fit_disc_array,
 )
+from softfinger.tracking.flat import SUMS
 from softfinger.tracking.normal import invert_symmetric_array
 
 SHAPE = (34, 41)
@@ -20,9 +21,9 @@ def fit(picture, start, others=None, own=-1, iterations=30, weight=None):
     p, quality = np.array(start, float), np.empty(len(FIT_QUALITY))
     picture = np.atleast_3d(picture)
     others = np.empty((0, 3)) if others is None else others
-    rows, side = np.empty((9, LARGEST_WINDOW)), np.empty(LARGEST_WINDOW, np.uint8)
+    rows, flat = np.empty((9, LARGEST_WINDOW)), np.empty((2, len(SUMS)))
     weight = np.ones(picture.shape[2]) if weight is None else weight
-    good = fit_disc_array(picture, weight, p, 4.0, others, own, quality, rows, side, iterations)
+    good = fit_disc_array(picture, weight, p, 4.0, others, own, quality, rows, flat, iterations)
     return good, p, quality
 
 
