@@ -10,7 +10,7 @@ from softfinger.provenance import PROJECT
 
 # A name that goes, or an argument that does, is a new major version: see CHANGELOG.md.
 SIGNATURES = {
-    "Effect": "id sentence level build_forms part hooks of_motion",
+    "Effect": "id sentence level build_forms part hooks of_motion place place_in_time",
     "Fault": "said",
     "Form": "name parameters slots covariate local law kin",
     "Law": "name argument reach size terms per kind",
@@ -19,7 +19,7 @@ SIGNATURES = {
     "Setting": (
         "trials joints interval duration torque reversals levels rests load_known tension "
         "stiffness reach number memory largest_torque rest_time covariates geometry masses "
-        "step_gap camera drift specimen"
+        "step_gap camera drift specimen first_seen own_time"
     ),
     "free_form": "law constants form local",
     "list_effects": "",
