@@ -11,6 +11,7 @@ campaign is diagnosed, and fitted with the model file that the diagnosis writes.
 from __future__ import annotations
 
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -54,11 +55,11 @@ def measure_long() -> dict[str, float]:
 
 def compare(effect: str, number: int) -> float:
     """Evidence with outliers over that without."""
+    spec = draw_spec(number, effects=(effect,))
     with tempfile.TemporaryDirectory() as name:
-        kind, unkind = (
-            weigh_effect(draw_spec(number, effects=(effect,), nuisances=nuisances), Path(name) / k)
-            for k, nuisances in (("kind", ()), ("unkind", ("outliers",)))
-        )
+        kind, strengths = weigh_effect(spec, Path(name) / "kind")
+        spec = replace(spec, nuisances=("outliers",), strengths=strengths)
+        unkind, _ = weigh_effect(spec, Path(name) / "unkind")
     print(f"  {effect} {number}: {kind:.1f} nats, {unkind:.1f} with outliers", flush=True)
     return unkind / kind
 
@@ -80,9 +81,9 @@ def draw_spec(
     )
 
 
-def weigh_effect(spec: CaseSpec, place: Path) -> float:
-    """Evidence [nats] for a campaign's own effect over the base."""
-    generate_campaign(spec, place / "campaign", place / "truth.json")
+def weigh_effect(spec: CaseSpec, place: Path) -> tuple[float, tuple[float, ...]]:
+    """Evidence [nats] for a campaign's own effect, and its strength."""
+    truth = generate_campaign(spec, place / "campaign", place / "truth.json")
     recorded = prepare_angles(place / "campaign", place, read_config())
     angles = open_artifact(recorded, angles_spec.SPEC)
     problem, fitted = pose_problem(angles)
@@ -91,7 +92,8 @@ def weigh_effect(spec: CaseSpec, place: Path) -> float:
     columns = collect_columns(problem, base, pieces)
     best = rank_pieces(problem, base, columns, lambda items, _: items)[0][0]
     again = measure_again(problem, best, angles)
-    return fit_again(again, best) - fit_again(again, base)
+    gain = fit_again(again, best) - fit_again(again, base)
+    return gain, tuple(effect["strength"] for effect in truth["effects"])
 
 
 def fit_again(problem: Problem, candidate: Candidate) -> float:
