@@ -20,11 +20,18 @@ def _dose(name, strength, joints=None):
     return {name: Dose(strength, shape, ALL_JOINTS[effect.joints] if joints is None else joints)}
 
 
+PLAIN: dict[bytes, np.ndarray] = {}  # motions without effects, which most tests compare with
+
+
 @pytest.fixture
 def move(individual, rig, circumstances, time):
     def simulate(doses, **changes):
         trial = replace(circumstances, **changes)
-        return simulate_trial(individual, doses, trial, rig, time)
+        if doses or changes:
+            return simulate_trial(individual, doses, trial, rig, time)
+        if individual.tobytes() not in PLAIN:
+            PLAIN[individual.tobytes()] = simulate_trial(individual, {}, trial, rig, time)
+        return PLAIN[individual.tobytes()].copy()
 
     return simulate
 
