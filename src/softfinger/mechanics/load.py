@@ -37,6 +37,41 @@ def check_load(load_time: ArrayLike, load_torque: ArrayLike) -> None:
     require_finite("load_torque", load_torque, "N m")
 
 
+def drop_idle_knots(
+    load_time: NDArray[np.float64], load_torque: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Leave out knots at which the load does not turn.
+
+    They lie between two knots of exactly their own load, as most rows of a dense log of a command
+    do. The load is the same function of time, and an integrator may step across a plateau.
+
+    Parameters
+    ----------
+    load_time, load_torque
+        (trial, knot) [s], [N m]; padded by repeating the last knot, and so is what is returned.
+
+    Returns
+    -------
+    load_time, load_torque
+        (trial, fewer knots).
+
+    Examples
+    --------
+    >>> drop_idle_knots(np.array([[0.0, 1.0, 2.0, 3.0]]), np.array([[0.0, 5.0, 5.0, 5.0]]))
+    (array([[0., 1., 3.]]), array([[0., 5., 5.]]))
+    """
+    kept = np.ones(load_torque.shape, bool)
+    inner = load_torque[:, 1:-1]
+    kept[:, 1:-1] = (inner != load_torque[:, :-2]) | (inner != load_torque[:, 2:])
+    count = kept.sum(axis=1)
+    if count.min() == load_torque.shape[1]:
+        return load_time, load_torque
+    order = np.argsort(~kept, axis=1, kind="stable")[:, : count.max()]
+    last = np.minimum(np.arange(order.shape[1]), count[:, None] - 1)
+    order = np.take_along_axis(order, last, axis=1)
+    return tuple(np.take_along_axis(rows, order, axis=1) for rows in (load_time, load_torque))
+
+
 def integrate_load_array(
     time: ArrayLike, load_time: ArrayLike, load_torque: ArrayLike
 ) -> NDArray[np.float64]:

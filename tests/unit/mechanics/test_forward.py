@@ -133,6 +133,21 @@ def test_knots_that_rounding_keeps_apart_are_a_jump(parameters, geometry):
     assert both[1].to_numpy() == pytest.approx(both[0].to_numpy(), abs=1e-12)
 
 
+@pytest.mark.parametrize("slots", [{}, {"stiffening_square": 2.0, "lag": 0.3}])
+def test_rows_of_a_dense_log_on_a_plateau_change_nothing(parameters, geometry, slots):
+    dense = np.union1d(np.linspace(0.0, 5.0, 101), np.linspace(5.0, 9.0, 81))
+    level = np.where(dense < 5.0, 0.04, 0.01)
+    edge = [0.0, dense[dense < 5.0][-1], 5.0, 9.0]
+    few = simulate_joint_angle(
+        parameters, describe_finger(geometry), TIME, edge, [0.04, 0.04, 0.01, 0.01], slots, []
+    )
+    many = simulate_joint_angle(
+        parameters, describe_finger(geometry), TIME, dense, level, slots, []
+    )
+    for name in few:
+        np.testing.assert_array_equal(many[name], few[name])
+
+
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [

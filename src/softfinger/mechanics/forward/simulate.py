@@ -30,7 +30,7 @@ from softfinger.mechanics.forward.slots import (
 )
 from softfinger.mechanics.forward.trials import run_trials
 from softfinger.mechanics.geometry import FingerGeometry
-from softfinger.mechanics.load import check_load
+from softfinger.mechanics.load import check_load, drop_idle_knots
 
 TOLERANCE = 1e-6
 """[rad] a step may err inside, where the model is nonlinear; linear models are exact."""
@@ -220,6 +220,8 @@ def simulate_joint_angle_array(
     _check_finger(finger, moved)
     rows = [np.asarray(a, float) for a in (time, load_time, load_torque)]
     rows = [np.array(np.broadcast_to(a, (trials, a.shape[-1])), order="C") for a in rows]
+    if not any(hook.kind == "log" for hook in on):  # which may do something to every row
+        rows[1:] = drop_idle_knots(*rows[1:])
     joint = slots.joint.copy()
     joint[..., :4] += parameters
     values, none = (joint, *slots[1:]), [np.zeros((0, *s.shape)) for s in slots]
