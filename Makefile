@@ -7,7 +7,7 @@ CORES ?= 2
 SEED ?= 1
 SNAKEMAKE := $(BIN)/snakemake --cores $(CORES)
 
-.PHONY: help setup run quick figures recovery docs browser demo wheel reproduce manifest fuzz kill-test kills cluster coverage test calibration lint format benchmark benchmark-long concealed concealed-catalogue concealed-clean concealed-foreign concealed-long lock
+.PHONY: help setup run quick figures recovery docs browser demo wheel reproduce manifest fuzz kill-test kills cluster coverage test calibration lint format benchmark benchmark-long proof-real concealed concealed-catalogue concealed-clean concealed-foreign concealed-long lock
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)$$/\1\t\2/' | expand -t 18
@@ -82,6 +82,9 @@ benchmark: setup ## time us beside our rivals, into results/benchmarks.json
 
 benchmark-long: setup ## the benchmarks that take hours, into the same file
 	$(BIN)/python -m benchmarks --long
+
+proof-real: setup ## real recordings of others, as they are and with effects added, diagnosed (hours; goes on where it ended)
+	$(BIN)/python -m benchmarks._real
 
 # Every job that ends starts a round of scheduling per timespan, for ever: at the default of one
 # second, hundreds of ended jobs take a growing share of a core.

@@ -1,0 +1,147 @@
+"""Effects added to recordings that a test writes, and answers judged."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from softfinger.concealed.added import accepts, claims, draw_additions, read_bodies, write_added
+from softfinger.concealed.added.apply import Addition, strengthen
+from softfinger.concealed.added.body import RIG, describe
+from softfinger.concealed.effects import Dose
+from softfinger.concealed.forward import compute_plain_angles
+from softfinger.concealed.population import to_parameters
+from softfinger.concealed.protocols import Load
+
+DESCRIPTION = """version: 1
+name: a strip
+source: measured
+specimen:
+  motion: {quantity: displacement, unit: mm}
+  load: {quantity: force, unit: N}
+"""
+OWN = np.log(np.array([0.1, 0.02, 20.0]))
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Four trials of 12 s: 3 N at 1 s, off at 8 s; millimetres, a repeated frame, a gap."""
+    place = tmp_path / "strip"
+    for name in ("angles", "load", "raw"):
+        (place / name).mkdir(parents=True)
+    (place / "campaign.yaml").write_text(DESCRIPTION)
+    time = np.arange(0.0, 12.0, 0.05)
+    load = Load(np.array([1.0, 1.0, 8.0, 8.0]), np.array([0.0, 10.0, 10.0, 0.0]))
+    rows = []
+    for number in range(4):
+        own = np.append(OWN + 0.1 * number, 0.02)[:, None]
+        angle = compute_plain_angles(own, describe(0, 1, load, 12.0), RIG.wire_offset, time)[:, 0]
+        motion = 5.0 + 10.0 * angle
+        motion[100], motion[150] = motion[99], np.nan
+        table = pd.DataFrame({"time_s": time, "motion": motion})
+        table.to_csv(place / f"angles/t{number}.csv", index=False, float_format="%.9f")
+        (place / f"load/t{number}.csv").write_text(
+            "time_s,load\n0,0\n0.99,0\n1,3\n7.99,3\n8,0\n12,0\n"
+        )
+        rows.append(f"t{number},angles/t{number}.csv,load/t{number}.csv")
+    (place / "trials.csv").write_text("trial,angles,load\n" + "\n".join(rows) + "\n")
+    return place
+
+
+def read(folder, number):
+    return pd.read_csv(folder / f"angles/t{number}.csv")
+
+
+def test_bodies_are_fitted_in_the_units_of_the_finger(folder):
+    bodies, scale = read_bodies(folder)
+    assert [body.name for body in bodies] == ["t0", "t1", "t2", "t3"]
+    body = bodies[1]
+    assert (scale.load, scale.time) == (pytest.approx(0.3), pytest.approx(11.95 / 30))
+    k_v, c_v, c_p, _ = to_parameters(body.individual)[:, 0]
+    true = np.exp(OWN + 0.1)
+    per = 10.0 / scale.motion  # finger's radians per campaign's
+    np.testing.assert_allclose(k_v * per, true[0], rtol=1e-2)
+    np.testing.assert_allclose([c_v, c_p], true[1:] / scale.time / per, rtol=2e-2)
+
+
+def test_an_added_lag_is_where_the_load_changes_and_nowhere_else(folder, tmp_path):
+    bodies, scale = read_bodies(folder)
+    addition = Addition("actuator_lag", Dose(0.3, {}, (0,)), 1)
+    write_added(folder, tmp_path / "added", bodies, scale, addition)
+    before, after = read(folder, 2), read(tmp_path / "added", 2)
+    change = (after["motion"] - before["motion"]).to_numpy()
+    time = before["time_s"].to_numpy()
+    np.testing.assert_array_equal(after["time_s"], time)
+    assert np.abs(change[time < 1.0]).max() < 1e-6
+    assert np.nanmin(change[(time > 1.0) & (time < 1.5)]) < -0.5
+    assert np.nanmax(change[(time > 8.0) & (time < 8.5)]) > 0.5
+    np.testing.assert_array_equal(np.flatnonzero(np.isnan(change)), [150])
+    assert after["motion"][100] == after["motion"][99]
+    assert not (tmp_path / "added/raw").exists()
+
+
+def test_a_delay_shifts_the_clock_and_leaves_the_motion(folder, tmp_path):
+    bodies, scale = read_bodies(folder)
+    addition = Addition("camera_delay", Dose(0.1, {}, (0,)), 1)
+    write_added(folder, tmp_path / "added", bodies, scale, addition)
+    before, after = read(folder, 0), read(tmp_path / "added", 0)
+    late = (after["time_s"] - before["time_s"]).to_numpy() / scale.time
+    assert late.min() == pytest.approx(late.max(), abs=1e-6)
+    assert 0.09 <= late[0] <= 0.11
+    np.testing.assert_allclose(after["motion"], before["motion"], atol=1e-8)
+
+
+def test_a_temperature_becomes_a_covariate(folder, tmp_path):
+    bodies, scale = read_bodies(folder)
+    addition = Addition("temperature", Dose(0.05, {"stiffness": 1.0}, (0,)), 1)
+    write_added(folder, tmp_path / "added", bodies, scale, addition)
+    warmth = pd.read_csv(tmp_path / "added/trials.csv")["temperature_c"] - 22.0
+    change = [
+        (read(tmp_path / "added", k)["motion"] - read(folder, k)["motion"])[100] for k in range(4)
+    ]
+    assert np.corrcoef(warmth, change)[0, 1] > 0.95
+
+
+def test_additions_are_the_same_whenever_the_campaign_is_and_of_bounded_strength():
+    once, again = draw_additions("spruce", 34), draw_additions("spruce", 34)
+    assert once == again
+    assert [a.effect for a in draw_additions("spruce", 1)] == [
+        a.effect
+        for a in once
+        if a.effect not in ("fatigue_softening", "temperature", "session_jump", "load_gain")
+    ]
+    lag = next(a for a in once if a.effect == "actuator_lag")
+    assert strengthen(lag, 99.0).dose.strength == 0.3
+
+
+def answer(decision, *effects, equivalent=(), explained=()):
+    return {
+        "decision": decision,
+        "effects": [{"id": name} for name in effects],
+        "equivalent": [list(equivalent)] if equivalent else [],
+        "explained": [{"effects": list(ids)} for ids in explained],
+    }
+
+
+@pytest.mark.parametrize(
+    ("accepted", "verdict", "right"),
+    [
+        ("inertia", answer("named", "inertia"), True),
+        ("inertia", answer("named", "inertia", "gravity"), False),
+        ("inertia", answer("ambiguous", "inertia"), False),
+        ("actuator_lag+inertia", answer("named", "inertia", "actuator_lag"), True),
+        ("ambiguous:inertia", answer("ambiguous", equivalent=["inertia+gravity", "none"]), True),
+        ("ambiguous:inertia", answer("ambiguous", equivalent=["gravity", "none"]), False),
+        ("unlisted", answer("unlisted"), True),
+        ("unlisted:inertia", answer("unlisted", explained=[["inertia", "gravity"]]), True),
+        ("unlisted:inertia", answer("unlisted", explained=[["gravity"], ["inertia"]]), False),
+        ("adequate", answer("adequate"), True),
+        ("adequate", answer("crashed"), False),
+    ],
+)
+def test_answers_of_an_expert(accepted, verdict, right):
+    assert accepts([accepted], verdict) is right
+
+
+def test_what_is_explained_counts_under_unlisted_only():
+    said = answer("named", "inertia", explained=[["inertia", "gravity"]])
+    assert claims(said) == {"inertia"}
