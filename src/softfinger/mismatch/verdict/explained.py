@@ -5,7 +5,7 @@ from scipy.stats import norm
 
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mismatch.budget import BUDGET
-from softfinger.mismatch.checks.summary import compute_square_excess
+from softfinger.mismatch.checks.summary import compute_excess, compute_square_excess
 from softfinger.mismatch.search.settle import Posterior
 from softfinger.mismatch.search.stepwise import Search
 from softfinger.mismatch.verdict.schema import Explained, NotTried
@@ -17,8 +17,9 @@ def list_explained(
     """List the best sets of effects, most evidence first.
 
     Of the evidence that is missing under the base model a set explains its gain g over it; what
-    is missing under the set itself is half of χ² beyond what the noise leaves. The best set of the
-    search comes first.
+    is missing under the set itself is half of that part of χ² which lasts from bin to bin. Noise
+    of another size than was measured changes both alike, and so not the share. The best set of
+    the search comes first.
 
     Parameters
     ----------
@@ -42,10 +43,15 @@ def list_explained(
 
 
 def measure_left(problem: Problem, candidate: Candidate) -> float:
-    """Missing evidence [nats]: half the excess of χ²."""
+    """Missing evidence [nats]: half the lasting part of χ².
+
+    With e the variance of what lasts over that of what does not (`compute_excess`), the part is
+    e / (1 + e).
+    """
     rows = problem.trials.size[problem.trials.protocol]
-    excess = compute_square_excess(candidate.fit, rows)
-    return 0.5 * max(excess, 0.0) * float(rows.sum())
+    lasting = max(compute_excess(problem, candidate)[0], 0.0)
+    square = (1.0 + compute_square_excess(candidate.fit, rows)) * float(rows.sum())
+    return 0.5 * square * lasting / (1.0 + lasting)
 
 
 def covers_zero(candidate: Candidate) -> bool:

@@ -1,12 +1,22 @@
 """What sets of effects explain of the evidence that is missing."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from softfinger.inference.problem import Candidate, pose_problem
+from softfinger.measurement.trials import prepare_trials
+from softfinger.mismatch.candidates.columns import collect_columns
+from softfinger.mismatch.candidates.rank import list_pieces, rank_pieces
 from softfinger.mismatch.verdict import explained
-from softfinger.mismatch.verdict.explained import covers_zero, list_explained, list_not_tried
+from softfinger.mismatch.verdict.explained import (
+    covers_zero,
+    list_explained,
+    list_not_tried,
+    measure_left,
+)
 
 
 def build(*ids, nats, left=0.0, covers=False):
@@ -48,3 +58,24 @@ def test_an_amplitude_that_is_not_clearly_off_zero_is_told():
 def test_what_was_not_tried_has_its_reason():
     (one,) = list_not_tried({"lens_distortion": "no camera is declared"})
     assert (one.id, one.reason) == ("lens_distortion", "no camera is declared")
+
+
+def test_noise_of_another_size_leaves_the_share_as_it_is(draw_campaign):
+    angles = draw_campaign(1, 0.15)
+    problem, fit = pose_problem(angles)
+
+    def share(noise_scale):
+        noise = problem.noise.assign(noise_sd=noise_scale * problem.noise["noise_sd"])
+        other = replace(problem, noise=noise, trials=prepare_trials(angles, noise))
+        again = other.fit(other.base, (fit.own, fit.shared, fit.omega))
+        base = Candidate(other.base, again, again.log_evidence)
+        pieces = [p for p in list_pieces(other.setting)[0] if p.effect.id == "inertia"]
+        columns = collect_columns(other, base, pieces)
+        best = rank_pieces(other, base, columns, lambda items, _: items)[0][0]
+        left = measure_left(other, base)
+        return left / (left + max(best.log_evidence - base.log_evidence, 0.0)), left
+
+    (once, left), (twice, less) = share(1.0), share(2.0)
+    assert left > 100.0
+    assert less == pytest.approx(left / 4.0, rel=0.1)
+    assert twice == pytest.approx(once, abs=0.02)
