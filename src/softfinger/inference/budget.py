@@ -58,7 +58,14 @@ class InferenceBudget:
     jitter_bins: int = 40
     """Bins of a trial in which jitter counts. Why: those in which it moves fastest."""
     drift_shapes: int = 5
-    """Shapes of a random walk that count. Why: the sixth has 1 % of its variance."""
+    """Shapes of a random walk that count at least. Why: the sixth has 1 % of its variance."""
+    drift_columns: int = 60
+    """Shapes of all trials and joints together, where few of them would have fewer.
+
+    Why: five shapes leave 4 % of the variance, which for a plain drift is as much as the noise. One
+    long trial shows it; many share their physics, and need not.
+    Test: `test_disturbances.py::test_a_long_drift_of_one_trial_leaves_nothing_that_lasts`.
+    """
     disturbance_rounds: int = 3
     """Rounds in which a model adapts to a disturbance. Why: the model is linearised."""
     dispersion: float = 2.0

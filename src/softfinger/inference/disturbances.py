@@ -168,17 +168,26 @@ def _spread_jitter(trials: Trials, speed: Array) -> Array:
     return np.repeat(columns, 2, axis=2)
 
 
-def _walk_array(share: Array) -> Array:
+def count_shapes(trials: int, joints: int) -> int:
+    """How many shapes of a random walk count.
+
+    >>> count_shapes(1, 1), count_shapes(4, 1), count_shapes(40, 3)
+    (60, 15, 5)
+    """
+    return max(BUDGET.drift_shapes, BUDGET.drift_columns // (trials * joints))
+
+
+def _walk_array(share: Array, shapes: int) -> Array:
     """Leading shapes (…, k) of a random walk.
 
     It is over shares (…) of a trial, of sd 1 at its end.
 
     Karhunen–Loève: √2 sin((k − ½) π t/T) / ((k − ½) π).
 
-    >>> bool(abs((_walk_array(np.ones(1)) ** 2).sum() - 1.0) < 0.05)
+    >>> bool(abs((_walk_array(np.ones(1), 5) ** 2).sum() - 1.0) < 0.05)
     True
     """
-    pitch = (np.arange(BUDGET.drift_shapes) + 0.5) * np.pi
+    pitch = (np.arange(shapes) + 0.5) * np.pi
     return np.sqrt(2.0) * np.sin(share[..., None] * pitch) / pitch
 
 
@@ -188,10 +197,11 @@ def _list_walks(problem: Problem) -> Array:
     It has the noise's sd at a trial's end.
     """
     trials, joints = problem.trials, problem.trials.joints
-    walk = _walk_array(_share_trial(trials))
+    shapes = count_shapes(len(trials.name), joints)
+    walk = _walk_array(_share_trial(trials), shapes)
     sd = problem.noise["noise_sd"].values
     columns = np.einsum("tns,jk,j->tjnks", walk, np.eye(joints), sd)
-    return columns.reshape(*columns.shape[:3], joints * BUDGET.drift_shapes)
+    return columns.reshape(*columns.shape[:3], joints * shapes)
 
 
 def _drift_gain(problem: Problem, candidate: Candidate) -> Array:
@@ -202,7 +212,9 @@ def _drift_gain(problem: Problem, candidate: Candidate) -> Array:
     still = _simulate(problem, candidate)
     share = _share_trial(problem.trials)
     away = still - still[:, :, :1]
-    columns = np.einsum("tjn,tns,jk->tjnks", away, _walk_array(share), np.eye(still.shape[1]))
+    columns = np.einsum(
+        "tjn,tns,jk->tjnks", away, _walk_array(share, BUDGET.drift_shapes), np.eye(still.shape[1])
+    )
     return columns.reshape(*still.shape, -1)
 
 
@@ -237,7 +249,8 @@ def _drift_load(problem: Problem, candidate: Candidate) -> Array:
     """
     trials = problem.trials
     start, end = trials.node[:, 0, 0, None], trials.node[:, -1, -1, None]
-    walk = _walk_array(np.clip((trials.load_time - start) / (end - start), 0.0, 1.0))
+    share = np.clip((trials.load_time - start) / (end - start), 0.0, 1.0)
+    walk = _walk_array(share, BUDGET.drift_shapes)
     still = _simulate(problem, candidate)
     moved = [
         _simulate(problem, candidate, load_torque=trials.load_torque * (1.0 + STEP_SHARE * shape))

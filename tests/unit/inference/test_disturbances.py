@@ -23,6 +23,7 @@ from softfinger.inference.simulate import (
     draw_angles,
     draw_parameters,
 )
+from softfinger.mismatch.checks.summary import compute_excess
 
 TIME = np.arange(500) / 30
 LEVELS = np.array([0.02, 0.06, 0.01, 0.05])
@@ -90,6 +91,33 @@ def test_frame_times_that_jitter_are_found(pose):
     size, _, _ = fit_disturbances(*pose(jitter=0.006))
     assert list(size) == ["timing_jitter"]
     assert size["timing_jitter"] == pytest.approx(0.006, rel=0.4)
+
+
+def test_a_long_drift_of_one_trial_leaves_nothing_that_lasts():
+    """A walk of four times the noise, as a rheometer's; five shapes would leave a quarter of it."""
+    rng = np.random.default_rng(3)
+    time = np.arange(3000) * 0.5
+    recording = build_recording(time, np.zeros(1), np.full(1, 0.05), 1, ["one"])
+    own = draw_parameters(
+        np.array([[-2.4, 1.0, 6.0, 0.0]]), np.array([0.1, 0.1, 0.1, 0.001]), recording, rng
+    )
+    angles = draw_angles(recording, own, describe_noise(np.full(1, 0.002), np.zeros(1)), rng)
+    walk = np.cumsum(rng.normal(0.0, 4.0 * 0.002 / np.sqrt(time.size), time.size))
+    angles = angles.assign(
+        joint_angle=angles["joint_angle"] + walk,
+        started_at=("trial", [np.nan]),
+        joint_length=np.nan,
+        wire_offset=np.nan,
+        **{name: (dim, values[:1]) for name, (dim, values) in UNKNOWN.items()},
+    )
+    problem, fit = pose_problem(angles)
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    size, _, directions = fit_disturbances(problem, base)
+    assert list(size) == ["drift"]
+    soft = admit_disturbances(problem, size, directions)
+    again = soft.fit(soft.base, (fit.own, fit.shared, fit.omega))
+    excess = compute_excess(soft, Candidate(soft.base, again, again.log_evidence))
+    assert excess[1] > 1e-3
 
 
 def test_gram_matrices_under_larger_noise_are_those_of_the_whole_covariance():
