@@ -15,7 +15,11 @@ GAPS = frozenset(
     {"", "nan", "na", "n/a", "null", "none", "-", "--", "---", "?", "inf", "-inf", "<null>", "nat"}
     | {"#n/a", "#na", "#div/0!", "#value!", "#ref!", "#num!", "#name?", "#null!", "not found"}
 )
-NUMBER = re.compile(r"[+-]?(\d+([.,]\d+)*[.,]?|[.,]\d+)([eE][+-]?\d+)?")
+SPACERS = "'\N{RIGHT SINGLE QUOTATION MARK}\N{NO-BREAK SPACE}\N{NARROW NO-BREAK SPACE}"
+"""Marks between thousands that are no decimal mark anywhere."""
+NUMBER = re.compile(
+    rf"[+-]?(\d{{1,3}}(?:[{SPACERS}]\d{{3}})+(?:[.,]\d+)?|\d+([.,]\d+)*[.,]?|[.,]\d+)([eE][+-]?\d+)?"
+)
 WITH_UNIT = re.compile(rf"({NUMBER.pattern})\s*([^\d\s.,;:+\-][^\d]*)")
 MOMENT = re.compile(
     r"(\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[-/.]\d{1,2}[-/.]\d{2,4})([T ]\d{1,2}:\d{2}.*)?"
@@ -23,6 +27,12 @@ MOMENT = re.compile(
 )
 MOMENTS = (dt.datetime, dt.date, dt.time, dt.timedelta)
 THOUSANDS = re.compile(r"[+-]?\d{1,3}([.,]\d{3})+")
+SENTINELS = frozenset(
+    sign * value for sign in (-1.0, 1.0) for value in (999.0, 9999.0, 99999.0, 999.9, 9999.9, 1e30)
+)
+"""Numbers that loggers write for a gap."""
+FAR = 20.0
+"""How far beyond all other numbers of its column a sentinel is."""
 
 
 def classify(cell: Any) -> str:  # noqa: ANN401 (a cell of a workbook is anything)
@@ -87,8 +97,10 @@ def read_numbers(
     wrong (row,) bool
         Where there is something that is no number.
     """
+    numbers = [float(word) for word in missing if is_float(word)]
     if cells.dtype.kind in "fiu":
-        return cells.to_numpy(float), np.zeros(len(cells), bool)
+        values = cells.to_numpy(float)
+        return np.where(np.isin(values, numbers), np.nan, values), np.zeros(len(cells), bool)
     is_text = np.ones(len(cells), bool)
     if pd.api.types.infer_dtype(cells, skipna=False) != "string":
         is_text = np.array([isinstance(cell, str) for cell in cells], dtype=bool)
@@ -100,14 +112,42 @@ def read_numbers(
     if other.any():
         values[other] = [_to_float(cell) for cell in cells[other]]
     gap[other] = [classify(cell) == "" for cell in cells[other]]
+    gap |= np.isin(values, numbers)
+    values[gap] = np.nan
     wrong = ~gap & ~np.isfinite(values)
     for row in np.flatnonzero(wrong & is_text):
         values[row] = _read_with_unit(text.iloc[row], unit, decimal)
     return values, ~gap & ~np.isfinite(values)
 
 
+def is_float(word: str) -> bool:
+    """Whether a word is a plain number."""
+    try:
+        return bool(np.isfinite(float(word)))
+    except ValueError:
+        return False
+
+
+def find_sentinels(values: np.ndarray) -> list[float]:
+    """Numbers of a column (row,) that are gaps.
+
+    They are some that loggers write, and lie far beyond all others.
+
+    >>> find_sentinels(np.array([0.1, -999.0, 0.3])), find_sentinels(np.array([900.0, 999.0]))
+    ([-999.0], [])
+    """
+    seen = values[np.isfinite(values)]
+    odd = np.isin(seen, list(SENTINELS))
+    if not odd.any() or odd.all():
+        return []
+    reach = FAR * np.abs(seen[~odd]).max()
+    return [float(value) for value in np.unique(seen[odd]) if abs(value) > reach]
+
+
 def _drop_thousands(text: pd.Series, decimal: str) -> pd.Series:
     group = "." if decimal == "," else ","
+    if text.str.contains(f"[{SPACERS}]").any():
+        text = text.str.replace(rf"(?<=\d)[{SPACERS}](?=\d{{3}}(?!\d))", "", regex=True)
     if text.str.contains(group, regex=False).any():
         grouped = text.str.fullmatch(rf"[+-]?\d{{1,3}}(?:\{group}\d{{3}})+(?:\{decimal}\d*)?")
         text = text.where(~grouped, text.str.replace(group, "", regex=False))

@@ -13,7 +13,11 @@ from softfinger.campaign.units import find_factor
 from softfinger.importing.clock import list_clocks, read_times
 from softfinger.importing.faults import ImportFault
 from softfinger.importing.points import NAMELESS, find_points
-from softfinger.importing.side_by_side import list_groups, list_single_columns
+from softfinger.importing.side_by_side import (
+    list_groups,
+    list_single_columns,
+    split_trial_names,
+)
 from softfinger.importing.table import RawTable
 from softfinger.importing.trials import (
     find_restarts,
@@ -160,12 +164,15 @@ def unify_units(tables: Sequence[RawTable]) -> tuple[list[RawTable], list[str]]:
 
 def _find_cut(table: RawTable, tables: Sequence[RawTable]) -> tuple[str, str | None, str]:
     """How trials are cut, its column, and why."""
+    groups = list_groups(table)
+    repeat = "group", None, f"the same columns repeat for {', '.join(list(groups)[:4])}"
+    if groups and groups == split_trial_names(table):
+        return repeat
     column = _find_trial_column(table)
     if column:
         return "column", column, f"'{column}' names runs of rows"
     if _is_grouped(table):
-        groups = list_groups(table)
-        return "group", None, f"the same columns repeat for {', '.join(list(groups)[:4])}"
+        return repeat
     single = list_single_columns(table)
     if single and not (_has(table, MOTION) or _has(table, LOAD) or find_points(table.columns)):
         return "columns", None, f"{', '.join(single[:4])} are alike"

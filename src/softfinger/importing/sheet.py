@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from softfinger.importing.cells import classify, find_cell_unit, read_numbers
+from softfinger.importing.cells import classify, find_cell_unit, find_sentinels, read_numbers
 from softfinger.importing.faults import ImportFault
 from softfinger.importing.headings import (
     Layout,
@@ -137,11 +137,25 @@ def _build_table(
     unit = {n: u or s[1] for n, u, s in zip(unique, units, split, strict=True) if u or s[1]}
     unit |= {c: u for c in cells if c not in unit and (u := find_cell_unit(cells[c]))}
     top = layout.headings[0] if layout.headings else layout.first
+    marks, said = _list_sentinels(cells, sheet.decimal)
+    missing, dropped = (*missing, *marks), [*dropped, *said]
     return RawTable(
         sheet.file, sheet.name, cells, row, unit,
         {n: g for n, g in zip(unique, groups, strict=True) if g},
         read_preamble(grid[:top]), sheet.decimal, (*sheet.notes, *dropped, *gone), tuple(missing),
     )  # fmt: skip
+
+
+def _list_sentinels(cells: pd.DataFrame, decimal: str) -> tuple[list[str], list[str]]:
+    """Numbers that are gaps, as text, and sentences on them."""
+    marks, said = [], []
+    for column in cells:
+        values = read_numbers(cells[column], "", decimal)[0]
+        for mark in find_sentinels(values):
+            count = int((values == mark).sum())
+            marks.append(f"{mark:g}")
+            said.append(f"column '{column}': {mark:g}, in {count} rows, is read as a gap")
+    return list(dict.fromkeys(marks)), said
 
 
 def _strip_comment(level: list[str]) -> list[str]:

@@ -7,6 +7,14 @@ from softfinger.importing.cells import WITH_UNIT
 from softfinger.importing.clock import list_clocks
 from softfinger.importing.faults import ImportFault
 from softfinger.importing.table import RawTable
+from softfinger.importing.vocabulary import TRIAL
+
+NUMBERED = re.compile(
+    rf"(?<![^\W_])({'|'.join(word for word in TRIAL.split() if word not in ('file', 'finger'))})"
+    r"[ _.#-]*(\d+)(?![\d])",
+    re.IGNORECASE,
+)
+"""A trial's number in a heading; several files or fingers may be in one trial."""
 
 
 def list_groups(table: RawTable) -> dict[str, dict[str, str]]:
@@ -21,12 +29,31 @@ def list_groups(table: RawTable) -> dict[str, dict[str, str]]:
     for column, group in table.group.items():
         if column in table.cells:
             given.setdefault(group, {})[column.removeprefix(group).strip()] = column
-    for groups in (given, _split_names(table, 0), _split_names(table, -1)):
+    for groups in (
+        given,
+        split_trial_names(table),
+        _split_names(table, 0),
+        _split_names(table, -1),
+    ):
         sizes = [set(members) for members in groups.values()]
         numbered = bool(sizes) and all(name.strip("()").isdigit() for name in sizes[0])
         if len(sizes) > 1 and all(size == sizes[0] for size in sizes) and not numbered:
             return groups
     return {}
+
+
+def split_trial_names(table: RawTable) -> dict[str, dict[str, str]]:
+    """Columns by a number after a word for a trial.
+
+    The word is `trial`, `run`, `specimen` or another of `TRIAL`: ``Trial 2 angle``.
+    """
+    groups: dict[str, dict[str, str]] = {}
+    for column in table.columns:
+        found = NUMBERED.search(column)
+        if found:
+            own = f"{column[: found.start()]} {column[found.end() :]}".strip(" _.:-,()") or "value"
+            groups.setdefault(" ".join(found.groups()), {})[own] = column
+    return groups if len(groups) > 1 else {}
 
 
 def _split_names(table: RawTable, end: int) -> dict[str, dict[str, str]]:

@@ -305,3 +305,46 @@ def test_a_column_per_load(write, read):
     np.testing.assert_allclose(found.trials[1].motion[:, 0], 2 * MOTION)
     assert [trial.load.tolist() for trial in found.trials] == [[5.0], [10.0]]
     assert found.description.load.unit == "N"
+
+
+def test_trials_side_by_side_on_one_clock_with_a_number_in_every_heading(write, read):
+    data = rows("{},{},{},{},{}", TIME, MOTION, 1.1 * MOTION, 0.9 * MOTION, LOAD)
+    head = "Time (s),Trial 1 angle (deg),Trial 2 angle (deg),Trial 3 angle (deg),Command\n"
+    found = read(write("a.csv", head + data))
+    assert [trial.name for trial in found.trials] == ["Trial 1", "Trial 2", "Trial 3"]
+    check(found.trials[1], np.deg2rad(1.1 * MOTION))
+    head = "time_s,angle_run1_deg,force_run1_n,angle_run2_deg,force_run2_n\n"
+    data = rows("{},{},{},{},{}", TIME, MOTION, LOAD, 1.1 * MOTION, 2 * LOAD)
+    found = read(write("a.csv", head + data))
+    assert [trial.name for trial in found.trials] == ["run 1", "run 2"]
+    check(found.trials[1], np.deg2rad(1.1 * MOTION), 2 * LOAD)
+
+
+def test_joints_with_numbers_are_one_trial(write, read):
+    head = "time,joint 1 angle,joint 2 angle,joint 3 angle,load\n"
+    data = rows("{},{},{},{},{}", TIME, 0.1 * MOTION, 0.2 * MOTION, 0.3 * MOTION, LOAD)
+    found = read(write("a.csv", head + data))
+    assert [trial.motion.shape[1] for trial in found.trials] == [3]
+
+
+def test_a_number_that_stands_for_a_gap_is_one(write, read, write_book):
+    seen = [-999 if k in (3, 4) else 0.1 * value for k, value in enumerate(MOTION)]
+    true = np.where(np.isin(np.arange(TIME.size), (3, 4)), np.nan, 0.1 * MOTION)
+    found = read(write("a.csv", "time,angle,load\n" + rows("{},{},{}", TIME, seen, LOAD)))
+    assert found.description.motion.unit == "rad"
+    check(found.trials[0], true)
+    assert any("-999, in 2 rows, is read as a gap" in said for said in found.dropped)
+    table = [["time", "angle", "load"], *map(list, zip(TIME, seen, LOAD, strict=True))]
+    check(read(write_book("b.xlsx", {"one": table}) / "b.xlsx").trials[0], true)
+    odd = [-7 if value == -999 else value for value in seen]
+    table = [["time", "angle", "load"], *map(list, zip(TIME, odd, LOAD, strict=True))]
+    book = write_book("c.xlsx", {"one": table}) / "c.xlsx"
+    check(read(book, "tables.missing=['-7']", "motion.unit=rad").trials[0], true)
+
+
+@pytest.mark.parametrize("mark", ["'", "\N{NO-BREAK SPACE}", "\N{NARROW NO-BREAK SPACE}"])
+def test_marks_between_thousands(write, read, mark):
+    big = [f"{1000 * m + 5000:,.1f}".replace(",", mark) for m in MOTION]
+    text = "Zeit [s];Weg [um];Kraft [N]\n" + rows("{};{};{}", TIME, big, LOAD)
+    found = read(write("a.csv", text), "motion.start=first row")
+    check(found.trials[0], np.round(1000 * MOTION, 1))
