@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
+from softfinger.importing.headings import split_heading
 from softfinger.importing.table import RawTable
 from softfinger.importing.vocabulary import CLOCK, POINT, SIGNAL, VALUE, pick
 
@@ -96,6 +97,11 @@ def _widen_signals(table: RawTable) -> RawTable | None:
     unit = {c: u for c, u in wide.unit.items() if c in wide.columns}
     if units:
         unit |= {name: str(table.cells.loc[key == name, units[0]].iloc[0]) for name in key.unique()}
+    else:  # a label may bear its unit, as a heading does
+        split = {label: split_heading(label) for label in key.unique()}
+        unit |= {name: own for name, own in split.values() if own}
+        columns = {c: split[label][0] if label in split else label for c, label in columns.items()}
+        columns |= {c: c for c, label in columns.items() if list(columns.values()).count(label) > 1}
     cells = wide.cells.rename(columns=columns)
     return replace(wide, cells=cells, unit={columns.get(c, c): u for c, u in unit.items()})
 

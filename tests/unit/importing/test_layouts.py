@@ -216,6 +216,13 @@ def test_signals_below_each_other(write, read):
     assert (found.description.motion.unit, found.description.load.unit) == ("mm", "N")
 
 
+def test_signals_below_each_other_with_units_in_their_names(write, read):
+    data = rows("{0},force_N,{1}\n{0},angle_deg,{2}", TIME, LOAD, MOTION)
+    found = read(write("a.csv", "time,sensor,value\n" + data))
+    check(found.trials[0], np.deg2rad(MOTION))  # below 2π, so that its size shows no degrees
+    assert (found.description.motion.unit, found.description.load.unit) == ("deg", "N")
+
+
 def test_workbook_with_dates_hidden_and_other_sheets(write_book, read):
     start = dt.datetime(2026, 3, 1, 10, 0, 0)
     table = [["Sample: A", "", ""], ["Date", "Displacement [mm]", "Load [N]"]]
