@@ -130,11 +130,9 @@ def _build_forms(setting: Setting) -> list[Form] | str:
     def slots_of_two(values: Values) -> dict:
         return {"lag": values["lag_s"], "lag_second_share": values["second_stage_share"]}
 
-    return [
-        Form("first_order", (lag,), slots),
-        Form("two_stages", (lag, share), slots_of_two),
-        build_response(setting),
-    ]
+    forms = [Form("first_order", (lag,), slots), Form("two_stages", (lag, share), slots_of_two)]
+    # one joint creeps by such a response as well, and under one load any joint does
+    return [*forms, build_response(setting)] if setting.levels and setting.joints > 1 else forms
 
 
 EFFECT = Effect(

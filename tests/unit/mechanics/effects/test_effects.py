@@ -239,6 +239,13 @@ def test_a_law_of_the_motion_needs_more_than_one_course_in_time():
     assert any(form.is_free for form in creep)
 
 
+@pytest.mark.parametrize(("levels", "joints"), [(False, 3), (True, 1), (True, 3)])
+def test_a_free_response_of_the_load_needs_loads_and_joints(levels, joints):
+    lag = list_effects()["actuator_lag"]
+    forms = lag.list_forms(build_setting(levels=levels, joints=joints))
+    assert any(form.is_free for form in forms) == (levels and joints > 1)
+
+
 def test_a_hook_that_effects_share_is_called_once():
     hooks = [hook for effect in list_effects().values() for hook in effect.hooks]
     assert len(find_hooks(hooks, {"spectrum"})) == 1
