@@ -6,23 +6,30 @@ Other verbs go before and around the stages.
 import os
 import sys
 
-from softfinger.cli import (
-    campaign,
-    demo,
-    diagnose,
-    effects,
-    importing,
-    join,
-    loop,
-    new,
-    next,
-    recordings,
-    results,
-    rig,
-)
-from softfinger.cli.application import app
-from softfinger.failure import describe_failure
-from softfinger.faults import Interruption
+INTERRUPTED = 130  # what shells expect of a program that Ctrl-C ended
+SAID = "interrupted; what was finished is kept, what was begun is not"
+
+try:
+    from softfinger.cli import (
+        campaign,
+        demo,
+        diagnose,
+        effects,
+        importing,
+        join,
+        loop,
+        new,
+        next,
+        recordings,
+        results,
+        rig,
+    )
+    from softfinger.cli.application import app
+    from softfinger.failure import describe_failure
+    from softfinger.faults import Interruption
+except KeyboardInterrupt:  # before there was a command line
+    print(f"softfinger: {SAID}", file=sys.stderr)
+    raise SystemExit(INTERRUPTED) from None
 
 # Each adds its verbs. Only named here, so that the hash of one verb's code has no other verb in it.
 __all__ = [
@@ -42,8 +49,6 @@ __all__ = [
     "rig",
 ]
 
-INTERRUPTED = 130  # what shells expect of a program that Ctrl-C ended
-
 
 def main() -> None:
     """Run the command line.
@@ -56,15 +61,14 @@ def main() -> None:
         finally:
             sys.stdout.flush()
     except KeyboardInterrupt as interruption:
-        said = str(interruption) or "interrupted; what was finished is kept, what was begun is not"
-        _end(said, INTERRUPTED)
+        _end(str(interruption) or SAID, INTERRUPTED)
     except Interruption as fault:
         _end(str(fault), INTERRUPTED)
     except Exception as error:
         _end(describe_failure(error), 1)
     except SystemExit as end:  # typer's own way of passing Ctrl-C on
         if end.code == INTERRUPTED:
-            _end("interrupted; what was finished is kept, what was begun is not", INTERRUPTED)
+            _end(SAID, INTERRUPTED)
         raise
 
 

@@ -55,6 +55,16 @@ def test_ctrl_c_in_a_verb_is_one_sentence(verb, arguments, event, name, tmp_path
     assert not [path for path in list_files(tmp_path) if "partial" in path or name in path]
 
 
+def test_ctrl_c_while_the_program_is_loading_is_the_same_sentence(tmp_path):
+    load = CODE.replace("from softfinger.cli import main\n", "")
+    load = load.replace("main()\n", "from softfinger.cli import main\nmain()\n")
+    done = subprocess.run(
+        [sys.executable, "-c", load, "import", "softfinger.cli.results", "check", EXAMPLE],
+        cwd=tmp_path, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (130, SENTENCE)
+
+
 def test_ctrl_c_keeps_what_a_verb_has_finished(tmp_path):
     whole = interrupt(tmp_path, "never", "never", "angles", EXAMPLE, "--out", "out")
     assert whole.returncode == 0

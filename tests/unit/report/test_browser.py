@@ -96,7 +96,7 @@ def make_hostile(artifacts):
         set_aside_reason=("set_aside_trial", reasons)
     )
     angles = angles.assign_coords(set_aside_trial=reasons)
-    return {"angles": angles.assign_attrs(campaign=HOSTILE[0], source=HOSTILE[1])}
+    return {"angles": angles.assign_attrs(campaign=HOSTILE[0])}
 
 
 def test_no_name_runs_as_a_script(browser, artifacts, tmp_path):
