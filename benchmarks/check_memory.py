@@ -32,13 +32,14 @@ finger: {joints: 3, link_length_m: [0.025, 0.025, 0.025], link_mass_kg: [0.005, 
 
 
 def measure_long() -> dict[str, float]:
-    """Peak resident memory [GiB] and time [s] of the verb."""
+    """Peak resident memory [GiB] of the verb."""
     found = {"check_rows": float(ROWS)}
     for files in (1, 10):
         with tempfile.TemporaryDirectory() as place:
             write_long(Path(place), files, ROWS // files)
             peak, took = watch(Path(place))
-        found |= {f"check_peak_gib_{files}_files": peak, f"check_s_{files}_files": took}
+        found |= {f"check_peak_gib_{files}_files": peak}
+        print(f"{files} files: {peak:.3g} GiB, {took:.0f} s", flush=True)
     return found
 
 
