@@ -54,17 +54,23 @@ def choose_strength(
     chosen, best, nats = addition, addition, -np.inf
     for number in range(TRIES):
         found = weigh(folder, bodies, scale, chosen, (problem, fit), place / f"try_{number}")
-        if abs(np.log(max(found, 1e-9) / aim)) < abs(np.log(max(nats, 1e-9) / aim)):
+        if number == 0 or _miss(found, aim) < _miss(nats, aim):
             best, nats = chosen, found
         if aim / CLOSE < found < aim * CLOSE:
             break
         # evidence grows about as the square of the strength
         factor = np.clip(np.sqrt(aim / max(found, 1.0)), 0.1, 4.0)
+        if not np.isfinite(found):  # so strong that nothing can be fitted
+            factor = 0.3
         stronger = strengthen(chosen, chosen.dose.strength * float(factor))
         if stronger.dose.strength == chosen.dose.strength:
             break
         chosen = stronger
     return best, nats
+
+
+def _miss(nats: float, aim: float) -> float:
+    return abs(float(np.log(max(nats, 1e-9) / aim)))
 
 
 def weigh(

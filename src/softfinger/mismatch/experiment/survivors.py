@@ -4,6 +4,7 @@ A survivor is a model with its fit; its coordinates are θ = (μ, φ), populatio
 """
 
 from collections.abc import Sequence
+from itertools import islice
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple
 
@@ -76,13 +77,17 @@ class OpenModels(Part):
 def list_survivors(problem: Problem, posterior: Posterior) -> list[Survivor]:
     """List the models that together are sure.
 
-    Models that were not fitted to rest are left out; probabilities of the others sum to 1.
+    Models that were not fitted to rest are left out; probabilities of the others sum to 1. Where
+    none of these was, the most probable fitted model is left, or the base model.
     """
     chosen = [
         (join_ids(ids), posterior.best[ids], posterior.sets[ids])
         for ids in posterior.equivalent[: BUDGET.survivors]
     ]
     fitted = [entry for entry in chosen if entry[1].fit is not None]
+    if not fitted:
+        rest = (ids for ids in posterior.sets if posterior.best[ids].fit is not None)
+        fitted = [(join_ids(ids), posterior.best[ids], 1.0) for ids in islice(rest, 1)]
     total = sum(probability for *_, probability in fitted)
     return [
         Survivor(label, candidate, measure_uncertainty(problem, candidate), probability / total)

@@ -84,7 +84,10 @@ def calibrate_false_alarms(
         gains = np.where(np.isfinite(gains), gains, -np.inf)
         largest[k] = gains.max(initial=0.0)
         if gains.size:  # the best form by its score gains what a fit of it does
-            again = _refit(columns, whole, product, prior, base.fit.omega, int(gains.argmax()))
+            try:
+                again = _refit(columns, whole, product, prior, base.fit.omega, int(gains.argmax()))
+            except np.linalg.LinAlgError:  # numbers beyond their range: its score is what is known
+                continue
             largest[k] = max(largest[k], again)
     return FalseAlarms(largest)
 

@@ -3,6 +3,10 @@
 import numpy as np
 import pytest
 
+from softfinger.inference.problem import Candidate, pose_problem
+from softfinger.mismatch.candidates.columns import collect_columns
+from softfinger.mismatch.candidates.rank import list_pieces
+from softfinger.mismatch.search import calibrate as module
 from softfinger.mismatch.search.calibrate import _root
 
 
@@ -29,3 +33,19 @@ def test_rounding_hardly_moves_a_root(gram):
     wobble = 1.0 + 1e-15 * np.random.default_rng(2).normal(size=gram.shape)
     moved = _root(gram * 0.5 * (wobble + wobble.T)) - _root(gram)
     assert np.abs(moved / size[:, None]).max() < 1e-6
+
+
+def test_a_replicate_whose_refit_fails_counts_by_its_score(draw_campaign, monkeypatch):
+    problem, fit = pose_problem(draw_campaign(2, 0.0))
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    pieces = [p for p in list_pieces(problem.setting)[0] if p.effect.id == "second_retardation"]
+    columns = collect_columns(problem, base, pieces)
+
+    def fail(*_):
+        raise np.linalg.LinAlgError
+
+    monkeypatch.setattr(module, "_refit", fail)
+    rng = np.random.default_rng(1)
+    gain = module.calibrate_false_alarms(columns, problem, base, rng, 9).gain
+    assert np.isfinite(gain).all()
+    assert (gain >= 0.0).all()
