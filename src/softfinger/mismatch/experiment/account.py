@@ -102,7 +102,10 @@ def _state_aim(plan: NextExperiment, what: str) -> str:
         shown = [s.label for k, s in enumerate(question.survivors) if k and k not in still]
         return f"{what} would show {', '.join(shown) or 'none of what is hidden'}."
     labels = [_name(s) for s in question.survivors]
-    return f"{what} tell {', '.join(labels[:-1])} and {labels[-1]} apart."
+    named = f"{', '.join(labels[:-1])} and {labels[-1]}"
+    if still:
+        return f"{what} are the best found to tell {named} apart."
+    return f"{what} tell {named} apart."
 
 
 def _name(survivor: Survivor) -> str:
