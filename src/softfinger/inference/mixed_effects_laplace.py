@@ -192,7 +192,8 @@ def _finish(
 def _scale(linear: LinearFit, moves: tuple[NDArray, NDArray]) -> NDArray:
     """A step in units of its uncertainty."""
     d = len(linear.omega)
-    sd = np.sqrt(np.diag(linear.shared_covariance)[d:]) + 1e-12
+    variance = np.diag(linear.shared_covariance)[d:]  # rounding may leave one below 0
+    sd = np.sqrt(np.maximum(variance, 0.0)) + 1e-12
     return np.concatenate([(moves[0] / _spread(linear)).ravel(), moves[1] / sd])
 
 

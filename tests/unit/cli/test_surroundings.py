@@ -108,7 +108,7 @@ def test_a_file_for_which_there_is_no_room_is_one_sentence(tmp_path, verb, room)
     assert_one_sentence(done)
     assert [path for path in (tmp_path / "out").rglob("*") if "partial" in path.name] == []
     assert list((tmp_path / "out").glob("*.nc")) == []
-    shutil.rmtree(tmp_path / "out")
+    shutil.rmtree(tmp_path / "out", ignore_errors=True)  # without room there is none
     assert call(tmp_path, *arguments).returncode == 0
 
 

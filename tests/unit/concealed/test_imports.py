@@ -7,7 +7,7 @@ from pathlib import Path
 
 import softfinger.concealed
 
-ALLOWED = {"concealed", "campaign", "compiled", "faults", "progress"}
+ALLOWED = {"concealed", "campaign", "compiled", "faults", "gate", "progress"}
 FOLDER = Path(softfinger.concealed.__file__).parent
 
 
