@@ -131,7 +131,12 @@ def _fill_at_middle(form: Form) -> dict[str, Any]:
 
 def _spread(parameter: Parameter) -> np.ndarray:
     joints = describe_finger_of_the_paper().joints
-    shapes = {"chain": (), "joint": (joints,), "pair": (joints, joints), "neighbours": (joints, joints)}
+    shapes = {
+        "chain": (),
+        "joint": (joints,),
+        "pair": (joints, joints),
+        "neighbours": (joints, joints),
+    }
     value = np.clip(parameter.mean, parameter.low, parameter.high)
     return np.full(shapes[parameter.per], np.exp(value) if parameter.log else value)
 
