@@ -46,7 +46,9 @@ from softfinger.tracking import assemble_angles
 
 EXAMPLE = PROJECT / "data/example"
 RESULTS = PROJECT / "results/fuzz"
-LONGEST_S = 60
+LONGEST_S = 60  # of this process's own time
+PATIENCE_S = 600  # for making a failed input smaller
+BUSY = 10  # times as long by the clock
 KINDS = {
     "campaign": 0.6, "source": 0.16, "config": 0.05, "model": 0.05, "plan": 0.05, "import": 0.05,
     "artifact": 0.04,
@@ -230,25 +232,34 @@ def judge_safely(judge: Callable[[Path], str], place: Path) -> str:
 
 @contextmanager
 def _limit(seconds: int) -> Iterator[None]:
+    """End what computes too long, or waits far too long: the computer may be busy with others."""
+
     def end(number: int, frame: FrameType | None) -> None:
         raise TimeoutError(f"no answer after {seconds} s")
 
-    before = signal.signal(signal.SIGALRM, end)
-    signal.alarm(seconds)
+    limits = {
+        signal.SIGPROF: (signal.ITIMER_PROF, seconds),
+        signal.SIGALRM: (signal.ITIMER_REAL, BUSY * seconds),
+    }
+    before = {number: signal.signal(number, end) for number in limits}
+    for timer, limit in limits.values():
+        signal.setitimer(timer, limit)
     try:
         yield
     finally:
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)
+        for number, (timer, _) in limits.items():
+            signal.setitimer(timer, 0)
+            signal.signal(number, before[number])
 
 
 def minimise(target: Path, fails: Callable[[], bool]) -> None:
-    """Remove lines from a file as long as it still fails."""
+    """Remove lines from a file as long as it still fails, and not for ever."""
+    until = time.monotonic() + PATIENCE_S
     lines = target.read_bytes().splitlines(keepends=True)
     size = max(len(lines) // 2, 1)
     while size:
         start = 0
-        while start < len(lines):
+        while start < len(lines) and time.monotonic() < until:
             fewer = lines[:start] + lines[start + size :]
             target.write_bytes(b"".join(fewer))
             if fails():

@@ -1,6 +1,7 @@
 """The style that every figure shares."""
 
 import functools
+import hashlib
 import io
 import re
 from collections.abc import Callable
@@ -29,6 +30,8 @@ BLUE, RED, GREEN, ORANGE, SKY, PINK = (
 RECORDED, POSTERIOR, TWO_STAGE = BLACK, BLUE, RED
 ESTIMATE_COLOURS = {"posterior": POSTERIOR, "two_stage": TWO_STAGE}
 ESTIMATE_LABELS = {"posterior": "posterior", "two_stage": "two-stage (the paper's way)"}
+CLIP = re.compile(rb'<clipPath id="([^"]+)">(.*?)</clipPath>', re.DOTALL)
+CLIP_NAME = re.compile(rb'(clipPath id="|url\(#)([^")]+)("|\))')
 NUMBER = re.compile(rb"-?\d+\.\d+")
 PARAMETER_STYLES = {
     "k_v": (BLUE, "-"),
@@ -169,7 +172,23 @@ def render_figure(figure: Figure, form: str = "svg") -> bytes:
     buffer = io.BytesIO()
     with mpl.rc_context(fname=STYLE_FILE):
         figure.savefig(buffer, format=form, metadata=metadata)
-    return shorten_paths(buffer.getvalue()) if form == "svg" else buffer.getvalue()
+    content = buffer.getvalue()
+    return name_clips(shorten_paths(content)) if form == "svg" else content
+
+
+def name_clips(svg: bytes) -> bytes:
+    """Name an SVG's clipping areas by what is written of them.
+
+    Matplotlib names them by digits that rounding may change from one run to the next.
+
+    >>> name_clips(b'<clipPath id="p0"><rect x="1"/></clipPath><g clip-path="url(#p0)"/>')
+    b'<clipPath id="pc4738c4f85"><rect x="1"/></clipPath><g clip-path="url(#pc4738c4f85)"/>'
+    """
+    names = {
+        found[1]: b"p" + hashlib.sha256(found[2]).hexdigest()[:10].encode()
+        for found in CLIP.finditer(svg)
+    }
+    return CLIP_NAME.sub(lambda found: found[1] + names.get(found[2], found[2]) + found[3], svg)
 
 
 def shorten_paths(svg: bytes) -> bytes:

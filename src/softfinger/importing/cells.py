@@ -115,8 +115,11 @@ def read_numbers(
     gap |= np.isin(values, numbers)
     values[gap] = np.nan
     wrong = ~gap & ~np.isfinite(values)
-    for row in np.flatnonzero(wrong & is_text):
-        values[row] = _read_with_unit(text.iloc[row], unit, decimal)
+    rows = np.flatnonzero(wrong & is_text)
+    # Wrong cells are mostly alike: a heading or a word that a logger repeats.
+    codes, words = pd.factorize(text.iloc[rows])
+    read = np.array([_read_with_unit(word, unit, decimal) for word in words], dtype=float)
+    values[rows] = read[codes]
     return values, ~gap & ~np.isfinite(values)
 
 

@@ -1,9 +1,11 @@
+import re
+
 import matplotlib as mpl
 import pytest
 from matplotlib.figure import Figure
 
 from softfinger.figures.recordings import draw_recordings
-from softfinger.figures.style import new_figure, render_figure, save_figure, styled
+from softfinger.figures.style import name_clips, new_figure, render_figure, save_figure, styled
 
 
 @pytest.mark.parametrize("form", ["svg", "pdf", "png"])
@@ -48,3 +50,14 @@ def test_the_suffix_names_the_form(tmp_path):
     figure = new_figure("measured", height=1.0)
     save_figure(figure, tmp_path / "a.pdf")
     assert (tmp_path / "a.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_clips_that_differ_by_rounding_alone_have_one_name():
+    svg = (
+        '<svg><defs><clipPath id="{0}"><rect x="1.5"/></clipPath><clipPath id="{1}">'
+        '<rect x="2.5"/></clipPath></defs><path clip-path="url(#{1})"/><use href="#{0}"/>'
+        '<path clip-path="url(#{0})"/></svg>'
+    )
+    one, two = (name_clips(svg.format(*ids).encode()) for ids in (("pa", "pb"), ("pc", "pd")))
+    assert one.replace(b"#pa", b"#pc") == two
+    assert len(set(re.findall(rb"url\(#(\w+)\)", one))) == 2

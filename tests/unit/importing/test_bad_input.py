@@ -3,10 +3,13 @@
 import zipfile
 
 import h5py
+import numpy as np
+import pandas as pd
 import pytest
 
 from softfinger.faults import Fault
-from softfinger.importing import read_import_description
+from softfinger.gate import cells as gate_cells
+from softfinger.importing import cells, read_import_description
 
 TABLE = "time (s),angle (deg),force (N)\n" + "".join(f"{t},{t * t},{t}\n" for t in range(12))
 
@@ -111,6 +114,22 @@ def test_a_number_with_two_points_and_a_unit_is_no_number(write, read):
     assert refuse(read, write("a.csv", "x\t3.0. mm\t1\n" * 5))
 
 
+def test_a_word_that_is_repeated_is_looked_at_once(monkeypatch):
+    asked = []
+
+    def read(text, unit, decimal):
+        asked.append(text)
+        return with_unit(text, unit, decimal)
+
+    with_unit = cells._read_with_unit
+    monkeypatch.setattr(cells, "_read_with_unit", read)
+    column = pd.Series(["1", "12 mm", "slip", "12 mm", "2", "slip", "slip", "-"])
+    values, wrong = cells.read_numbers(column, "m", ".")
+    np.testing.assert_allclose(values, [1, 0.012, np.nan, 0.012, 2, np.nan, np.nan, np.nan])
+    assert wrong.tolist() == [k in (2, 5, 6) for k in range(8)]
+    assert sorted(asked) == ["12 mm", "slip"]
+
+
 def test_trials_by_a_clock_need_a_clock(write, read):
     table = "angle (deg),force (N)\n" + "3.0,1.0\n2.0,1.5\n" * 6
     said = refuse(read, write("a.csv", table), "trials.by=clock")
@@ -146,13 +165,11 @@ def test_a_million_rows_of_a_dozen_columns_are_no_reason_to_refuse(monkeypatch):
         def to_python(self, skip_empty_area):
             return [["t", 1.0]]
 
-    from softfinger.gate import cells
-
-    monkeypatch.setattr(cells.resource, "getrlimit", lambda kind: (4 << 30, 4 << 30))
-    assert cells._read_sheet(Sheet()) == ([["t", 1.0]], 0)
-    monkeypatch.setattr(cells.resource, "getrlimit", lambda kind: (1 << 20, 1 << 20))
+    monkeypatch.setattr(gate_cells.resource, "getrlimit", lambda kind: (4 << 30, 4 << 30))
+    assert gate_cells._read_sheet(Sheet()) == ([["t", 1.0]], 0)
+    monkeypatch.setattr(gate_cells.resource, "getrlimit", lambda kind: (1 << 20, 1 << 20))
     with pytest.raises(Fault, match="'first', of 1048576 rows and 12 columns, which need more"):
-        cells._read_sheet(Sheet())
+        gate_cells._read_sheet(Sheet())
 
 
 def test_a_workbook_that_unpacks_to_gigabytes_is_refused(read, write_book):

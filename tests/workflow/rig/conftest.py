@@ -53,9 +53,9 @@ class SimulatedRig:
         self.process.stdout.close()
 
 
-def start_simulator(folder: Path) -> SimulatedRig:
+def start_simulator(folder: Path, time_scale: float = TIME_SCALE) -> SimulatedRig:
     transcript = folder / "transcript.txt"
-    options = {"time-scale": TIME_SCALE, "fps": FPS, "watchdog-s": WATCHDOG_S, "seed": SEED}
+    options = {"time-scale": time_scale, "fps": FPS, "watchdog-s": WATCHDOG_S, "seed": SEED}
     arguments = [f"--{key}={value}" for key, value in options.items()]
     process = subprocess.Popen(
         [*COMMAND, "simulate", *arguments, f"--transcript={transcript}"],
@@ -77,6 +77,14 @@ def rig(tmp_path_factory):
 def rig_of_its_own(tmp_path):
     """For tests after which nothing can be done with it any more."""
     simulated = start_simulator(tmp_path)
+    yield simulated
+    simulated.end()
+
+
+@pytest.fixture
+def calm_rig(tmp_path):
+    """Slow enough for a busy computer."""
+    simulated = start_simulator(tmp_path, time_scale=2.0)
     yield simulated
     simulated.end()
 
