@@ -32,6 +32,8 @@ class DiagnosisBudget:
     """Forms of an effect that are tried in pairs. Why: they hide alike."""
     pairs: int = 4
     """Pairs of effects that are fitted. Why: pairs' scores are of pairs, and in order."""
+    paired: int = 12
+    """Pairs of effects to which a third is added. Why: a triple's best pair is among the first."""
     leaders: int = 2
     """Effects judged with their own measurement before the search."""
     finalists: int = 6

@@ -6,7 +6,6 @@ rival. It is believed where its few numbers gain more than a spline in time, loa
 """
 
 from collections.abc import Iterable
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -23,10 +22,11 @@ from softfinger.mismatch.candidates.rank import (
     Score,
     competing_nats,
     find_best,
-    prune,
     rank_pieces,
 )
 from softfinger.mismatch.decisions import DECISIONS
+from softfinger.mismatch.search.eliminate import choose_top, eliminate, fit_without, list_added
+from softfinger.mismatch.search.hidden import seek_hidden
 from softfinger.mismatch.search.shape import Shape, allow_rest, excels, measure_shape
 
 
@@ -88,13 +88,13 @@ def search_effects(
     ranked
         What `rank_pieces` gives for the catalogue on top of the base model.
     """
-    pieces, refused = catalogue
-    singles, scores = ranked
+    (pieces, refused), (singles, scores) = catalogue, ranked
     found, larger, shape, alone = list(singles), [], None, None
-    best = _choose_top(singles, base)
+    best = choose_top(singles, base)
     first_gain = best.log_evidence - base.log_evidence
     if first_gain <= needed:
-        return Search(base, found, [], base, max(first_gain, 0.0), refused, scores)
+        single = Search(base, found, [], base, max(first_gain, 0.0), refused, scores)
+        return _seek_hidden(problem, single, columns, needed, progress)
     for size in range(2, BUDGET.most_effects + 1):
         larger = []
         explained = best.log_evidence - base.log_evidence
@@ -110,7 +110,7 @@ def search_effects(
         larger = _enlarge(problem, rivals, best, found, pieces, progress, asked, size)
         if size == 2:
             larger += rank_pairs(problem, base, columns, larger, asked, progress)
-        top = _choose_top(larger, best)
+        top = choose_top(larger, best)
         gain = top.log_evidence - best.log_evidence
         if gain <= more:
             break
@@ -124,15 +124,26 @@ def search_effects(
         if size == 2:
             tried = {rival.model.ids for rival in rivals}
             found += _try_partners(problem, top, tried, pieces, progress)
-        best = _eliminate(problem, _choose_top([top, *found], top), more, found)
+        best = eliminate(problem, choose_top([top, *found], top), more, found)
     found.sort(key=lambda c: -c.log_evidence)
     return Search(base, found, larger, best, first_gain, refused, scores, shape, alone)
 
 
-def _choose_top(candidates: list[Candidate], other: Candidate) -> Candidate:
-    """The fit of most evidence, or else the other."""
-    fitted = [c for c in candidates if c.fit is not None]
-    return max(fitted, key=lambda c: c.log_evidence, default=other)
+def _seek_hidden(
+    problem: Problem, search: Search, columns: ScoreColumns, needed: float, progress: Progress
+) -> Search:
+    """Take hidden sets where they explain more than a shape."""
+    base = search.base
+    needed += float(np.log(max(len(set(columns.label)), 1)))  # as `require_gain` asks
+    hidden = seek_hidden(problem, base, columns, needed, progress)
+    top = choose_top(hidden, base)
+    if top is base or top.log_evidence - base.log_evidence <= measure_shape(problem, base).gain:
+        return search
+    found = [*search.candidates, *hidden]
+    best = eliminate(problem, top, needed, found)
+    found.sort(key=lambda c: -c.log_evidence)
+    gain = best.log_evidence - base.log_evidence
+    return search._replace(candidates=found, best=best, first_gain=gain)
 
 
 def require_gain(needed: float, explained: float, pieces: list[Piece], best: Candidate) -> float:
@@ -241,41 +252,10 @@ def _try_partners(
     (floating search: Pudil, Novovičová and Kittler 1994, Pattern Recognit. Lett. 15, 1119).
     """
     found = []
-    for piece in _list_added(problem, pair):
+    for piece in list_added(problem, pair):
         if pair.model.ids - {piece.effect.id} in tried:
             continue
-        alone = _fit_without(problem, pair, piece)
+        alone = fit_without(problem, pair, piece)
         if alone is not None:
             found += _extend(problem, alone, pieces, progress, pair.log_evidence)
     return found
-
-
-def _list_added(problem: Problem, candidate: Candidate) -> list[Piece]:
-    return [p for p in candidate.model.pieces if p.effect.id not in problem.base.ids]
-
-
-def _fit_without(problem: Problem, candidate: Candidate, piece: Piece) -> Candidate | None:
-    """Fit a model without a piece, else None."""
-    kept = tuple(p for p in candidate.model.pieces if p is not piece)
-    model = replace(candidate.model, pieces=kept)
-    shared = candidate.fit.shared[candidate.model.match(model)]
-    start = candidate.fit.own, shared, candidate.fit.omega
-    fit = problem.fit(model, start, first=candidate.fit.first)
-    if fit is None or not fit.converged:
-        return None
-    return prune(problem, Candidate(model, fit, fit.log_evidence))
-
-
-def _eliminate(
-    problem: Problem, candidate: Candidate, needed: float, found: list[Candidate]
-) -> Candidate:
-    """Drop effects that cost less than `needed` nats."""
-    while len(added := _list_added(problem, candidate)) > 1:
-        fits = (_fit_without(problem, candidate, piece) for piece in added)
-        smaller = [c for c in fits if c is not None]
-        found += smaller
-        top = max(smaller, key=lambda c: c.log_evidence, default=None)
-        if top is None or candidate.log_evidence - top.log_evidence > needed:
-            return candidate
-        candidate = top
-    return candidate

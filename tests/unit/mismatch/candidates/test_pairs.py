@@ -3,8 +3,12 @@ import pytest
 
 from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.mismatch.candidates.columns import collect_columns, join_blocks
-from softfinger.mismatch.candidates.pairs import rank_pairs, score_pairs
+from softfinger.mismatch.candidates.pairs import rank_pairs, rank_triples
 from softfinger.mismatch.candidates.rank import list_pieces
+
+
+def quiet(items, _):
+    return items
 
 
 @pytest.fixture(scope="module")
@@ -32,11 +36,16 @@ def test_a_pair_is_linearised_as_the_model_of_both_at_its_start(posed):
 
 def test_the_best_pair_holds_the_true_effect_and_known_pairs_are_not_fitted_again(posed):
     problem, base, columns = posed
-    model = score_pairs(problem, base, columns)[0].model
-    best = model.ids
-    assert "second_retardation" in best
-    assert len(best) == 2
-    known = [base._replace(model=model)]
-    fitted = rank_pairs(problem, base, columns, known, base.log_evidence, lambda items, _: items)
+    asked = base.log_evidence
+    best = rank_pairs(problem, base, columns, [], asked, quiet)[0]
+    assert "second_retardation" in best.model.ids
+    assert len(best.model.ids) == 2
+    fitted = rank_pairs(problem, base, columns, [best], asked, quiet)
     assert fitted
-    assert best not in {candidate.model.ids for candidate in fitted}
+    assert best.model.ids not in {candidate.model.ids for candidate in fitted}
+
+
+def test_a_triple_is_a_pair_with_a_third_effect(posed):
+    problem, base, columns = posed
+    (only,) = {c.model.ids for c in rank_triples(problem, base, columns, [], -np.inf, quiet)}
+    assert only == {"second_retardation", "lens_distortion", "strain_stiffening"}

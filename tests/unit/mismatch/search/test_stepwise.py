@@ -1,16 +1,20 @@
 """How an effect is searched for, and how a free-form term stands against what was found."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.model import Piece
-from softfinger.mismatch.candidates.elsewhere import list_compatible
+from softfinger.mismatch.candidates.columns import collect_columns
+from softfinger.mismatch.candidates.rank import list_pieces
+from softfinger.mismatch.search import hidden
 from softfinger.mismatch.search import stepwise as module
 from softfinger.mismatch.search.shape import Shape, allow_rest
-from softfinger.mismatch.search.stepwise import hold_against_shape
+from softfinger.mismatch.search.stepwise import hold_against_shape, search_effects
 
 
 def hold(named, gain):
@@ -72,3 +76,39 @@ def test_effects_that_claim_one_slot_are_not_tried_together(named):
     one, other = Piece(effect, form, ()), Piece(replace(effect, id="another"), form, ())
     found = best._replace(model=replace(best.model, pieces=(one,)))
     assert list_compatible(found, [other]) == []
+
+
+def test_where_no_single_effect_competes_pairs_are_tried_and_the_needless_dropped(draw_campaign):
+    """Singles are withheld; the campaign has a second retardation."""
+    problem, fit = pose_problem(draw_campaign(1, 0.15))
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    wanted = ("second_retardation", "lens_distortion", "strain_stiffening")
+    pieces = [p for p in list_pieces(problem.setting)[0] if p.effect.id in wanted]
+    columns = collect_columns(problem, base, pieces)
+    found = search_effects(
+        problem, base, (pieces, {}), columns, 5.0, lambda items, _: items, ([], [])
+    )
+    assert found.best.model.ids == {"second_retardation"}
+    assert found.first_gain > 15.0
+    assert any(len(c.model.ids) == 2 for c in found.candidates)
+
+
+def test_nothing_is_sought_behind_a_base_model_that_leaves_noise(monkeypatch):
+    monkeypatch.setattr(hidden, "compute_excess", lambda *_: (0.0, 0.4))
+    monkeypatch.setattr(hidden, "rank_pairs", None)
+    columns = SimpleNamespace(blocks=[1], label=["gravity"])
+    assert hidden.seek_hidden(None, None, columns, 5.0, None) == []
+
+
+def test_triples_are_tried_where_no_pair_brings_enough_and_must_bring_more(monkeypatch):
+    def offer(nats):
+        one = SimpleNamespace(fit=1, log_evidence=nats, model=None)
+        return lambda *_: [one]
+
+    base = SimpleNamespace(log_evidence=0.0)
+    columns = SimpleNamespace(blocks=[1], label=["gravity", "inertia", "camera_delay"])
+    monkeypatch.setattr(hidden, "compute_excess", lambda *_: (3.0, 0.0))
+    monkeypatch.setattr(hidden, "rank_pairs", offer(4.0))
+    for nats, count in ((6.0, 0), (6.2, 1)):  # 5 and log 3
+        monkeypatch.setattr(hidden, "rank_triples", offer(nats))
+        assert len(hidden.seek_hidden(None, base, columns, 5.0, None)) == count
