@@ -139,8 +139,9 @@ def _seek_hidden(
     top = choose_top(hidden, base)
     if top is base or top.log_evidence - base.log_evidence <= measure_shape(problem, base).gain:
         return search
-    found = [*search.candidates, *hidden]
-    best = eliminate(problem, top, needed, found)
+    pieces = list(dict.fromkeys(block.model.pieces[-1] for block in columns.blocks))
+    found = [*search.candidates, *hidden, *swap_forms(problem, top, pieces)]
+    best = eliminate(problem, choose_top(found, top), needed, found)
     found.sort(key=lambda c: -c.log_evidence)
     gain = best.log_evidence - base.log_evidence
     return search._replace(candidates=found, best=best, first_gain=gain)

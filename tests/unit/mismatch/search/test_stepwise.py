@@ -10,6 +10,7 @@ from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.model import Piece
 from softfinger.mismatch.candidates.columns import collect_columns
+from softfinger.mismatch.candidates.elsewhere import list_compatible
 from softfinger.mismatch.candidates.rank import list_pieces
 from softfinger.mismatch.search import hidden
 from softfinger.mismatch.search import stepwise as module
