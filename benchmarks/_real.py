@@ -16,7 +16,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-import yaml
+from ruamel.yaml import YAML
 
 from benchmarks.__main__ import RESULTS, merge_figures
 from benchmarks._real_page import write_page
@@ -47,7 +47,7 @@ def answer_plain(folder: Path, out: Path) -> None:
     """Diagnose real recordings as they are."""
     found = diagnose_blind(folder, out / "diagnoses" / folder.name, PATIENCE_S)
     expected = folder / "expected.yaml"
-    known = yaml.safe_load(expected.read_text(encoding="utf-8")) if expected.is_file() else {}
+    known = YAML(typ="safe").load(expected) if expected.is_file() else {}
     accepted = [str(answer) for answer in known.get("accept", [])]
     verdict = found["verdict"]
     found |= {
