@@ -20,7 +20,7 @@ FRICTION_TENSION_N = 6.0  # at which the coefficient of friction has its stated 
 ANGLE_SPAN_RAD, RATE_MIDDLE, TORQUE_MIDDLE_NM = 2.5, 1.0, 0.02
 
 
-@compiled
+@compiled(forceinline=True)
 def look_up(row: Array, share: float) -> float:
     """Value of a table, interpolated.
 
@@ -36,13 +36,13 @@ def look_up(row: Array, share: float) -> float:
     return a + u * u * (3.0 - 2.0 * u) * (b - a) + u * (1.0 - u) * slopes
 
 
-@compiled
+@compiled(forceinline=True)
 def read_state(state: Array, start: int, following: int, j: int) -> float:
     """Optional state of a joint; 0 where off."""
     return state[start + j] if following > start else 0.0
 
 
-@compiled
+@compiled(forceinline=True)
 def rub(tension: float, drag: float, power: float) -> float:
     """Tension that remains after friction.
 
@@ -55,7 +55,7 @@ def rub(tension: float, drag: float, power: float) -> float:
     return FRICTION_TENSION_N * max(left, 0.0) ** (1.0 / flat)
 
 
-@compiled
+@compiled(forceinline=True)
 def share_torque(p: Physics, j: int, i: int, angle: Array) -> float:
     """Torque through what lies between two joints."""
     shared = 0.0
@@ -69,7 +69,7 @@ def share_torque(p: Physics, j: int, i: int, angle: Array) -> float:
     return shared
 
 
-@compiled
+@compiled(forceinline=True)
 def stretch(p: Physics, place: Place, j: int, torque: float, state: Array) -> float:
     """Rate of a Voigt element.
 
@@ -99,7 +99,7 @@ def stretch(p: Physics, place: Place, j: int, torque: float, state: Array) -> fl
     return rate * (1.0 + p.thinning[j] * abs(rate))
 
 
-@compiled
+@compiled(forceinline=True)
 def flow(p: Physics, place: Place, j: int, torque: float, state: Array) -> float:
     """Rate of a dashpot.
 
@@ -122,7 +122,7 @@ def flow(p: Physics, place: Place, j: int, torque: float, state: Array) -> float
     return np.copysign(size, torque) / p.c_p[j]
 
 
-@compiled
+@compiled(forceinline=True)
 def _give(p: Physics, place: Place, j: int, torque: float, state: Array) -> float:
     """Rate of a joint's angle under its torque."""
     n = p.k_v.size
@@ -132,7 +132,7 @@ def _give(p: Physics, place: Place, j: int, torque: float, state: Array) -> floa
     return rate
 
 
-@compiled
+@compiled(forceinline=True)
 def carry(p: Physics, place: Place, j: int, speed: float, state: Array) -> float:
     """Torque at this speed, by Newton's iteration."""
     torque = p.k_v[j] * state[j] + p.c_v[j] * speed

@@ -9,7 +9,7 @@ from softfinger.compiled import compiled
 from softfinger.concealed.arrays import Array
 
 
-@compiled
+@compiled(forceinline=True)
 def factor_in_place(matrix: Array, order: NDArray[np.int64]) -> None:
     """LU with row exchange, over the matrix."""
     n = matrix.shape[0]
@@ -28,7 +28,7 @@ def factor_in_place(matrix: Array, order: NDArray[np.int64]) -> None:
                     matrix[r, k] -= matrix[r, i] * matrix[i, k]
 
 
-@compiled
+@compiled(forceinline=True)
 def solve_in_place(factors: Array, order: NDArray[np.int64], vector: Array) -> None:
     """Solution of matrix · x = vector.
 

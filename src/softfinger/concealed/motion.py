@@ -5,6 +5,9 @@ Voigt elements (element, joint), then, where switched on, the direction in which
 (joint,), the lagging tension (stage,), the largest strain so far (joint,), the direction in which a
 joint last slid (joint,), how much of a dashpot's structure is broken (joint,), how warm a joint has
 become (joint,), the speed (joint,).
+
+What a rate is made of is compiled into its one caller: every call would hand over all of `Physics`,
+which takes longer than the arithmetic.
 """
 
 from __future__ import annotations
@@ -58,7 +61,7 @@ def find_rest(p: Physics, place: Place) -> Array:
     return state
 
 
-@compiled
+@compiled(forceinline=True)
 def bend(p: Physics, state: Array, rest: Array, angle: Array) -> None:
     """Joint angle in a state.
 
@@ -71,7 +74,7 @@ def bend(p: Physics, state: Array, rest: Array, angle: Array) -> None:
             angle[j] += state[at] - rest[at]
 
 
-@compiled
+@compiled(forceinline=True)
 def pull(
     p: Physics, place: Place, time: float, tension: float, state: Array, angle: Array, torque: Array
 ) -> None:
@@ -150,7 +153,7 @@ def change_in_place(
     _remember(p, place, state, speed, change)
 
 
-@compiled
+@compiled(forceinline=True)
 def _remember(p: Physics, place: Place, state: Array, speed: Array, change: Array) -> None:
     """Rate of what a joint remembers."""
     _, _, strain, dry, broken, warm, at_speed, _ = place
