@@ -81,6 +81,7 @@ def make_angles(n_trial=5, n_joint=3, n_frame=41, *, load_kind="tension_n", load
         attrs={
             "campaign": "example of a campaign",
             "source": "synthetic",
+            "camera": 1,
             "noise_sd_rad": 0.003,
         },
     )

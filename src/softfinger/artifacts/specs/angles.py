@@ -13,7 +13,8 @@ SPEC = ArtifactSpec(
     name="angles",
     title="Relative joint angles and loads of a campaign",
     rule="angles",
-    attrs=("campaign", "source", "noise_sd_rad"),
+    # `camera`: 1 where the motion was filmed, or a camera is declared; else 0.
+    attrs=("campaign", "source", "camera", "noise_sd_rad"),
     # Of a specimen: its declared units, and what is one radian and zero in that of the motion.
     optional_attrs=(
         "motion_quantity",
