@@ -42,6 +42,8 @@ def admit_disturbances(
 
 def admit_known(problem: Problem, fit: Fit, size: Mapping[str, float]) -> tuple[Problem, Fit]:
     """Admit disturbances of known sizes, and fit the base again."""
+    if not size:
+        return problem, fit
     directions = list_disturbances(problem, Candidate(problem.base, fit, fit.log_evidence))
     size = {name: sd for name, sd in size.items() if name in directions}
     if not size:

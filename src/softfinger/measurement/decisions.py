@@ -67,12 +67,12 @@ class MeasurementDecisions:
     Why: outliers are rare; what is not is motion.
     Test: `test_measurement_decisions.py::test_a_trial_of_many_outliers_keeps_all`.
     """
-    least_alike: int = 6
+    least_alike: int = 3
     """Least number of alike frames to judge one.
 
     They are as long after a change of load.
 
-    Why: the median of fewer is one of them.
+    Why: a frame that is an outlier is not the median of three.
     Test: `test_measurement_decisions.py::test_where_few_frames_compare_none_is_an_outlier`.
     """
     alike_per_decade: int = 8

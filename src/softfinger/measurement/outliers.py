@@ -7,7 +7,8 @@ t_i² = (Λr)_iᵀ (Λ_ii)⁻¹ (Λr)_i, χ² with one degree of freedom a joint
 Where the model is wrong, t_i² is large in many trials at the same time after a change of load. So
 t_i² counts relative to its median among the frames that have as long a time since the last change
 of load, of all trials and changes. A model's misfit is then not cleaned away. Where fewer than
-`least_alike` frames compare, none is judged; no frame is compared with one before the last change.
+`least_alike` frames compare, those a little sooner and later do too; where these are too few, none
+is judged. No frame is compared with one before the last change.
 An outlier raises its neighbours' t² as well, so only the peaks are taken, round after round.
 
 ASSUME: outliers are rare. A trial that would lose more than `most_outliers` keeps all its frames.
@@ -183,6 +184,7 @@ def _find_usual(excess: Array, since: Array) -> Array:
     usual = np.full(excess.shape, np.inf)
     for value in np.unique(place[finite]):
         some = finite & (place == value)
-        if some.sum() >= DECISIONS.least_alike:
-            usual[some] = max(float(np.median(excess[some])), 1.0)
+        alike = some if some.sum() >= DECISIONS.least_alike else finite & (abs(place - value) <= 1)
+        if alike.sum() >= DECISIONS.least_alike:
+            usual[some] = max(float(np.median(excess[alike])), 1.0)
     return usual

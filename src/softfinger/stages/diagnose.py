@@ -100,10 +100,14 @@ def diagnose(
     with write_atomically(repaired) as temporary:
         write_model_file(describe_repair(found, fitted_to), temporary)
     left = list_survivors(found.problem, found.posterior)
-    write_survivors(
-        describe_survivors(left, fitted_to, found.verdict.decision, found.verdict.not_testable),
-        Path(survivors),
+    open_models = describe_survivors(
+        left,
+        fitted_to,
+        found.verdict.decision,
+        found.verdict.not_testable,
+        found.mended.shorten(),
     )
+    write_survivors(open_models, Path(survivors))
     said = found.verdict
     if config["sample_repaired"]:
         # the sampler takes seconds to import

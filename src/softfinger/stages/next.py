@@ -15,7 +15,10 @@ from softfinger.faults import Fault
 from softfinger.figures.next_experiment import draw_next_experiment
 from softfinger.figures.style import render_figure
 from softfinger.gate import read_document
+from softfinger.inference.disturbed import admit_known
 from softfinger.inference.problem import Candidate, Problem, pose_problem
+from softfinger.measurement.mend import mend_recordings
+from softfinger.mechanics.effects.measurement_file import MeasurementEntry
 from softfinger.mismatch.experiment.account import describe_plan, tabulate_plan
 from softfinger.mismatch.experiment.limits import RigLimits
 from softfinger.mismatch.experiment.plan import NextExperiment, plan_next
@@ -81,8 +84,7 @@ def next_experiment(
     column, scale = choose_column(recorded)
     if described is not None:
         asked = _hold_rig(asked, described, rig, column)
-    problem, fit = pose_problem(recorded)
-    base = Candidate(problem.base, fit, fit.log_evidence)
+    recorded, problem, base = pose_measured(recorded, content)
     question = pose_question(problem, base, content, asked.narrow)
     limits = read_limits(asked, recorded, problem, scale)
     rng = np.random.default_rng(derive_seed(seed, "next"))
@@ -121,6 +123,22 @@ def open_diagnosis(results: Path) -> tuple[Path, OpenModels]:
         )
     content = read_survivors(files["survivors.yaml"], hash_files(files["angles.nc"]))
     return files["angles.nc"], content
+
+
+def pose_measured(
+    recorded: xr.Dataset, content: OpenModels
+) -> tuple[xr.Dataset, Problem, Candidate]:
+    """Pose recordings as they were diagnosed.
+
+    Returns
+    -------
+    recorded, problem, base
+        The `angles` artifact set right, and the base model, with the measurement that was found.
+    """
+    known = MeasurementEntry() if content.measurement is None else content.measurement
+    recorded = mend_recordings(recorded, known)
+    problem, fit = admit_known(*pose_problem(recorded), known.disturbances)
+    return recorded, problem, Candidate(problem.base, fit, fit.log_evidence)
 
 
 def pose_question(

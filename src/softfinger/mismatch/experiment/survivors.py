@@ -19,6 +19,7 @@ from softfinger.gate import read_document
 from softfinger.inference.mixed_effects import hold_omega
 from softfinger.inference.mixed_effects_linearised import centre_gram
 from softfinger.inference.problem import Candidate, Problem
+from softfinger.mechanics.effects.measurement_file import MeasurementEntry
 from softfinger.mechanics.effects.model import Piece
 from softfinger.mechanics.effects.model_file import (
     FittedTo,
@@ -64,7 +65,8 @@ class OpenModel(Part):
 class OpenModels(Part):
     """The file `survivors.yaml`.
 
-    `hidden` has ids of effects that the recordings could not show.
+    `hidden` has ids of effects that the recordings could not show, `measurement` what the
+    recordings suffer from.
     """
 
     version: Literal[1]
@@ -72,6 +74,7 @@ class OpenModels(Part):
     decision: str
     survivors: Annotated[list[OpenModel], Field(min_length=1)]
     hidden: list[str] = Field(default_factory=list)
+    measurement: MeasurementEntry | None = None
 
 
 def list_survivors(problem: Problem, posterior: Posterior) -> list[Survivor]:
@@ -144,7 +147,11 @@ def _suppose(
 
 
 def describe_survivors(
-    survivors: Sequence[Survivor], fitted_to: FittedTo, decision: str, hidden: Sequence[str]
+    survivors: Sequence[Survivor],
+    fitted_to: FittedTo,
+    decision: str,
+    hidden: Sequence[str],
+    measurement: MeasurementEntry | None = None,
 ) -> OpenModels:
     """Describe the survivors, as a file."""
     listed = []
@@ -166,6 +173,7 @@ def describe_survivors(
         decision=decision,
         survivors=listed,
         hidden=list(hidden),
+        measurement=measurement,
     )
 
 
