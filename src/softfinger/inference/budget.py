@@ -66,6 +66,8 @@ class InferenceBudget:
     long trial shows it; many share their physics, and need not.
     Test: `test_disturbances.py::test_a_long_drift_of_one_trial_leaves_nothing_that_lasts`.
     """
+    disturbed_trials: int = 100
+    """Trials of a fit in which disturbances are sought. Why: what all suffer from, these show."""
     disturbance_rounds: int = 3
     """Rounds in which a model adapts to a disturbance. Why: the model is linearised."""
     dispersion: float = 2.0

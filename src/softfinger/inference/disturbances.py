@@ -11,7 +11,7 @@ the speed of the finger. Its covariance s² G Gᵀ is of low rank, so with white
 and all else follows from the Gram matrix of [∂F/∂η | ∂F/∂φ | residual | G].
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -42,7 +42,9 @@ STEP_SHARE = 0.01  # of a row's load by which the model is moved
 STEP_S = 0.002
 
 
-def list_disturbances(problem: Problem, candidate: Candidate) -> dict[str, Array]:
+def list_disturbances(
+    problem: Problem, candidate: Candidate, only: Collection[str] = tuple(SIZES)
+) -> dict[str, Array]:
     """What errors of unit size move the angles by.
 
     Id → (trial, joint, bin · 2, column) [rad].
@@ -51,17 +53,17 @@ def list_disturbances(problem: Problem, candidate: Candidate) -> dict[str, Array
     """
     speed = _measure_speed(problem, candidate)
     time = problem.trials.node.reshape(len(speed), 1, -1)
-    found = {
-        "timing_jitter": _spread_jitter(problem.trials, speed),
-        "drift": _list_walks(problem),
-        "gain_drift": _drift_gain(problem, candidate),
+    made: dict[str, Callable[[], Array]] = {
+        "timing_jitter": lambda: _spread_jitter(problem.trials, speed),
+        "drift": lambda: _list_walks(problem),
+        "gain_drift": lambda: _drift_gain(problem, candidate),
     }
     if problem.setting.load_known:
-        found["clock_offset"] = speed[..., None]
-        found["clock_rate"] = (speed * time)[..., None]
-        found["noisy_load"] = _move_rows(problem, candidate)
-        found["load_drift"] = _drift_load(problem, candidate)
-    return found
+        made["clock_offset"] = lambda: speed[..., None]
+        made["clock_rate"] = lambda: (speed * time)[..., None]
+        made["noisy_load"] = lambda: _move_rows(problem, candidate)
+        made["load_drift"] = lambda: _drift_load(problem, candidate)
+    return {name: make() for name, make in made.items() if name in only}
 
 
 def fit_disturbances(

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.faults import Fault
-from softfinger.inference.disturbances import list_disturbances
+from softfinger.inference.disturbances import SIZES, fit_disturbances, list_disturbances
 from softfinger.inference.mixed_effects_laplace import Fit
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.inference.reduce import whiten_residual, whiten_slope
+from softfinger.measurement.measure import add_components
 
 Array = NDArray[np.float64]
 
@@ -40,22 +41,55 @@ def admit_disturbances(
     return replace(problem, trials=softer, directions=scaled, disturbed=dict(size))
 
 
+def admit_found(problem: Problem, fit: Fit, few: tuple[Problem, Fit]) -> tuple[Problem, Fit]:
+    """Admit what the residual of the base model shows.
+
+    Parameters
+    ----------
+    few
+        Problem and fit of some of the trials, in which it is sought.
+
+    Returns
+    -------
+    problem, fit
+        As they are where the residual shows nothing, or nothing can be fitted with it.
+    """
+    some, fitted = few
+    size, evidence, _ = fit_disturbances(some, Candidate(some.base, fitted, fitted.log_evidence))
+    size = {name: sd for name, sd in size.items() if name in SIZES}
+    found = _fit_softer(problem, fit, size) if size else None
+    if found is None:
+        return problem, fit
+    softer, again = found
+    nats = {name: evidence[name] for name in size}
+    return replace(softer, noise=add_components(problem.noise, size, nats)), again
+
+
 def admit_known(problem: Problem, fit: Fit, size: Mapping[str, float]) -> tuple[Problem, Fit]:
     """Admit disturbances of known sizes, and fit the base again."""
     if not size:
         return problem, fit
-    directions = list_disturbances(problem, Candidate(problem.base, fit, fit.log_evidence))
+    found = _fit_softer(problem, fit, size)
+    if found is None:
+        raise Fault(
+            f"the model cannot be fitted with the disturbances {', '.join(size)} of the model "
+            "file's measurement; remove them there"
+        )
+    return found
+
+
+def _fit_softer(
+    problem: Problem, fit: Fit, size: Mapping[str, float]
+) -> tuple[Problem, Fit] | None:
+    """Fit the base again with disturbances; None if that fails."""
+    candidate = Candidate(problem.base, fit, fit.log_evidence)
+    directions = list_disturbances(problem, candidate, set(size))
     size = {name: sd for name, sd in size.items() if name in directions}
     if not size:
         return problem, fit
     softer = admit_disturbances(problem, size, directions)
     again = softer.fit(problem.base, (fit.own, fit.shared, fit.omega))
-    if again is None:
-        raise Fault(
-            f"the model cannot be fitted with the disturbances {', '.join(size)} of the model "
-            "file's measurement; remove them there"
-        )
-    return softer, again._replace(first=again.log_evidence)
+    return None if again is None else (softer, again._replace(first=again.log_evidence))
 
 
 def spread_disturbances(problem: Problem, like: NDArray[np.int64], time: Array) -> Array:

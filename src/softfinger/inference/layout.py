@@ -17,7 +17,9 @@ from softfinger.inference.predictive import (
     predict_new_trials,
     predict_trials,
 )
+from softfinger.inference.problem import Problem
 from softfinger.inference.setting_table import tabulate_setting
+from softfinger.measurement.words import describe_components
 from softfinger.mechanics import LOG_PARAMETERS
 
 if TYPE_CHECKING:
@@ -132,8 +134,16 @@ def build_tree(
     if "parameter_correlation" not in posterior:  # asks what the fit took for granted
         groups["independence"] = judge_independence(posterior)
     tree = xr.DataTree.from_dict({f"/{name}": group for name, group in groups.items()})
-    tree.attrs["note"] = describe_limits(problem.trials.present)
+    tree.attrs["note"] = describe_fit(problem)
     return tree
+
+
+def describe_fit(problem: Problem) -> str:
+    """State what few trials leave open, and what the noise includes."""
+    known = problem.noise["component"].values.tolist()
+    found = describe_components(problem.noise, [n for n in problem.disturbed if n in known])
+    includes = f"The noise includes what the residual shows. {' '.join(found)}" if found else ""
+    return " ".join(part for part in (describe_limits(problem.trials.present), includes) if part)
 
 
 def describe_limits(present: NDArray[np.bool_]) -> str:

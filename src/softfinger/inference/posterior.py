@@ -13,7 +13,7 @@ from softfinger.inference.budget import BUDGET
 from softfinger.inference.correction import Correction, correct_draws
 from softfinger.inference.correlation import Covariance
 from softfinger.inference.density import Effects, Given, build_pymc_model
-from softfinger.inference.disturbed import admit_known
+from softfinger.inference.disturbed import admit_found, admit_known
 from softfinger.inference.expansion import Expansion, expand_fit, forget_trial, keep_trial
 from softfinger.inference.gibbs import sample_gibbs
 from softfinger.inference.integrate import compute_integrated_log_likelihood
@@ -101,12 +101,26 @@ def prepare_fit(
 ) -> Preparation:
     """Fit and expand the model; set the priors.
 
-    The angles are set right already by what the file states of their `measurement`.
+    The angles are set right already by what the file states of their `measurement`. Where none
+    states it, the noise includes what the model's own residual shows of log, clock and picture.
     """
     problem, fit = pose_problem(angles, content, priors=priors)
     if content is not None and content.measurement is not None:
         problem, fit = admit_known(problem, fit, content.measurement.disturbances)
+    elif content is None or priors:  # no diagnosis of these very recordings
+        few = choose_some(angles)
+        posed = (problem, fit) if few is angles else pose_problem(few, content, priors=priors)
+        problem, fit = admit_found(problem, fit, posed)
     return prepare_candidate(angles, problem, Candidate(problem.base, fit, fit.log_evidence))
+
+
+def choose_some(angles: xr.Dataset) -> xr.Dataset:
+    """Choose trials in which disturbances are sought, evenly."""
+    number = angles.sizes["trial"]
+    if number <= BUDGET.disturbed_trials:
+        return angles
+    places = np.linspace(0, number - 1, BUDGET.disturbed_trials).astype(int)
+    return angles.isel(trial=places)
 
 
 def prepare_candidate(angles: xr.Dataset, problem: Problem, candidate: Candidate) -> Preparation:

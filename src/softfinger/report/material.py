@@ -99,6 +99,11 @@ class Material:
         return self.angles.sizes["trial"] < 2
 
     @property
+    def note(self) -> str:
+        """What the fit leaves open, and what its noise includes."""
+        return str(self.artifacts["summary"].attrs["note"])
+
+    @property
     def is_fitted(self) -> bool:
         """Whether there is anything besides a diagnosis."""
         return "verdict" not in self or "posterior" in self

@@ -27,6 +27,7 @@ from softfinger.mismatch.diagnose import Diagnosis
 from softfinger.mismatch.diagnose import diagnose as find_left_out
 from softfinger.mismatch.experiment.proposal import propose_experiment
 from softfinger.mismatch.experiment.survivors import (
+    OpenModels,
     describe_survivors,
     list_survivors,
     write_survivors,
@@ -99,15 +100,7 @@ def diagnose(
         save_artifact(tables[name], SPECS[name], path, provenance)
     with write_atomically(repaired) as temporary:
         write_model_file(describe_repair(found, fitted_to), temporary)
-    left = list_survivors(found.problem, found.posterior)
-    open_models = describe_survivors(
-        left,
-        fitted_to,
-        found.verdict.decision,
-        found.verdict.not_testable,
-        found.mended.shorten(),
-    )
-    write_survivors(open_models, Path(survivors))
+    write_survivors(list_open_models(found, fitted_to), Path(survivors))
     said = found.verdict
     if config["sample_repaired"]:
         # the sampler takes seconds to import
@@ -123,6 +116,17 @@ def diagnose(
     write_load_files(proposal, Path(next_experiment))  # Snakemake gives a str
     with write_atomically(verdict) as temporary:
         write_verdict(said, temporary)
+
+
+def list_open_models(found: Diagnosis, fitted_to: FittedTo) -> OpenModels:
+    """List the models that a diagnosis leaves open."""
+    return describe_survivors(
+        list_survivors(found.problem, found.posterior),
+        fitted_to,
+        found.verdict.decision,
+        found.verdict.not_testable,
+        found.mended.shorten(),
+    )
 
 
 def list_warnings(found: Diagnosis, recorded: xr.Dataset) -> list[Warned]:

@@ -59,6 +59,7 @@ def summarise(
     for name, (path, tree) in made.items():
         tree.attrs |= {key: angles.attrs[key] for key in ("campaign", "source")}
         tree.attrs["ci_prob"] = limits.ci_prob
+        tree.attrs["note"] = "" if posterior is None else posterior.attrs["note"]
         save_tree(tree, SUMMED[name], path, provenance)
 
 

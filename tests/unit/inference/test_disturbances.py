@@ -1,8 +1,11 @@
 """Wrong logs and clocks: found by evidence, and taken into the noise."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from softfinger.inference import posterior
 from softfinger.inference.disturbances import (
     _group_rows,
     fit_disturbances,
@@ -14,7 +17,9 @@ from softfinger.inference.disturbed import (
     admit_known,
     locate_disturbances,
 )
+from softfinger.inference.layout import describe_fit
 from softfinger.inference.mixed_effects_linearised import solve_linearised
+from softfinger.inference.posterior import prepare_fit
 from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.inference.reduce import whiten_residual, whiten_slope
 from softfinger.inference.simulate import (
@@ -202,3 +207,25 @@ def test_one_clean_trial_has_no_disturbance(record):
     problem, fit = pose_problem(record().isel(trial=[0]))
     base = Candidate(problem.base, fit, fit.log_evidence)
     assert fit_disturbances(problem, base)[0] == {}
+
+
+def test_a_fit_without_a_diagnosis_takes_what_its_residual_shows_into_the_noise(record):
+    """Its population is as uncertain as that log leaves it; a clean campaign's stays."""
+    plain, noisy = (prepare_fit(record(load_error=error)) for error in (0.0, 0.02))
+    assert plain.recorded.problem.disturbed == {}
+    assert describe_fit(plain.recorded.problem) == ""
+    found = noisy.recorded.problem
+    assert list(found.disturbed) == ["noisy_load"]
+    assert "The load log scatters by 1.8 %" in describe_fit(found)
+    blind, fit = pose_problem(record(load_error=0.02))
+    known, naive = noisy.recorded.candidate.fit, fit
+    assert known.log_evidence > naive.log_evidence + 30
+    assert not blind.disturbed
+
+
+def test_some_trials_show_what_all_suffer_from(record, monkeypatch):
+    smaller = replace(posterior.BUDGET, disturbed_trials=4)
+    monkeypatch.setattr(posterior, "BUDGET", smaller)
+    found = prepare_fit(record(load_error=0.02)).recorded.problem
+    assert found.disturbed["noisy_load"] == pytest.approx(0.02, rel=0.4)
+    assert len(found.trials.name) == 8

@@ -25,6 +25,8 @@ SPEC = ArtifactSpec(
     name="posterior",
     title="Hierarchical posterior of the viscoelastic parameters",
     rule="fit",
+    # `note`: what few trials leave open, and what the noise includes; empty where nothing is.
+    attrs=("note",),
     variables={},
     groups={
         "posterior": {

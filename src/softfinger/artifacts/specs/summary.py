@@ -27,7 +27,8 @@ SPEC = ArtifactSpec(
     name="summary",
     title="Recordings, population and diagnosis in short",
     rule="summarise",
-    attrs=("campaign", "source", "ci_prob"),
+    # `note`: what the fit leaves open, and what its noise includes; empty where nothing is.
+    attrs=("campaign", "source", "ci_prob", "note"),
     variables={},
     groups={
         "recordings": {

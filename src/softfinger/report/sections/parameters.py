@@ -36,6 +36,7 @@ def build_parameters(material: Material) -> Section:
     else:
         blocks = [
             Paragraph(describe_scales(material)),
+            Paragraph(material.note, "note") if material.note else None,
             build_centre_table(material),
             build_spread_table(material),
             build_fitted_effects(material),

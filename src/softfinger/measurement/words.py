@@ -1,0 +1,109 @@
+"""Components of a measurement in words."""
+
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+
+class Words(NamedTuple):
+    """How a component appears in a verdict.
+
+    Key of the size, the sentence from size and measurement, and the verdict's id if another.
+    """
+
+    key: str
+    say: Callable[[float, xr.Dataset], str]
+    id: str = ""
+
+
+def describe_components(measurement: xr.Dataset, names: Iterable[str]) -> list[str]:
+    """Describe some components, a sentence each."""
+    sizes = measurement["component_size"]
+    return [WORDS[n].say(float(sizes.sel(component=n)), measurement) for n in names]
+
+
+def scale_trials(measurement: xr.Dataset) -> xr.DataArray:
+    """Noise (trial,) over the campaign's, joints averaged."""
+    return np.exp(np.log(measurement["trial_factor"]).mean("joint"))
+
+
+def _say_uneven(size: float, measurement: xr.Dataset) -> str:
+    factor = scale_trials(measurement)
+    worst = factor["trial"].values[np.abs(np.log(factor.values)).argmax()]
+    return (
+        f"The noise differs between trials by {100 * np.expm1(size):.0f} %; that of {worst} is "
+        f"{float(factor.sel(trial=worst)):.2g} times the campaign's."
+    )
+
+
+def _say_signal(size: float, measurement: xr.Dataset) -> str:
+    sd = 1e3 * float(np.sqrt((measurement["noise_sd"] ** 2).mean()))
+    grown = sd * np.sqrt(1.0 + size**2)
+    return (
+        f"The noise grows with the deflection: from {sd:.2g} mrad at rest to {grown:.2g} mrad "
+        "at 1 rad."
+    )
+
+
+def _say_hum(size: float, measurement: xr.Dataset) -> str:
+    tones = list(dict.fromkeys(f"{f:.3g}" for f in measurement["hum_frequency"].values))
+    listed = " and ".join([", ".join(tones[:-1]), tones[-1]] if len(tones) > 1 else tones)
+    return f"The angles hum at {listed} Hz with {1e3 * size:.2g} mrad, whatever the load does."
+
+
+WORDS = {
+    "outliers": Words(
+        "share", lambda s, _: f"{100 * s:.2g} % of the frames are gross errors, and are left out."
+    ),
+    "heavy_tails": Words(
+        "freedom",
+        lambda s, _: (
+            f"The noise has heavy tails, like Student's t with {s:.0f} degrees of freedom."
+        ),
+    ),
+    "repeated_frames": Words(
+        "share",
+        lambda s, _: f"{100 * s:.2g} % of the frames repeat the one before, and are left out.",
+    ),
+    "saturated_sensor": Words(
+        "share",
+        lambda s, _: (
+            f"{100 * s:.2g} % of the frames are at or after a limit of their sensor, and are left "
+            "out."
+        ),
+    ),
+    "lost_frames": Words("share", lambda s, _: f"{100 * s:.2g} % of the frames are missing."),
+    "uneven_noise": Words("log_sd", _say_uneven),
+    "signal_noise": Words("per_rad", _say_signal),
+    "noisy_load": Words(
+        "relative_sd",
+        lambda s, _: f"The load log scatters by {100 * s:.2g} %: {10 * s:.2g} N at 10 N.",
+    ),
+    "load_drift": Words(
+        "relative_sd",
+        lambda s, _: f"The gain of the load cell drifts within a trial by {100 * s:.2g} %.",
+        "noisy_load",
+    ),
+    "timing_jitter": Words(
+        "sd_s", lambda s, _: f"The times of the frames jitter by {1e3 * s:.2g} ms."
+    ),
+    "clock_offset": Words(
+        "sd_s", lambda s, _: f"Camera and load log are apart by {1e3 * s:.2g} ms, trial by trial."
+    ),
+    "clock_rate": Words(
+        "relative_sd",
+        lambda s, _: f"The clocks of camera and load log differ by {100 * s:.2g} % in rate.",
+    ),
+    "drift": Words(
+        "noise_sd",
+        lambda s, _: f"The angles drift within a trial by {s:.2g} times the noise.",
+    ),
+    "gain_drift": Words(
+        "relative_sd",
+        lambda s, _: f"The gain of the angles' sensor drifts within a trial by {100 * s:.2g} %.",
+        "drift",
+    ),
+    "hum": Words("amplitude_rad", _say_hum, "drift"),
+}
