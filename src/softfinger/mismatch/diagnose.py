@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,6 +24,7 @@ from softfinger.mismatch.checks.hums import Hum, describe_hums, hear_hums, note_
 from softfinger.mismatch.config import MismatchSettings
 from softfinger.mismatch.experiment.masking import list_invisible, tabulate_masking
 from softfinger.mismatch.search.calibrate import FalseAlarms, calibrate_false_alarms
+from softfinger.mismatch.search.eliminate import fit_less
 from softfinger.mismatch.search.judge import (
     find_clock_rate,
     find_leader,
@@ -214,7 +216,7 @@ def _close(
         search = share_with_creep(problem, name_species(problem, search))
     search = shape_rest(problem, settle_search(search))
     findings = examine(problem, search, angles, needed=needed)
-    kept = drop_negligible(search)
+    kept = drop_negligible(search, partial(fit_less, problem))
     search = hold_against_shape(problem, kept)
     if search.best is not kept.best:
         findings = examine(problem, search, angles, needed=needed)

@@ -30,6 +30,15 @@ def fit_without(problem: Problem, candidate: Candidate, piece: Piece) -> Candida
     return prune(problem, Candidate(model, fit, fit.log_evidence))
 
 
+def fit_less(problem: Problem, candidate: Candidate, ids: frozenset[str]) -> Candidate | None:
+    """Fit a model without some effects, else None."""
+    found: Candidate | None = candidate
+    for piece in candidate.model.pieces:
+        if piece.effect.id in ids and found is not None:
+            found = fit_without(problem, found, piece)
+    return found
+
+
 def eliminate(
     problem: Problem, candidate: Candidate, needed: float, found: list[Candidate]
 ) -> Candidate:

@@ -7,7 +7,7 @@ within a set by its forms. Where several sets remain that share an effect and di
 add to it, and that adds hardly anything, the shared part is what is known.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +18,7 @@ from softfinger.mismatch.priors import PRIORS
 from softfinger.mismatch.search.stepwise import Search
 
 Ids = frozenset[str]
+Refit = Callable[[Candidate, Ids], Candidate | None]
 
 
 class Posterior(NamedTuple):
@@ -107,27 +108,33 @@ def settle_search(search: Search) -> Search:
     return search._replace(candidates=fewer, rejected=[*more, *search.rejected], best=kept)
 
 
-def drop_negligible(search: Search) -> Search:
+def drop_negligible(search: Search, refit: Refit) -> Search:
     """Take back what lies below an effect's floor.
 
     A good rig's own errors reach that far.
 
     What is taken back has been explained; so no rival of it, and no larger set, is claimed either.
+
+    Parameters
+    ----------
+    refit
+        Fits a model without some effects, for sets that the search left out.
     """
     best, base = search.best, search.base
     negligible = best.model.list_negligible(best.fit.shared) - base.model.ids
     if not negligible:
         return search
-    kept = weigh_models(base, search.candidates).best.get(
-        best.model.ids - base.model.ids - negligible
-    )
+    wanted = best.model.ids - base.model.ids - negligible
+    kept = weigh_models(base, search.candidates).best.get(wanted)
+    if wanted and (kept is None or kept.fit is None):
+        kept = refit(best, negligible)
     kept = base if kept is None or kept.fit is None else kept
     size = len(kept.model.ids)
-    fewer = [
-        c for c in search.candidates if base.model.ids < c.model.ids and len(c.model.ids) <= size
-    ]
+    known = [kept, *(c for c in search.candidates if c is not kept)]
+    fewer = [c for c in known if base.model.ids < c.model.ids and len(c.model.ids) <= size]
     more = [c for c in search.candidates if len(c.model.ids) > size]
-    return search._replace(candidates=fewer, rejected=[*more, *search.rejected], best=kept)
+    left = search._replace(candidates=fewer, rejected=[*more, *search.rejected], best=kept)
+    return left if kept is base else drop_negligible(left, refit)
 
 
 def join_ids(ids: Ids) -> str:

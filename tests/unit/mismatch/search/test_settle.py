@@ -103,9 +103,13 @@ def small(*ids, negligible, nats=30.0):
     return Candidate(content, SimpleNamespace(shared=None), nats)
 
 
+def refuse(candidate, ids):
+    """Nothing else can be fitted."""
+
+
 def test_what_lies_below_its_floor_is_not_claimed_and_neither_are_its_rivals():
     found = search(small("a", negligible="a"), small("b", negligible="", nats=25.0))
-    settled = drop_negligible(found)
+    settled = drop_negligible(found, refuse)
     assert settled.best is found.base
     assert settled.candidates == []
     assert settled.rejected == found.candidates
@@ -114,11 +118,29 @@ def test_what_lies_below_its_floor_is_not_claimed_and_neither_are_its_rivals():
 def test_of_two_effects_the_one_above_its_floor_is_kept():
     one, other = small("a", negligible="", nats=90.0), small("b", negligible="b", nats=40.0)
     pair = small("a", "b", negligible="b", nats=100.0)
-    settled = drop_negligible(search(one, other, pair))
+    settled = drop_negligible(search(one, other, pair), refuse)
     assert settled.best is one
     assert settled.candidates == [one, other]
     assert settled.rejected == [pair]
-    assert drop_negligible(settled) is settled
+    assert drop_negligible(settled, refuse) is settled
+
+
+def test_what_is_left_above_its_floor_is_fitted_where_the_search_had_not():
+    """The set without the negligible effect was no candidate: it is known, not the base model."""
+    three = small("a", "b", "c", negligible="c", nats=100.0)
+    left = small("a", "b", negligible="", nats=95.0)
+    asked = []
+
+    def refit(candidate, ids):
+        asked.append((candidate, ids))
+        return left
+
+    found = search(three, small("d", negligible="", nats=10.0))
+    settled = drop_negligible(found, refit)
+    assert asked == [(three, frozenset("c"))]
+    assert settled.best is left
+    assert settled.candidates[0] is left
+    assert settled.rejected == [three]
 
 
 @pytest.mark.parametrize(
