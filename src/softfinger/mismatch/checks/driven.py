@@ -1,9 +1,10 @@
 """What follows the load in what a model leaves.
 
-Rings and resonances: oscillators that the load drives and that forget; waves that are as large as
-the load; and what moves as the load and its rate do. Each has a gain for every trial, or one for
-all. What has the hum's frequency pays for its choice as the hum does. An oscillator of another
-frequency does not: what moves with a load that swings has no frequency of its own.
+Rings and resonances: oscillators that the load drives and that forget; two of them, one for its
+rises and one for its falls, as a finger that is let go rings in another way; waves that are as
+large as the load; and what moves as the load and its rate do. Each has a gain for every trial, or
+one for all. What has the hum's frequency pays for its choice as the hum does. An oscillator of
+another frequency does not: what moves with a load that swings has no frequency of its own.
 """
 
 import numpy as np
@@ -42,14 +43,30 @@ def weigh_driven(
     power = [2.0 * np.mean(part**2, axis=0) for part in (every.real, every.imag)]
     real, imag = (np.sqrt(np.fmax(part, 1e-300)) for part in power)  # as strong as a hum
     alike = [one.real / real + 1j * one.imag / imag for one in kinds]
-    products = [project_wave(series, [a[:, k] for a in alike]) for k in range(every.shape[1])]
-    gain = np.array([[weigh_wave(p, sizes), weigh_wave(p.share_gain(), sizes)] for p in products])
-    own = len(PRIORS.ring_periods) + 1
-    return float(np.logaddexp(average_evidence(gain[:own]) - cost, average_evidence(gain[own:])))
+
+    def weigh(groups: list[list[int]]) -> float:
+        products = [project_wave(series, [a[:, group] for a in alike]) for group in groups]
+        both = [[weigh_wave(p, sizes), weigh_wave(p.share_gain(), sizes)] for p in products]
+        return average_evidence(np.array(both))
+
+    tuned, other = _group_kinds(every.shape[1])
+    return float(np.logaddexp(weigh(tuned) - cost, weigh(other)))
+
+
+def _group_kinds(count: int) -> tuple[list[list[int]], list[list[int]]]:
+    """Columns of `list_driven` that act together: of the chosen frequency, and others."""
+    number = len(PRIORS.ring_periods)
+    ways = [[k, number + k] for k in range(number)]
+    alone = [[k] for k in range(2 * number, count)]
+    return [*ways, *alone[: number + 1]], alone[number + 1 :]
 
 
 def list_driven(problem: Problem, series: WaveSeries, chosen: float) -> NDArray[np.complex128]:
-    """List what follows a load (frame, kind), [Hz] first."""
+    """List what follows a load (frame, kind).
+
+    First rings of the chosen frequency [Hz]: by rises, by falls, by both, each with every time of
+    decay; then the wave as large as the load, rings of other frequencies, and what moves with it.
+    """
     known = problem.trials.load_time[series.trial], problem.trials.load_torque[series.trial]
     time, load = series.time, np.interp(series.time, *known)
     low, high = DECISIONS.wave_periods / problem.setting.duration, 0.45 / problem.trials.interval
@@ -57,9 +74,14 @@ def list_driven(problem: Problem, series: WaveSeries, chosen: float) -> NDArray[
     periods = np.array(PRIORS.ring_periods)
     every = np.repeat(frequency, len(periods))
     rings = drive_oscillators(time, load, every, np.tile(periods, len(frequency)) / every)
+    change = np.diff(load, prepend=0.0)
+    one_way = [
+        drive_oscillators(time, np.cumsum(part), every[: len(periods)], periods / chosen)
+        for part in (np.maximum(change, 0.0), np.minimum(change, 0.0))
+    ]
     loaded = load * np.exp(2j * np.pi * chosen * time)
     follows = load + 1j * np.gradient(load, time)
-    own = rings[:, : len(periods)], loaded[:, None]
+    own = *one_way, rings[:, : len(periods)], loaded[:, None]
     return np.concatenate([*own, rings[:, len(periods) :], follows[:, None]], axis=1)
 
 

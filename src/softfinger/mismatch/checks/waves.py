@@ -1,9 +1,9 @@
-"""Evidence for a wave in what a model leaves.
+"""Evidence for waves in what a model leaves.
 
 A wave has two columns, with amplitudes of one size.
 
-With X the two whitened columns of a trial, y its n whitened numbers of unit variance, s the sd of
-the amplitudes, and the variance unknown, the evidence is
+With X the whitened columns of a trial, two for each wave, y its n whitened numbers of unit
+variance, s the sd of the amplitudes, and the variance unknown, the evidence is
 
     −½ log|1 + s² XᵀX| − (n/2) log(1 − Q/n),    Q = yᵀX (XᵀX + s⁻²)⁻¹ Xᵀy
 """
@@ -21,9 +21,9 @@ Wave = NDArray[np.complex128]
 
 
 class Products(NamedTuple):
-    """Products of one wave's columns and the residual.
+    """Products of the waves' columns and the residual.
 
-    XᵀX (trial, 2, 2), Xᵀy (trial, 2) and n (trial,).
+    XᵀX (trial, 2 · wave, 2 · wave), Xᵀy (trial, 2 · wave) and n (trial,).
     """
 
     square: Array
@@ -36,29 +36,34 @@ class Products(NamedTuple):
 
 
 def project_wave(series: list[WaveSeries], waves: list[Wave]) -> Products:
-    """Project each trial's whitened numbers on its wave (n,)."""
-    square, pull = np.zeros((len(series), 2, 2)), np.zeros((len(series), 2))
-    for i, (one, wave) in enumerate(zip(series, waves, strict=True)):
-        white = one.per_rad * whiten_series(wave, one.gap, one.memory)
-        columns = np.stack([white.real, white.imag])
+    """Project each trial's whitened numbers on its wave (n,).
+
+    Several waves at once are (n, wave).
+    """
+    square, pull = [], []
+    for one, wave in zip(series, waves, strict=True):
+        rows = [whiten_series(part, one.gap, one.memory) for part in np.atleast_2d(wave.T)]
+        columns = one.per_rad * np.stack([part for w in rows for part in (w.real, w.imag)])
         columns -= columns.mean(axis=1, keepdims=True)
-        square[i], pull[i] = columns @ columns.T, columns @ one.values
-    return Products(square, pull, np.array([float(one.values.size) for one in series]))
+        square.append(columns @ columns.T)
+        pull.append(columns @ one.values)
+    count = np.array([float(one.values.size) for one in series])
+    return Products(np.stack(square), np.stack(pull), count)
 
 
 def weigh_wave(products: Products, sizes: Array) -> Array:
-    """Evidence [nats] for a wave of each size [rad].
+    """Evidence [nats] for waves of each size [rad].
 
     >>> one = Products(np.eye(2)[None], np.zeros((1, 2)), np.ones(1))
     >>> weigh_wave(one, np.ones(1)).round(6).tolist()
     [-0.693147]
     """
     square, pull, count = products
-    found = np.zeros(len(sizes))
+    found, one = np.zeros(len(sizes)), np.eye(pull.shape[1])
     for k, size in enumerate(sizes):
-        amplitude = np.linalg.solve(square + np.eye(2) / size**2, pull[..., None])[..., 0]
+        amplitude = np.linalg.solve(square + one / size**2, pull[..., None])[..., 0]
         explained = np.einsum("ta,ta->t", pull, amplitude) / count
-        wide = np.linalg.slogdet(np.eye(2) + size**2 * square)[1]
+        wide = np.linalg.slogdet(one + size**2 * square)[1]
         found[k] = -0.5 * np.sum(count * np.log1p(-explained) + wide)
     return found
 

@@ -79,6 +79,21 @@ def ring(frequency, size, periods):
     return wave
 
 
+def ring_otherwise_as_it_falls(frequency, size, periods):
+    """A ring after each change of load, of a phase of its own: valves open and close in time."""
+
+    def wave(rng, load):
+        rises, falls = rng.uniform(0.0, 2 * np.pi, (2, len(load), 1))
+        moved = np.zeros(load.shape)
+        for since, until, phase in ((1.0, 7.0, rises), (7.0, np.inf, falls)):
+            gone, on = TIME - since, (since <= TIME) & (until > TIME)
+            ringing = np.sin(2 * np.pi * frequency * gone + phase)
+            moved += np.where(on, np.exp(-gone * frequency / periods) * ringing, 0.0)
+        return size * load.max(axis=1)[:, None] * moved
+
+    return wave
+
+
 def weigh_rest(problem, residual, time, hums):
     """Evidence [nats] for a line beside the hums."""
     return find_line(problem, residual - sum(one.move(time) for one in hums), time).gain
@@ -113,6 +128,12 @@ def test_a_ring_is_no_hum_and_leaves_its_line(frequency, periods, trials):
     case = draw(5, trials, ring(frequency, 20 * SD, periods))
     assert find_hums(*case) == []
     assert find_line(*case).gain > DECISIONS.least_left
+
+
+@pytest.mark.parametrize("trials", [1, 6])
+@pytest.mark.parametrize(("frequency", "periods"), [(1.2, 10.0), (1.2, 30.0), (3.3, 30.0)])
+def test_a_finger_that_rings_otherwise_as_it_is_let_go_does_not_hum(frequency, periods, trials):
+    assert find_hums(*draw(8, trials, ring_otherwise_as_it_falls(frequency, 6 * SD, periods))) == []
 
 
 @pytest.mark.parametrize("trials", [1, 6])
