@@ -58,7 +58,7 @@ def fit_noise(angles: xr.Dataset, frames: xr.Dataset) -> NoiseFit:
         windows: the quiet ones that show it.
     """
     declared = float(angles.attrs.get("noise_sd_rad", np.nan))
-    windows = [cut_windows(angles, frames, joint) for joint in range(angles.sizes["joint"])]
+    windows = cut_windows(angles, frames)
     fits = _share_memory(
         [fit_joint(joint_windows, declared) for joint_windows in windows], declared
     )

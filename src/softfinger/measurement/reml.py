@@ -32,6 +32,7 @@ from softfinger.measurement.memory import Memory, fill_white
 from softfinger.measurement.priors import PRIORS
 from softfinger.measurement.quiet import find_quiet_array
 
+LOAD = ("load_time", "load_torque")
 LEAST_SD = 1e-9  # [rad] far below any camera's noise: a frozen recording has none
 
 
@@ -80,35 +81,68 @@ class Windows(NamedTuple):
         start = np.concatenate([[0], np.cumsum(sizes[chosen])])
         return Windows(self.rows[row], self.gap[row], start, self.place[row])
 
+    def thin(self, rows: int) -> "Windows":
+        """Keep about so many rows, in windows spread evenly."""
+        number = len(self.start) - 1
+        if len(self.rows) <= rows:
+            return self
+        chosen = np.zeros(number, bool)
+        chosen[np.linspace(0, number - 1, -(-number * rows // len(self.rows))).astype(int)] = True
+        return self.keep(chosen)
 
-def cut_windows(angles: xr.Dataset, frames: xr.Dataset, joint: int) -> Windows:
-    """Cut the quiet frames of a joint into windows.
+
+class _Quiet(NamedTuple):
+    """Quiet windows of all trials, for any joint.
+
+    powers (n, degree + 1), gap (n,), place (n,) as of `Windows`; size, trial (window,).
+    """
+
+    powers: NDArray
+    gap: NDArray
+    place: NDArray
+    size: NDArray
+    trial: NDArray
+
+
+def cut_windows(angles: xr.Dataset, frames: xr.Dataset) -> list[Windows]:
+    """Cut the quiet frames of every joint into windows.
 
     The frames are those of all trials.
     """
-    time = angles["time"].transpose("trial", "frame").values
-    angle = angles["joint_angle"].transpose("trial", "joint", "frame").values[:, joint]
-    angle = angle / frames["frame_scale"].values
+    quiet = _find_quiet(angles, frames)
+    angle = angles["joint_angle"].transpose("trial", "joint", "frame").values
+    angle = angle / frames["frame_scale"].values[:, None]
     if "noise_factor" in frames:
-        angle = angle / frames["noise_factor"].values[:, joint]
+        angle = angle / frames["noise_factor"].values
+    present, found = frames["present"].values, []
+    for joint in range(angle.shape[1]):
+        chosen = present[quiet.trial, joint]
+        row = np.repeat(chosen, quiet.size)
+        place = quiet.place[row]
+        rows = np.column_stack([quiet.powers[row], angle[:, joint].ravel()[place]])
+        start = np.concatenate([[0], np.cumsum(quiet.size[chosen])])
+        found.append(Windows(rows, quiet.gap[row], start, place))
+    return found
+
+
+def _find_quiet(angles: xr.Dataset, frames: xr.Dataset) -> _Quiet:
+    time = angles["time"].transpose("trial", "frame").values
     interval = float(frames["frame_interval"])
-    rows, gaps, sizes, places = [], [], [], []
-    for trial in np.flatnonzero(frames["present"].values[:, joint]):
+    loads = [angles[name].transpose("trial", "knot").values for name in LOAD]
+    powers, gaps, places = [np.empty((0, PRIORS.degree + 1))], [np.empty(0)], [np.empty(0, int)]
+    sizes, trials = [], []
+    for trial in np.flatnonzero(frames["present"].values.any(axis=1)):
         index = np.flatnonzero(frames["used"].values[trial])
-        load = (angles[name].values[trial] for name in ("load_time", "load_torque"))
-        for part in _split_quiet(index, find_quiet_array(time[trial, index], *load)):
+        quiet = find_quiet_array(time[trial, index], *(load[trial] for load in loads))
+        for part in _split_quiet(index, quiet):
             t = time[trial, part]
-            position = 2 * (t - t[0]) / (t[-1] - t[0]) - 1
-            powers = np.vander(position, PRIORS.degree + 1)
-            rows.append(np.column_stack([powers, angle[trial, part]]))
+            powers.append(np.vander(2 * (t - t[0]) / (t[-1] - t[0]) - 1, PRIORS.degree + 1))
             gaps.append(np.diff(t, prepend=-np.inf) / interval)
-            sizes.append(len(part))
             places.append(trial * time.shape[1] + part)
-    if not rows:
-        none = np.empty((0, PRIORS.degree + 2))
-        return Windows(none, np.empty(0), np.zeros(1, int), np.empty(0, int))
-    start = np.concatenate([[0], np.cumsum(sizes)])
-    return Windows(np.concatenate(rows), np.concatenate(gaps), start, np.concatenate(places))
+            sizes.append(len(part))
+            trials.append(trial)
+    joined = (np.concatenate(parts) for parts in (powers, gaps, places))
+    return _Quiet(*joined, np.array(sizes, int), np.array(trials, int))
 
 
 def _split_quiet(index: NDArray, quiet: NDArray[np.bool_]) -> list[NDArray]:
@@ -148,9 +182,11 @@ def find_memory(windows: list[Windows], declared: float) -> Memory:
     """Find the most probable memory that all joints share.
 
     Each joint has its own best σ. A white share is there where it has evidence: first a few shares
-    are tried, at the ρ that has the same correlation over a frame.
+    are tried, at the ρ that has the same correlation over a frame. Of long recordings some windows
+    are enough.
     """
     frames = PRIORS.lasting_windows * DECISIONS.window_frames
+    windows = [part.thin(BUDGET.memory_rows) for part in windows]
 
     def deviance(memory: Memory) -> float:
         lasting = -2.0 / np.log(memory.autocorrelation) / frames

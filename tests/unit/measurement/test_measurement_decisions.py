@@ -79,7 +79,7 @@ def test_a_short_burst_stands_out_and_a_long_one_does_not(length, stands_out):
 
 def test_windows_are_neither_long_nor_short(quiet):
     angles, frames = quiet
-    sizes = np.diff(cut_windows(angles, frames, 0).start)
+    sizes = np.diff(cut_windows(angles, frames)[0].start)
     assert 150 < sizes.max() <= 200
 
 

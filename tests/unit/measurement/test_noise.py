@@ -1,6 +1,9 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from softfinger.measurement import reml
 from softfinger.measurement.frames import select_frames
 from softfinger.measurement.memory import Memory, whiten_array, whiten_neighbours
 from softfinger.measurement.noise import fit_noise
@@ -19,6 +22,27 @@ def test_finds_sd_autocorrelation_and_correlation_under_motion(make_campaign, rn
     expected = noise["noise_autocorrelation"].values
     assert found["noise_autocorrelation"].values == pytest.approx(expected, abs=0.05)
     assert found["noise_correlation"].values[0, 1] == pytest.approx(-0.5, abs=0.05)
+
+
+def test_some_windows_of_a_long_recording_show_its_memory(make_campaign, rng, monkeypatch):
+    """Of 60 trials a third is looked at, for the memory alone: the sd is that of all."""
+    angles, _, noise = make_campaign(rng, trials=60, time=np.arange(600) / 30, rho=0.9)
+    every = estimate_noise(angles)
+    fewer = replace(reml.BUDGET, memory_rows=10_000)
+    monkeypatch.setattr(reml, "BUDGET", fewer)
+    rows = []
+    evaluate = reml.evaluate_reml
+    monkeypatch.setattr(
+        reml,
+        "evaluate_reml",
+        lambda part, *rest: rows.append(len(part.rows)) or evaluate(part, *rest),
+    )
+    found = estimate_noise(angles)
+    assert sum(n > 11_000 for n in rows) < 0.1 * len(rows)
+    expected = noise["noise_autocorrelation"].values
+    assert found["noise_autocorrelation"].values == pytest.approx(expected, abs=0.03)
+    assert found["noise_sd"].values == pytest.approx(every["noise_sd"].values, rel=0.06)
+    assert (found["window_count"] == every["window_count"]).all()
 
 
 def test_a_declared_sd_is_kept(make_campaign, rng):
