@@ -205,8 +205,8 @@ def _list_variances(
     for joint, (windows, memory) in enumerate(zip(fit.windows, fit.memories, strict=True)):
         if windows.dof <= 0 or not np.isfinite(memory.autocorrelation):
             continue
-        residual = np.empty(len(windows.rows))
-        rss, _ = profile_windows(*memory, *windows[:3], residual)
+        residual = np.empty(len(windows.angle))
+        rss, _ = profile_windows(*memory, *windows[:4], residual)
         freedom = np.diff(windows.start) - PRIORS.degree - 1.0
         usual = declared**2 if np.isfinite(declared) else rss.sum() / freedom.sum()
         begin = windows.start[:-1]

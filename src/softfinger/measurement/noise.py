@@ -135,9 +135,9 @@ def _correlate_joints(windows: list[Windows], memories: list[Memory]) -> NDArray
     """
     leftover = []
     for part, memory in zip(windows, memories, strict=True):
-        residual = np.empty(len(part.rows))
+        residual = np.empty(len(part.angle))
         if np.isfinite(memory.autocorrelation):
-            profile_windows(*memory, *part[:3], residual)
+            profile_windows(*memory, *part[:4], residual)
         leftover.append(residual)
     correlation = np.eye(len(windows))
     for a in range(len(windows)):

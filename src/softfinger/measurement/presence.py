@@ -49,8 +49,8 @@ def _weigh_tails(fit: NoiseFit) -> dict[str, tuple[float, float]]:
     units = [np.empty(0)]
     for windows, memory in zip(fit.windows, fit.memories, strict=True):
         if windows.dof > 0 and np.isfinite(memory.autocorrelation):
-            residual = np.empty(len(windows.rows))
-            profile_windows(*memory, *windows[:3], residual)
+            residual = np.empty(len(windows.angle))
+            profile_windows(*memory, *windows[:4], residual)
             sizes = np.diff(windows.start)
             sd = np.sqrt(np.add.reduceat(residual**2, windows.start[:-1]) / sizes)
             units.append(residual / np.repeat(np.maximum(sd, LEAST_SD), sizes))

@@ -33,12 +33,19 @@ from softfinger.measurement.priors import PRIORS
 from softfinger.measurement.quiet import find_quiet_array
 
 LOAD = ("load_time", "load_torque")
+DEGREE = PRIORS.degree  # of the polynomial that follows the motion of a window
 LEAST_SD = 1e-9  # [rad] far below any camera's noise: a frozen recording has none
 
 
 @compiled
 def profile_windows(
-    rho: float, share: float, rows: NDArray, gap: NDArray, start: NDArray, residual: NDArray
+    rho: float,
+    share: float,
+    position: NDArray,
+    angle: NDArray,
+    gap: NDArray,
+    start: NDArray,
+    residual: NDArray,
 ) -> tuple[NDArray, float]:
     """RSS of each window, and Σ (log|R| + log|XᵀR⁻¹X|).
 
@@ -47,8 +54,12 @@ def profile_windows(
     rss, logdet = np.zeros(start.size - 1), 0.0
     for window in range(start.size - 1):
         part = slice(start[window], start[window + 1])
-        white = np.empty((start[window + 1] - start[window], rows.shape[1]))
-        logdet += fill_white(rows[part], gap[part], rho, share, white)
+        rows = np.empty((start[window + 1] - start[window], DEGREE + 2))
+        rows[:, DEGREE], rows[:, DEGREE + 1] = 1.0, angle[part]
+        for power in range(DEGREE - 1, -1, -1):
+            rows[:, power] = rows[:, power + 1] * position[part]
+        white = np.empty_like(rows)
+        logdet += fill_white(rows, gap[part], rho, share, white)
         design, value = np.ascontiguousarray(white[:, :-1]), np.ascontiguousarray(white[:, -1])
         gram = design.T @ design
         left = value - design @ np.linalg.solve(gram, design.T @ value)
@@ -61,47 +72,48 @@ def profile_windows(
 class Windows(NamedTuple):
     """Quiet windows of a joint, end to end.
 
-    Rows (n, degree + 2) contain powers and the angle.
+    Attributes
+    ----------
+    position
+        (n,) of a frame in its window, from −1 to 1.
+    angle
+        (n,) [rad], over the factor of the frame's noise.
+    gap
+        (n,) time since the row before, in median frame intervals.
+    start
+        (window + 1,) first row of each window, and the end.
+    place
+        (n,) trial · frames + frame, to match joints with each other.
     """
 
-    rows: NDArray
+    position: NDArray
+    angle: NDArray
     gap: NDArray
     start: NDArray
-    place: NDArray  # (n,) trial · frames + frame, to match joints with each other
+    place: NDArray
 
     @property
     def dof(self) -> int:
         """Rows that the quartics leave free."""
-        return len(self.rows) - (PRIORS.degree + 1) * (len(self.start) - 1)
+        return len(self.angle) - (DEGREE + 1) * (len(self.start) - 1)
 
     def keep(self, chosen: NDArray[np.bool_]) -> "Windows":
         """Keep the chosen windows (window,)."""
         sizes = np.diff(self.start)
+        if chosen.all():
+            return self
         row = np.repeat(chosen, sizes)
         start = np.concatenate([[0], np.cumsum(sizes[chosen])])
-        return Windows(self.rows[row], self.gap[row], start, self.place[row])
+        return Windows(*(part[row] for part in self[:3]), start, self.place[row])
 
     def thin(self, rows: int) -> "Windows":
         """Keep about so many rows, in windows spread evenly."""
         number = len(self.start) - 1
-        if len(self.rows) <= rows:
+        if len(self.angle) <= rows:
             return self
         chosen = np.zeros(number, bool)
-        chosen[np.linspace(0, number - 1, -(-number * rows // len(self.rows))).astype(int)] = True
+        chosen[np.linspace(0, number - 1, -(-number * rows // len(self.angle))).astype(int)] = True
         return self.keep(chosen)
-
-
-class _Quiet(NamedTuple):
-    """Quiet windows of all trials, for any joint.
-
-    powers (n, degree + 1), gap (n,), place (n,) as of `Windows`; size, trial (window,).
-    """
-
-    powers: NDArray
-    gap: NDArray
-    place: NDArray
-    size: NDArray
-    trial: NDArray
 
 
 def cut_windows(angles: xr.Dataset, frames: xr.Dataset) -> list[Windows]:
@@ -109,40 +121,38 @@ def cut_windows(angles: xr.Dataset, frames: xr.Dataset) -> list[Windows]:
 
     The frames are those of all trials.
     """
-    quiet = _find_quiet(angles, frames)
+    every, trial = _find_quiet(angles, frames)
     angle = angles["joint_angle"].transpose("trial", "joint", "frame").values
     angle = angle / frames["frame_scale"].values[:, None]
     if "noise_factor" in frames:
         angle = angle / frames["noise_factor"].values
     present, found = frames["present"].values, []
     for joint in range(angle.shape[1]):
-        chosen = present[quiet.trial, joint]
-        row = np.repeat(chosen, quiet.size)
-        place = quiet.place[row]
-        rows = np.column_stack([quiet.powers[row], angle[:, joint].ravel()[place]])
-        start = np.concatenate([[0], np.cumsum(quiet.size[chosen])])
-        found.append(Windows(rows, quiet.gap[row], start, place))
+        here = every.keep(present[trial, joint])
+        found.append(here._replace(angle=angle[:, joint].ravel()[here.place]))
     return found
 
 
-def _find_quiet(angles: xr.Dataset, frames: xr.Dataset) -> _Quiet:
+def _find_quiet(angles: xr.Dataset, frames: xr.Dataset) -> tuple[Windows, NDArray]:
+    """Quiet windows of all trials, without angles, and their trials (window,)."""
     time = angles["time"].transpose("trial", "frame").values
     interval = float(frames["frame_interval"])
     loads = [angles[name].transpose("trial", "knot").values for name in LOAD]
-    powers, gaps, places = [np.empty((0, PRIORS.degree + 1))], [np.empty(0)], [np.empty(0, int)]
-    sizes, trials = [], []
+    positions, gaps, places = [np.empty(0)], [np.empty(0)], [np.empty(0, int)]
+    sizes, trials = [0], []
     for trial in np.flatnonzero(frames["present"].values.any(axis=1)):
         index = np.flatnonzero(frames["used"].values[trial])
         quiet = find_quiet_array(time[trial, index], *(load[trial] for load in loads))
         for part in _split_quiet(index, quiet):
             t = time[trial, part]
-            powers.append(np.vander(2 * (t - t[0]) / (t[-1] - t[0]) - 1, PRIORS.degree + 1))
+            positions.append(2 * (t - t[0]) / (t[-1] - t[0]) - 1)
             gaps.append(np.diff(t, prepend=-np.inf) / interval)
             places.append(trial * time.shape[1] + part)
             sizes.append(len(part))
             trials.append(trial)
-    joined = (np.concatenate(parts) for parts in (powers, gaps, places))
-    return _Quiet(*joined, np.array(sizes, int), np.array(trials, int))
+    position, gap, place = (np.concatenate(parts) for parts in (positions, gaps, places))
+    found = Windows(position, np.zeros(len(place)), gap, np.cumsum(sizes), place)
+    return found, np.array(trials, int)
 
 
 def _split_quiet(index: NDArray, quiet: NDArray[np.bool_]) -> list[NDArray]:
@@ -167,8 +177,8 @@ def fit_joint(windows: Windows, declared: float) -> tuple[float, Memory, Windows
     if windows.dof <= 0:
         return declared, Memory(np.nan), windows
     _, memory = _maximise_reml(windows, declared)
-    rss, _ = profile_windows(*memory, *windows[:3], np.empty(len(windows.rows)))
-    variance = rss / (np.diff(windows.start) - PRIORS.degree - 1)
+    rss, _ = profile_windows(*memory, *windows[:4], np.empty(len(windows.angle)))
+    variance = rss / (np.diff(windows.start) - DEGREE - 1)
     calm = windows.keep(variance <= DECISIONS.lively * np.median(variance))
     return *_maximise_reml(calm, declared), calm
 
@@ -214,7 +224,7 @@ def find_memory(windows: list[Windows], declared: float) -> Memory:
 
 def evaluate_reml(windows: Windows, memory: Memory, declared: float) -> tuple[float, float]:
     """−2 log L at a memory, and its best σ."""
-    rss, logdet = profile_windows(*memory, *windows[:3], np.empty(len(windows.rows)))
+    rss, logdet = profile_windows(*memory, *windows[:4], np.empty(len(windows.angle)))
     variance = declared**2 if np.isfinite(declared) else rss.sum() / windows.dof
     variance = max(variance, LEAST_SD**2)
     return windows.dof * np.log(variance) + logdet + rss.sum() / variance, float(np.sqrt(variance))

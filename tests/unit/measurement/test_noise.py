@@ -35,7 +35,7 @@ def test_some_windows_of_a_long_recording_show_its_memory(make_campaign, rng, mo
     monkeypatch.setattr(
         reml,
         "evaluate_reml",
-        lambda part, *rest: rows.append(len(part.rows)) or evaluate(part, *rest),
+        lambda part, *rest: rows.append(len(part.angle)) or evaluate(part, *rest),
     )
     found = estimate_noise(angles)
     assert sum(n > 11_000 for n in rows) < 0.1 * len(rows)
