@@ -141,7 +141,7 @@ def sum_up(angles: xr.Dataset, config: Mapping[str, Any]) -> dict[str, Any]:
         "summary": summarise({"angles": angles}, limits, {}),
     }
     for tree in made.values():
-        tree.attrs |= {"ci_prob": limits.ci_prob, "stage": "summarise"}
+        tree.attrs |= {"ci_prob": limits.ci_prob, "stage": "summarise", "note": ""}
     return {"angles": angles, **made}
 
 

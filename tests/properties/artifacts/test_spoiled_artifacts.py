@@ -47,7 +47,9 @@ def posterior(tmp_path_factory) -> Path:
                 for key, v in declared.items()
             }
         )
-    save_tree(xr.DataTree.from_dict(groups), posterior_spec.SPEC, path, ORIGIN)
+    tree = xr.DataTree.from_dict(groups)
+    tree.attrs["note"] = ""
+    save_tree(tree, posterior_spec.SPEC, path, ORIGIN)
     return path
 
 

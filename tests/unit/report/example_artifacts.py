@@ -175,7 +175,9 @@ def make_posterior(angles, least_squares, n_chain=4, n_draw=60):
     trees["sample_stats"] = xr.Dataset(
         {"diverging": (("chain", "draw"), np.zeros((n_chain, n_draw), bool))}
     )
-    return xr.DataTree.from_dict(trees)
+    tree = xr.DataTree.from_dict(trees)
+    tree.attrs["note"] = NOTE
+    return tree
 
 
 def make_sampling(joints):
