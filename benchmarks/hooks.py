@@ -15,8 +15,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from benchmarks.forward import FRAMES, GEOMETRY, OFFSET, TENSION, TRIALS
+from benchmarks.forward import FRAMES, TRIALS
 from benchmarks.forward import _draw_parameters as draw_parameters
+from benchmarks.rivals.equations import GEOMETRY, OFFSET, TENSION
 from softfinger.compiled import compiled
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.effect import Effect

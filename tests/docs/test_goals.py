@@ -2,7 +2,11 @@
 
 import json
 import os
+from importlib import import_module
+from pkgutil import iter_modules
 
+import benchmarks
+import pytest
 from benchmarks import _goals
 
 
@@ -27,3 +31,9 @@ def test_keys_of_proofs_are_those_of_the_newest_seed(tmp_path):
         os.utime(path, (age, age))
     assert _goals.read_proofs(tmp_path) == {"clean_false_alarm_share": 0.9}
     assert _goals.read_proofs(tmp_path / "none") == {}
+
+
+@pytest.mark.parametrize("name", sorted(one.name for one in iter_modules(benchmarks.__path__)))
+def test_every_benchmark_can_be_imported(name):
+    """A module that another one moved from under its feet would end `make benchmark`."""
+    import_module(f"benchmarks.{name}")
