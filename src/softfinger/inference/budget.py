@@ -49,7 +49,7 @@ class InferenceBudget:
     """Points on either side in a zoom. Why: each makes the grid five times finer."""
     profile_zooms: int = 9
     """Zooms. Why: to rounding."""
-    simulated: int = 120_000
+    simulated: int = 200_000
     """Trials that are moved to weigh draws. Why: under a minute on one core."""
     measured: int = 20_000
     """Trials moved where weighing all would take longer. Why: an sd to 1 %."""
