@@ -21,7 +21,7 @@ PATIENCE_S = 1800.0
 
 
 def answer_all(folder: Path, out: Path) -> None:
-    """Diagnose every campaign that has an answer of the other version and none of this."""
+    """Diagnose what only the other version has answered."""
     out.mkdir(parents=True, exist_ok=True)
     for path in sorted((folder / "answer").glob("*.json")):
         answer = out / path.name
@@ -41,7 +41,7 @@ def describe_answer(verdict: dict) -> str:
 
 
 def list_rows(folder: Path, out: Path) -> Iterator[list[str]]:
-    """A row for each campaign: what is true, both answers, and whether they are right."""
+    """List truth, both answers and their judgement."""
     for path in sorted(out.glob("*.json")):
         truth = json.loads((folder / "truth" / path.name).read_text())
         answers = [

@@ -32,7 +32,6 @@ from softfinger.measurement.memory import Memory, fill_white
 from softfinger.measurement.priors import PRIORS
 from softfinger.measurement.quiet import find_quiet_array
 
-LOAD = ("load_time", "load_torque")
 DEGREE = PRIORS.degree  # of the polynomial that follows the motion of a window
 LEAST_SD = 1e-9  # [rad] far below any camera's noise: a frozen recording has none
 
@@ -137,7 +136,8 @@ def _find_quiet(angles: xr.Dataset, frames: xr.Dataset) -> tuple[Windows, NDArra
     """Quiet windows of all trials, without angles, and their trials (window,)."""
     time = angles["time"].transpose("trial", "frame").values
     interval = float(frames["frame_interval"])
-    loads = [angles[name].transpose("trial", "knot").values for name in LOAD]
+    names = ("load_time", "load_torque")
+    loads = [angles[name].transpose("trial", "knot").values for name in names]
     positions, gaps, places = [np.empty(0)], [np.empty(0)], [np.empty(0, int)]
     sizes, trials = [0], []
     for trial in np.flatnonzero(frames["present"].values.any(axis=1)):

@@ -157,7 +157,10 @@ def pose_question(
 
 
 def read_limits(asked: Asked, recorded: xr.Dataset, problem: Problem, scale: float) -> RigLimits:
-    """Limits in N m, rad and s; what is not asked is as recorded."""
+    """Limits in N m, rad and s.
+
+    What is not asked is as recorded.
+    """
     size = float(recorded.attrs.get("motion_per_rad", 1.0))
     usual = recall_limits(problem, recorded, asked.trials)
     rest = usual.rest if asked.rest_s is None else asked.rest_s

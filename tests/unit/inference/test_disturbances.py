@@ -210,7 +210,7 @@ def test_one_clean_trial_has_no_disturbance(record):
 
 
 def test_a_fit_without_a_diagnosis_takes_what_its_residual_shows_into_the_noise(record):
-    """Its population is as uncertain as that log leaves it; a clean campaign's stays."""
+    """A clean campaign's residual shows nothing."""
     plain, noisy = (prepare_fit(record(load_error=error)) for error in (0.0, 0.02))
     assert plain.recorded.problem.disturbed == {}
     assert describe_fit(plain.recorded.problem) == ""

@@ -20,23 +20,23 @@ def list_added(problem: Problem, candidate: Candidate) -> list[Piece]:
 
 def fit_without(problem: Problem, candidate: Candidate, piece: Piece) -> Candidate | None:
     """Fit a model without a piece, else None."""
-    kept = tuple(p for p in candidate.model.pieces if p is not piece)
-    model = replace(candidate.model, pieces=kept)
+    return _fit_kept(problem, candidate, [p for p in candidate.model.pieces if p is not piece])
+
+
+def fit_less(problem: Problem, candidate: Candidate, ids: frozenset[str]) -> Candidate | None:
+    """Fit a model without some effects, else None."""
+    kept = [p for p in candidate.model.pieces if p.effect.id not in ids]
+    return _fit_kept(problem, candidate, kept)
+
+
+def _fit_kept(problem: Problem, candidate: Candidate, kept: list[Piece]) -> Candidate | None:
+    model = replace(candidate.model, pieces=tuple(kept))
     shared = candidate.fit.shared[candidate.model.match(model)]
     start = candidate.fit.own, shared, candidate.fit.omega
     fit = problem.fit(model, start, first=candidate.fit.first)
     if fit is None or not fit.converged:
         return None
     return prune(problem, Candidate(model, fit, fit.log_evidence))
-
-
-def fit_less(problem: Problem, candidate: Candidate, ids: frozenset[str]) -> Candidate | None:
-    """Fit a model without some effects, else None."""
-    found: Candidate | None = candidate
-    for piece in candidate.model.pieces:
-        if piece.effect.id in ids and found is not None:
-            found = fit_without(problem, found, piece)
-    return found
 
 
 def eliminate(
