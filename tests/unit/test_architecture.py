@@ -238,7 +238,7 @@ def test_every_rule_runs_again_with_its_code_its_settings_and_its_libraries():
 
 ROUNDING = {
     *("NEGLIGIBLE", "ROUNDING", "LEAST_SD", "UNKNOWN", "TOLERANCE", "RIDGE", "ENDLESS", "RESTS"),
-    *("SLIGHT", "LEAST_INFORMATION", "PINNED", "LARGEST_LOG", "FAR", "ROUNDS", "FARTHEST"),
+    *("SLIGHT", "LEAST_INFORMATION", "LARGEST_LOG", "FAR", "ROUNDS", "FARTHEST"),
     *("LEAST_SHARE", "CLEAR", "LOG_TWO_PI", "WIDEST"),
 }
 """Numerics beside their equation: guards, asymptotic limits, constants of mathematics."""

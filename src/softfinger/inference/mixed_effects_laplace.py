@@ -106,18 +106,12 @@ def fit_nonlinear(
     """
     own, shared, omega = (np.array(a, float) for a in start)
     gram = linearise(own, shared)
-    best = -np.inf
     moving, spreading = Relaxation(), Relaxation()
+    path = Path([], [])
     tries, converged = 0, False
-    path: list[float] = []
     for _ in range(steps):
         moved, near, centre = centre_gram(gram, prior, own, shared)
-        linear = fit_linear(moved, near, omega)
-        change = subtract_omega(linear.omega, omega)
-        part = spreading.limit(change)
-        spreading = spreading.take(part, change, part)
-        if part < 1.0:
-            linear = hold_omega(moved, near, add_omega(omega, part * change))
+        linear, spreading = _spread_out(moved, near, omega, spreading)
         omega = linear.omega
         linear, target = hold_bounds(moved, near, bounds, linear, centre)
         step = linear.own - own
@@ -125,39 +119,81 @@ def fit_nonlinear(
         wanted = _scale(linear, moves)
         most = moving.limit(wanted)
         taken = take_step(linearise, prior, linear, (own, shared), moves, gram, own_step, most)
-        evidence = linear.log_evidence
         if taken is None:
-            converged = np.isfinite(best)
+            converged = bool(path.evidence)
             break
         made = taken.own - own
-        own, shared, gram, fraction, _ = taken
+        own, shared, gram, fraction, more = taken
+        tries += more
         moving = moving.take(most, wanted, fraction)
         # a trial whose step leads back to where it was is at rest, whatever it wants
         far = np.minimum(np.abs(step), np.abs(made) / fraction)
         still = np.all(far <= 0.05 * _spread(linear))
+        evidence = linear.log_evidence
         first = evidence if np.isinf(first) else first
         slight = tolerance + BUDGET.rest_share * abs(evidence - first)
-        converged = abs(evidence - best) < slight and still
-        best = evidence
-        tries += taken.tries
-        path.append(evidence)
-        if converged or tries > 2 * steps or _extrapolate(path, steps) < rival:
+        path = path.go_on(evidence, float(gram[:, -1, -1].sum()))
+        converged = path.is_at_rest(slight, still=still)
+        if converged or path.has_stalled(slight):
+            break
+        if tries > 2 * steps or path.extrapolate(steps) < rival:
             break
     return _finish(gram, prior, bounds, own, shared, omega, converged=converged, first=first)
 
 
-def _extrapolate(path: list[float], steps: int) -> float:
-    """Log evidence that a fit would reach.
+class Path(NamedTuple):
+    """Log evidence [nats] and misfit [χ²] after each step."""
 
-    It is what so many steps would give at the pace of the last ones.
+    evidence: list[float]
+    misfit: list[float]
 
-    >>> _extrapolate([0.0] * 5 + [1.0, 2.0, 3.0, 4.0, 5.0], 26)
-    15.0
-    """
-    if len(path) <= BUDGET.pace:
-        return np.inf
-    pace = max(path[-1] - path[-1 - BUDGET.pace], 0.0) / BUDGET.pace
-    return path[-1] + pace * (steps - len(path))
+    def go_on(self, evidence: float, misfit: float) -> "Path":
+        """Add a step."""
+        return Path([*self.evidence, evidence], [*self.misfit, misfit])
+
+    def extrapolate(self, steps: int) -> float:
+        """Log evidence that a fit would reach.
+
+        It is what so many steps would give at the pace of the last ones.
+
+        >>> Path([0.0] * 5 + [1.0, 2.0, 3.0, 4.0, 5.0], []).extrapolate(26)
+        15.0
+        """
+        path = self.evidence
+        if len(path) <= BUDGET.pace:
+            return np.inf
+        pace = max(path[-1] - path[-1 - BUDGET.pace], 0.0) / BUDGET.pace
+        return path[-1] + pace * (steps - len(path))
+
+    def has_stalled(self, slight: float) -> bool:
+        """Whether the last steps led no higher than those before.
+
+        >>> Path([5.0, 4.0] * BUDGET.pace, [1.0, 2.0] * BUDGET.pace).has_stalled(0.01)
+        True
+        """
+        if len(self.evidence) < 2 * BUDGET.pace:
+            return False
+        last, before = slice(-BUDGET.pace, None), slice(-2 * BUDGET.pace, -BUDGET.pace)
+        no_higher = max(self.evidence[last]) <= max(self.evidence[before]) + slight
+        return no_higher and min(self.misfit[last]) >= min(self.misfit[before]) - slight
+
+    def is_at_rest(self, slight: float, *, still: bool) -> bool:
+        """Whether the evidence has settled, at one place or going round it."""
+        if self.has_stalled(slight):
+            return bool(np.ptp(self.evidence[-BUDGET.pace :]) < slight)
+        return still and len(self.evidence) > 1 and abs(np.diff(self.evidence[-2:])[0]) < slight
+
+
+def _spread_out(
+    moved: NDArray, near: Prior, omega: NDArray, spreading: Relaxation
+) -> tuple[LinearFit, Relaxation]:
+    """The linear model's answer, Ω changed by no more than comes to rest."""
+    linear = fit_linear(moved, near, omega)
+    change = subtract_omega(linear.omega, omega)
+    part = spreading.limit(change)
+    if part < 1.0:
+        linear = hold_omega(moved, near, add_omega(omega, part * change))
+    return linear, spreading.take(part, change, part)
 
 
 def _finish(

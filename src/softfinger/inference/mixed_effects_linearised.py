@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import lsq_linear
 
 from softfinger.inference.mixed_effects import (
     LinearFit,
@@ -13,7 +14,7 @@ from softfinger.inference.mixed_effects import (
 )
 from softfinger.inference.rectangle import measure_rectangle
 
-PINNED = 1e12  # precision, over the prior's, of a parameter fixed at its bound
+RIDGE = 1e-13  # of a correlation matrix, which may have lost its rank
 
 
 class SharedBounds(NamedTuple):
@@ -111,24 +112,44 @@ def _restore(linear: LinearFit, centre: NDArray) -> LinearFit:
 def hold_bounds(
     moved: NDArray, prior: Prior, bounds: SharedBounds, linear: LinearFit, centre: NDArray
 ) -> tuple[LinearFit, NDArray]:
-    """Keep φ within bounds and steps; η follows φ."""
+    """Keep φ within bounds and steps; η and μ follow φ."""
     d = len(linear.omega)
     low = np.maximum(bounds.low - centre[d:], -bounds.step)
     high = np.minimum(bounds.high - centre[d:], bounds.step)
     wanted = linear.shared[d:]
-    target = np.clip(wanted, low, high)
-    held = target != wanted
-    for _ in range(len(target)):
-        if not held.any():
-            break
-        mean, precision = prior.mean.copy(), prior.precision.copy()
-        mean[d:][held] = target[held]
-        precision[d:][held] *= PINNED
-        pinned = hold_omega(moved, prior._replace(mean=mean, precision=precision), linear.omega)
-        wanted = np.where(held, target, pinned.shared[d:])
-        target = np.clip(wanted, low, high)
-        linear = pinned._replace(log_evidence=linear.log_evidence)
-        if np.all(target == wanted):
-            break
-        held |= target != wanted
+    if np.all((low <= wanted) & (wanted <= high)):
+        return _restore(linear, centre), wanted + centre[d:]
+    target = find_nearest(wanted, linear.shared_covariance[d:, d:], low, high)
+    own = np.append(np.arange(d), len(centre))
+    fixed = np.eye(len(centre) + 1)[:, own]  # the residual without what φ adds
+    fixed[d:-1, -1] = -target
+    known = prior._replace(mean=prior.mean[:d], precision=prior.precision[:d])
+    follows = hold_omega(fixed.T @ moved @ fixed, known, linear.omega)
+    linear = linear._replace(
+        shared=np.append(follows.shared, target),
+        own=follows.own,
+        own_covariance=follows.own_covariance,
+    )
     return _restore(linear, centre), target + centre[d:]
+
+
+def find_nearest(
+    mean: NDArray[np.float64],
+    covariance: NDArray[np.float64],
+    low: NDArray[np.float64],
+    high: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Most probable point of a normal density within bounds.
+
+    A coordinate that is moved to its bound takes the others along.
+
+    >>> covariance = np.array([[1.0, 0.5], [0.5, 1.0]])
+    >>> find_nearest(np.array([-1.0, 1.0]), covariance, np.zeros(2), np.full(2, 9.0)).round(6)
+    array([0. , 1.5])
+    """
+    size = np.sqrt(np.diag(covariance))
+    scaled = covariance / np.outer(size, size) + RIDGE * np.eye(len(size))
+    root = np.linalg.inv(np.linalg.cholesky(scaled))
+    edges = low / size, high / size
+    found = lsq_linear(root, root @ (mean / size), edges, method="bvls").x
+    return np.clip(found * size, low, high)

@@ -14,8 +14,8 @@ class MeasurementBudget:
     """Evaluations that refine the sizes of components. Why: sizes to 3 %."""
     memory_evaluations: int = 80
     """Evaluations that refine a white share of the noise. Why: the share to 2 %."""
-    memory_rows: int = 40_000
-    """Quiet frames of a joint that show how long its noise lasts. Why: ρ to half a percent.
+    memory_rows: int = 10_000
+    """Quiet frames of a joint that show how long its noise lasts. Why: ρ to a percent.
 
     Test: `test_noise.py::test_some_windows_of_a_long_recording_show_its_memory`.
     """

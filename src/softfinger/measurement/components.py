@@ -42,6 +42,20 @@ def choose_components(
     >>> choose_components(evaluate, {"a": np.array([0.5, 2.0]), "b": np.ones(1)})[0]
     {'a': 1.0}
     """
+    known: dict[frozenset, float] = {}
+
+    def look_up(size: Mapping[str, float]) -> float:
+        key = frozenset(size.items())
+        if key not in known:
+            known[key] = evaluate(size)
+        return known[key]
+
+    return _choose(look_up, sizes)
+
+
+def _choose(
+    evaluate: Callable[[Mapping[str, float]], float], sizes: Mapping[str, NDArray[np.float64]]
+) -> tuple[Sizes, Sizes]:
     size: Sizes = {}
     absent = list(sizes)
     while absent:
@@ -49,9 +63,10 @@ def choose_components(
         name = max(gain, key=lambda name: gain[name])
         if gain[name] < DECISIONS.present_nats:
             break
-        absent.remove(name)
-        known = dict(size)
-        size[name] = float(max(sizes[name], key=lambda s: evaluate(known | {name: s})))
+        # beside another, none gains that did not gain without it
+        absent = [other for other in absent if other != name and gain[other] > 0.0]
+        before = dict(size)
+        size[name] = max(map(float, sizes[name]), key=lambda s: evaluate(before | {name: s}))
         size = _refine(evaluate, size, sizes)
     evidence = {}
     for name in size:

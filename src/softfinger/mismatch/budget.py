@@ -52,6 +52,10 @@ class DiagnosisBudget:
     """Frequencies about the best of a grid. Why: an eighth of a step, for trials of minutes."""
     ring_frequencies: int = 8
     """Frequencies at which a load drives oscillators. Why: short-lived ones respond to all."""
+    replicates: int = 20
+    """Replicates drawn together. Why: it bounds the memory.
+    Test: `test_calibrate.py::test_as_many_replicates_are_drawn_as_are_asked_for`.
+    """
     folds: int = 5
     """Parts into which trials are left out. Why: the usual number."""
     draws: int = 99

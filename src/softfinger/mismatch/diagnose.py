@@ -121,12 +121,16 @@ def diagnose(
     """
     settings = read_settings(MismatchSettings, config, "mismatch")
 
+    alarms: FalseAlarms | None = None  # chance gains alike however the recordings are mended
+
     def survey(problem: Problem, base: Candidate) -> Survey:
+        nonlocal alarms
         pieces, refused = list_pieces(problem.setting)
         pieces = [piece for piece in pieces if piece.effect.id not in base.model.ids]
         columns = collect_columns(problem, base, progress(pieces, "trying effects"))
-        rng = np.random.default_rng(seed)
-        alarms = calibrate_false_alarms(columns, problem, base, rng, settings.bootstrap_replicates)
+        if alarms is None:
+            rng, draws = np.random.default_rng(seed), settings.bootstrap_replicates
+            alarms = calibrate_false_alarms(columns, problem, base, rng, draws)
         needed = alarms.threshold(settings.false_alarm_probability)
         ranked = rank_pieces(problem, base, columns, progress)
         return Survey((pieces, refused), columns, alarms, needed, ranked)
@@ -140,9 +144,8 @@ def diagnose(
         base = Candidate(plain.base, fit, fit.log_evidence)
         return Posed(right, plain, base, survey(plain, base), known, mended)
 
-    posed = pose(MeasurementEntry(), {})
-    posed, hums = mend_hums(mend_clock(mend_log(posed, pose), pose), pose)
-    right, plain, base, found, _, mended = posed
+    posed = mend_clock(mend_log(pose(MeasurementEntry(), {}), pose), pose)
+    (right, plain, base, found, _, mended), hums = mend_hums(posed, pose)
     problem, base = settle_measurement(plain, base, found.ranked[0], found.needed)
     found = found if problem is plain else survey(problem, base)
     patience = Patience(settings.longest_search_s, progress)

@@ -244,7 +244,7 @@ def fit_scored(
         if fit.converged:
             best = max(best, fit.log_evidence)
         begun.append((score.model, fit))
-    reach = max(BUDGET.reach_nats, BUDGET.reach_share * (best - origin.log_evidence))
+    reach = reaching_nats(best - origin.log_evidence)
     for model, fit in begun:
         if fit.log_evidence < best - reach:
             candidates.append(Candidate(model, None, fit.log_evidence))
@@ -265,6 +265,11 @@ def find_best(candidates: Iterable[Candidate]) -> float:
 def competing_nats(gain: float) -> float:
     """Distance [nats] from a best that still competes."""
     return max(DECISIONS.rival_nats, DECISIONS.rival_share * gain)
+
+
+def reaching_nats(gain: float) -> float:
+    """Distance [nats] from a best within which a fit goes on."""
+    return max(BUDGET.reach_nats, BUDGET.reach_share * gain)
 
 
 def go_on(problem: Problem, model: EffectModel, fit: Fit, rival: float = -np.inf) -> Fit | None:

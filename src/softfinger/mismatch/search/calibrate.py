@@ -8,6 +8,7 @@ covariance CᵀC + (CᵀA) Ω (AᵀC). Each replicate is fitted anew (Ω and μ)
 one-step score: the log evidence of the linear model with the form's amplitudes.
 """
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -17,8 +18,12 @@ from scipy.stats import norm
 from softfinger.compiled import compiled
 from softfinger.inference.mixed_effects import Prior, climb_omega, fit_linear, solve_gram
 from softfinger.inference.problem import Candidate, Problem
+from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.columns import ScoreColumns
 from softfinger.mismatch.decisions import DECISIONS
+
+ROUNDS, SLIGHT = 3, 0.1  # of EM, and the nats at which it stops: a score errs by more
+RIDGE = 1e-9  # variance over a column's own: far below what a score shows
 
 
 class FalseAlarms(NamedTuple):
@@ -70,26 +75,36 @@ def calibrate_false_alarms(
     """
     d = len(base.fit.omega)
     whole = np.ascontiguousarray(columns.bare)
-    factor = np.stack([_root(gram) for gram in whole])
-    own_factor = np.linalg.cholesky(base.fit.omega)
     prior = problem.build_prior(base.model)
     prior = prior._replace(mean=prior.mean[:d], precision=prior.precision[:d])
     largest = np.empty(replicates)
-    for k in range(replicates):
-        noise = rng.standard_normal((len(factor), factor.shape[2]))
-        own = rng.standard_normal((len(factor), d)) @ own_factor.T
-        product = np.einsum("tcr,tr->tc", factor, noise)
-        product += np.einsum("tcd,td->tc", whole[:, :, :d], base.fit.mean + own)
-        gains = score_columns_array(columns, whole, product, prior, base.fit.omega)
+    for k, product in enumerate(_draw_products(whole, base, rng, replicates)):
+        gains, alone = score_columns_array(columns, whole, product, prior, base.fit.omega)
         gains = np.where(np.isfinite(gains), gains, -np.inf)
         largest[k] = gains.max(initial=0.0)
         if gains.size:  # the best form by its score gains what a fit of it does
             try:
-                again = _refit(columns, whole, product, prior, base.fit.omega, int(gains.argmax()))
+                form = int(gains.argmax())
+                again = _refit(columns, whole, product, prior, base.fit.omega, form) - alone
             except np.linalg.LinAlgError:  # numbers beyond their range: its score is what is known
                 continue
             largest[k] = max(largest[k], again)
     return FalseAlarms(largest)
+
+
+def _draw_products(
+    whole: NDArray, base: Candidate, rng: np.random.Generator, replicates: int
+) -> Iterator[NDArray]:
+    """Draw Cᵀz (trial, d + c) of campaigns that the base model made."""
+    trials, d = base.fit.own.shape
+    factor = np.stack([_root(gram) for gram in whole])
+    own_factor = np.linalg.cholesky(base.fit.omega)
+    for begin in range(0, replicates, BUDGET.replicates):
+        some = min(BUDGET.replicates, replicates - begin)
+        own = base.fit.mean + rng.standard_normal((some, trials, d)) @ own_factor.T
+        noise = rng.standard_normal((trials, whole.shape[2], some))
+        product = factor @ noise + whole[:, :, :d] @ own.transpose(1, 2, 0)
+        yield from np.ascontiguousarray(product.transpose(2, 0, 1))
 
 
 def _refit(
@@ -100,23 +115,20 @@ def _refit(
     omega: NDArray,
     form: int,
 ) -> float:
-    """Gain [nats] of one form, Ω fitted anew.
+    """Log evidence [nats] of one form, Ω fitted anew.
 
     What differs between trials may shrink.
     """
-    d = len(omega)
-    own, more = np.arange(d), columns.first[form] + np.arange(columns.count[form])
+    d, more = len(omega), columns.first[form] + np.arange(columns.count[form])
     wider = prior._replace(
         mean=np.append(prior.mean, np.zeros(len(more))),
         precision=np.append(prior.precision, columns.sd[more] ** -2.0),
     )
-    evidence = []
-    for kept, known in ((own, prior), (np.append(own, d + more), wider)):
-        gram = np.zeros((len(product), len(kept) + 1, len(kept) + 1))
-        gram[:, :-1, :-1] = whole[:, kept[:, None], kept]
-        gram[:, :-1, -1] = gram[:, -1, :-1] = product[:, kept]
-        evidence.append(fit_linear(gram, known, omega, rounds=3, tolerance=0.1).log_evidence)
-    return evidence[1] - evidence[0]
+    kept = np.append(np.arange(d), d + more)
+    gram = np.zeros((len(product), len(kept) + 1, len(kept) + 1))
+    gram[:, :-1, :-1] = whole[:, kept[:, None], kept]
+    gram[:, :-1, -1] = gram[:, -1, :-1] = product[:, kept]
+    return fit_linear(gram, wider, omega, rounds=ROUNDS, tolerance=SLIGHT).log_evidence
 
 
 def score_columns_array(
@@ -125,8 +137,8 @@ def score_columns_array(
     product: NDArray[np.float64],
     prior: Prior,
     omega: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    """Gain [nats] of each form (form,).
+) -> tuple[NDArray[np.float64], float]:
+    """Gain [nats] of each form (form,), and evidence of none.
 
     Ω is fitted under the base model.
 
@@ -135,25 +147,23 @@ def score_columns_array(
     gram, product
         CᵀC (trial, d + c, d + c) of the columns alone, and Cᵀz (trial, d + c).
     """
-    gain, mean, sd = _score(gram, product, columns.first, columns.count, columns.sd, prior, omega)
+    gain, mean, sd, alone = _score(
+        gram, product, columns.first, columns.count, columns.sd, prior, omega
+    )
     inside = norm.logcdf(mean / sd) + np.log(2.0)
     cut = np.where(columns.positive, inside, 0.0)
     add = np.add.reduceat(cut, columns.first) if len(columns.first) else np.zeros(0)
-    return gain + add
+    return gain + add, alone
 
 
 def _root(gram: NDArray) -> NDArray:
-    """Root R of a Gram matrix G = RRᵀ.
+    """Root R of a Gram matrix G = RRᵀ, in scaled columns.
 
-    It is symmetric in scaled columns; G may have any rank.
-
-    Rounding hardly moves it, whereas a Cholesky factor of columns that hide in each other
-    depends on the order of its pivots.
+    Columns hide in each other: each is drawn with a hair of its own, so that the root exists.
     """
     size = np.sqrt(np.maximum(np.diag(gram), 1e-300))
-    values, vectors = np.linalg.eigh(gram / np.outer(size, size))
-    root = (vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T
-    return root * size[:, None]
+    scaled = gram / np.outer(size, size) + RIDGE * np.eye(len(size))
+    return np.linalg.cholesky(scaled) * size[:, None]
 
 
 @compiled
@@ -165,8 +175,8 @@ def _score(
     amplitude_sd: NDArray,
     prior: Prior,
     omega: NDArray,
-) -> tuple[NDArray, NDArray, NDArray]:
-    """Gain of each form, and its amplitudes.
+) -> tuple[NDArray, NDArray, NDArray, float]:
+    """Gain of each form, its amplitudes, and the evidence without any.
 
     Mean and sd of each amplitude: one Ω, one inverse for each trial.
     """
@@ -175,30 +185,17 @@ def _score(
     own[:, :d, :d] = gram[:, :d, :d]
     own[:, :d, d] = product[:, :d]
     own[:, d, :d] = product[:, :d]
-    omega, _ = climb_omega(own, prior, omega, 3, 1e-1)
-    shared, covariance = solve_gram(own, prior, omega)[:2]
-    inverse = np.linalg.inv(omega)
-    size = amplitude_sd.size
-    cross, direct = np.zeros((size, d)), np.zeros(size)
-    kept = np.empty((trials, d, d))
-    for i in range(trials):
-        kept[i] = np.linalg.inv(inverse + own[i, :d, :d])
-        side = np.ascontiguousarray(gram[i, d:, :d])
-        taken = side @ kept[i]
-        cross += side - taken @ np.ascontiguousarray(own[i, :d, :d])
-        direct += product[i, d:] - taken @ product[i, :d]
+    omega, _ = climb_omega(own, prior, omega, ROUNDS, SLIGHT)
+    shared, covariance, _, _, _, alone, _ = solve_gram(own, prior, omega)
+    cross, direct, square = _take_up(gram, product, own, first, count, omega)
     direct -= cross @ shared
     gain = np.empty(first.size)
-    location, sd = np.zeros(size), np.ones(size)
+    location, sd = np.zeros(amplitude_sd.size), np.ones(amplitude_sd.size)
     for form in range(first.size):
         p, begin = count[form], first[form]
         part = slice(begin, begin + p)
-        hessian = np.diag(amplitude_sd[part] ** -2.0)
+        hessian = np.diag(amplitude_sd[part] ** -2.0) + square[part, :p]
         hessian -= cross[part] @ covariance @ cross[part].T
-        for i in range(trials):
-            side = np.ascontiguousarray(gram[i, d + begin : d + begin + p, :d])
-            inner = gram[i, d + begin : d + begin + p, d + begin : d + begin + p]
-            hessian += inner - side @ kept[i] @ side.T
         inside = np.linalg.inv(hessian)
         place = inside @ direct[part]
         location[part] = place
@@ -206,7 +203,41 @@ def _score(
             sd[begin + a] = np.sqrt(inside[a, a])
         volume = np.linalg.slogdet(hessian)[1] + 2.0 * np.sum(np.log(amplitude_sd[part]))
         gain[form] = 0.5 * (place @ direct[part] - volume)
-    return gain, location, sd
+    return gain, location, sd, alone
+
+
+@compiled
+def _take_up(
+    gram: NDArray,
+    product: NDArray,
+    own: NDArray,
+    first: NDArray,
+    count: NDArray,
+    omega: NDArray,
+) -> tuple[NDArray, NDArray, NDArray]:
+    """What is left of the columns once every trial's η has taken its share.
+
+    Their products with ∂F/∂μ and with z, and each form's columns with one another.
+    """
+    d, size = omega.shape[0], gram.shape[1] - omega.shape[0]
+    inverse = np.linalg.inv(omega)
+    cross, direct = np.zeros((size, d)), np.zeros(size)
+    square = np.zeros((size, count.max() if count.size else 0))
+    for i in range(gram.shape[0]):
+        kept = np.linalg.inv(inverse + own[i, :d, :d])
+        side = np.ascontiguousarray(gram[i, d:, :d])
+        taken = side @ kept
+        cross += side - taken @ np.ascontiguousarray(own[i, :d, :d])
+        direct += product[i, d:] - taken @ product[i, :d]
+        for form in range(first.size):
+            begin = first[form]
+            for a in range(begin, begin + count[form]):
+                for b in range(begin, begin + count[form]):
+                    left = gram[i, d + a, d + b]
+                    for c in range(d):
+                        left -= taken[a, c] * side[b, c]
+                    square[a, b - begin] += left
+    return cross, direct, square
 
 
 def project_columns_array(

@@ -22,6 +22,7 @@ from softfinger.inference.problem import Candidate, Problem, predict_frames
 from softfinger.measurement.measure import add_components, measure
 from softfinger.measurement.trials import prepare_trials
 from softfinger.mismatch.budget import BUDGET
+from softfinger.mismatch.candidates.rank import reaching_nats
 from softfinger.mismatch.priors import PRIORS
 from softfinger.mismatch.search.stepwise import Search
 
@@ -165,9 +166,16 @@ def judge_finalists(
             finalists.setdefault(candidate.model.ids, candidate)
     finalists.setdefault(search.best.model.ids, search.best)
     fitted = problem if measured is plain else None
-    judging = (judge(measured, c, fitted, search.base) for c in finalists.values())
-    judged = [j for j in judging if j is not None]
-    best = max(judged, key=lambda j: j.evidence, default=None)
+    judged: list[Judged] = []
+    best = None
+    for candidate in sorted(finalists.values(), key=lambda c: -c.log_evidence):
+        worth = -np.inf
+        if best is not None:
+            gain = best.candidate.log_evidence - search.base.log_evidence
+            worth = best.evidence - reaching_nats(gain)
+        one = judge(measured, candidate, fitted, search.base, worth)
+        judged += [] if one is None else [one]
+        best = max(judged, key=lambda j: j.evidence, default=None)
     if best is None or (best.problem is plain and plain is problem and _agree(judged, plain)):
         return problem, search
     level = best.evidence - best.candidate.log_evidence
@@ -181,11 +189,15 @@ def judge_finalists(
 
 
 def judge(
-    plain: Problem, candidate: Candidate, fitted: Problem | None, base: Candidate
+    plain: Problem,
+    candidate: Candidate,
+    fitted: Problem | None,
+    base: Candidate,
+    worth: float = -np.inf,
 ) -> Judged | None:
     """Fit a model with its residual's disturbances.
 
-    None where that fails.
+    None where that fails, or where it would not reach what is worth reaching.
 
     Parameters
     ----------
@@ -195,17 +207,20 @@ def judge(
         The problem that the candidate was fitted to.
     base
         From which its gain counts.
+    worth
+        Evidence [nats] that is worth reaching.
     """
     size, evidence, directions = fit_disturbances(plain, candidate)
     problem = plain
     if size:
         noise = add_components(plain.noise, size, evidence)
         problem = replace(admit_disturbances(plain, size, directions), noise=noise)
-    again = candidate if problem is fitted else _fit(problem, candidate, base)
+    more = _measure_level(problem) - PRIORS.component_nats * len(size)
+    rival = worth - more
+    again = candidate if problem is fitted else _fit(problem, candidate, base, rival)
     if again is None:
         return None
-    cost = PRIORS.component_nats * len(size)
-    return Judged(problem, again, again.log_evidence + _measure_level(problem) - cost)
+    return Judged(problem, again, again.log_evidence + more)
 
 
 def measure_again(problem: Problem, candidate: Candidate, angles: xr.Dataset) -> Problem:
@@ -269,11 +284,13 @@ def _measure_level(problem: Problem) -> float:
     return -0.5 * float(problem.trials.logdet.sum())
 
 
-def _fit(problem: Problem, candidate: Candidate, base: Candidate) -> Candidate | None:
+def _fit(
+    problem: Problem, candidate: Candidate, base: Candidate, rival: float = -np.inf
+) -> Candidate | None:
     fit, gain = candidate.fit, candidate.log_evidence - base.log_evidence
     start = fit.own, fit.shared, fit.omega
     tolerance = max(BUDGET.rest_nats, INFERENCE.rest_share * gain)
-    again = problem.fit(candidate.model, start, tolerance=tolerance)
+    again = problem.fit(candidate.model, start, tolerance=tolerance, rival=rival)
     if again is None or not again.converged:
         return None
     return Candidate(candidate.model, again, again.log_evidence)

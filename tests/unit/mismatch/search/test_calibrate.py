@@ -1,9 +1,12 @@
 """Draws of the bootstrap, where columns hide in each other."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from softfinger.inference.problem import Candidate, pose_problem
+from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.columns import collect_columns
 from softfinger.mismatch.candidates.rank import list_pieces
 from softfinger.mismatch.search import calibrate as module
@@ -24,7 +27,7 @@ def test_a_root_gives_the_gram_matrix_again(gram):
     root = _root(gram)
     size = np.sqrt(np.diag(gram))
     np.testing.assert_allclose(
-        root @ root.T / np.outer(size, size), gram / np.outer(size, size), atol=1e-12
+        root @ root.T / np.outer(size, size), gram / np.outer(size, size), atol=2 * module.RIDGE
     )
 
 
@@ -49,3 +52,29 @@ def test_a_replicate_whose_refit_fails_counts_by_its_score(draw_campaign, monkey
     gain = module.calibrate_false_alarms(columns, problem, base, rng, 9).gain
     assert np.isfinite(gain).all()
     assert (gain >= 0.0).all()
+
+
+def test_as_many_replicates_are_drawn_as_are_asked_for(draw_campaign, monkeypatch):
+    problem, fit = pose_problem(draw_campaign(2, 0.0))
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    pieces = [p for p in list_pieces(problem.setting)[0] if p.effect.id == "second_retardation"]
+    whole = collect_columns(problem, base, pieces).bare
+    monkeypatch.setattr(module, "BUDGET", replace(BUDGET, replicates=4))
+    drawn = list(module._draw_products(whole, base, np.random.default_rng(1), 9))
+    assert len(drawn) == 9
+    assert all(product.shape == whole.shape[:2] for product in drawn)
+
+
+def test_what_is_drawn_has_the_covariance_of_the_base_model(draw_campaign):
+    """Of one trial: G + G_η Ω G_ηᵀ, in columns of unit size."""
+    problem, fit = pose_problem(draw_campaign(2, 0.0))
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    pieces = [p for p in list_pieces(problem.setting)[0] if p.effect.id == "second_retardation"]
+    whole = collect_columns(problem, base, pieces).bare
+    drawn = np.stack(list(module._draw_products(whole, base, np.random.default_rng(1), 4000)))
+    d = len(fit.omega)
+    own = whole[0, :, :d]
+    expected = whole[0] + own @ fit.omega @ own.T
+    size = np.sqrt(np.diag(expected))
+    seen = np.cov((drawn[:, 0] - own @ fit.mean) / size, rowvar=False)
+    np.testing.assert_allclose(seen, expected / np.outer(size, size), atol=0.1)
