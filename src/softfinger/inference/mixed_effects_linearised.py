@@ -147,8 +147,11 @@ def find_nearest(
     >>> find_nearest(np.array([-1.0, 1.0]), covariance, np.zeros(2), np.full(2, 9.0)).round(6)
     array([0. , 1.5])
     """
-    size = np.sqrt(np.diag(covariance))
-    scaled = covariance / np.outer(size, size) + RIDGE * np.eye(len(size))
+    variance = np.diag(covariance)
+    seen = variance > 0.0  # rounding may leave none: such a coordinate takes none along
+    size = np.sqrt(np.where(seen, variance, 1.0))
+    scaled = np.where(np.outer(seen, seen), covariance / np.outer(size, size), 0.0)
+    np.fill_diagonal(scaled, 1.0 + RIDGE)
     root = np.linalg.inv(np.linalg.cholesky(scaled))
     edges = low / size, high / size
     found = lsq_linear(root, root @ (mean / size), edges, method="bvls").x

@@ -10,6 +10,7 @@ The terms are parameters like any other, so fit, evidence and prediction know no
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Literal
 
 import numpy as np
@@ -114,6 +115,7 @@ def build_curves(terms: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
     return build_weights(x) @ build_terms(terms).T
 
 
+@cache
 def build_terms(terms: int) -> NDArray[np.float64]:
     """Build the coefficients of all terms' curves.
 
@@ -126,7 +128,9 @@ def build_terms(terms: int) -> NDArray[np.float64]:
     """
     x = 2.0 * _PLACES - 1.0
     curves = np.array([chebyshev.Chebyshev.basis(k)(x) for k in range(1, terms + 1)])
-    return np.linalg.solve(build_weights(_PLACES), (curves - curves[:, :1]).T).T
+    coefficients = np.linalg.solve(build_weights(_PLACES), (curves - curves[:, :1]).T).T
+    coefficients.flags.writeable = False  # it is kept
+    return coefficients
 
 
 def free_form(
