@@ -4,7 +4,6 @@ Snakemake does not see which modules a script imports, so :func:`code_hash` is p
 as a parameter: editing a module reruns the rules that use it, and no other.
 """
 
-import ast
 import hashlib
 from collections.abc import Iterator
 from functools import cache
@@ -12,7 +11,7 @@ from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec, resolve_name
 from pathlib import Path
 
-from softfinger.provenance.syntax import Syntax, read_syntax
+from softfinger.provenance.syntax import Syntax, list_neighbours, read_syntax
 
 PACKAGE = Path(__file__).resolve().parents[1]
 INSTALLED = PACKAGE / "project"  # where a wheel contains them (pyproject.toml)
@@ -74,7 +73,7 @@ def find_modules(*modules: str) -> dict[str, Path]:
         syntax = read_syntax(path)
         package = module if syntax.passes_on else module.rpartition(".")[0]
         waiting += _follow_imports(syntax, package, sources, whole=whole)
-        waiting += [(f"{module}.{name}", False) for name in syntax.neighbours]
+        waiting += [(f"{module}.{name}", False) for name in list_neighbours(path)]
         waiting += [(name, False) for name in _find_plug_ins(syntax, sources)]
     return dict(sorted((found | _find_data(found)).items()))
 
@@ -154,5 +153,6 @@ def _get_top(module: str) -> str:
 @cache
 def _hash_file(path: Path) -> bytes:
     """Digest of code without wording, or all bytes."""
-    code = ast.dump(read_syntax(path).tree).encode() if path.suffix == ".py" else path.read_bytes()
-    return hashlib.sha256(code).digest()
+    if path.suffix == ".py":
+        return bytes.fromhex(read_syntax(path).digest)
+    return hashlib.sha256(path.read_bytes()).digest()

@@ -1,13 +1,19 @@
-"""What can be read off a Python file."""
+"""What can be read off a Python file.
+
+To parse all files of a stage takes a second or two, which every command would wait for. So what was
+read is kept, under the hash of a file's content.
+"""
 
 from __future__ import annotations
 
 import ast
+import hashlib
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
+
+from softfinger.provenance.kept import look_up
 
 
 class Import(NamedTuple):
@@ -18,52 +24,64 @@ class Import(NamedTuple):
     called: str  # what the file calls it
 
 
-@dataclass(frozen=True)
-class Syntax:
+class Syntax(NamedTuple):
     """A file's code, and what it uses.
 
     Attributes
     ----------
-    tree
-        Its code without docstrings.
+    digest
+        SHA-256 of its code without docstrings.
     imports
         What it imports, at any depth.
     used
         Names that the code of an ``__init__.py`` reads.
     groups
         Groups of entry points that it loads.
-    neighbours
-        Modules of its package, if it imports all there are.
+    takes_all
+        Whether it imports all modules of its package.
     passes_on
         Whether it is an ``__init__.py``, which may import a name only for others.
     """
 
-    tree: ast.Module
+    digest: str
     imports: tuple[Import, ...]
     used: frozenset[str]
     groups: tuple[str, ...]
-    neighbours: tuple[str, ...]
+    takes_all: bool
     passes_on: bool
 
 
 @cache
 def read_syntax(path: Path) -> Syntax:
     """Read a Python file."""
-    text = path.read_text(encoding="utf-8")
+    content, passes_on = path.read_bytes(), path.name == "__init__.py"
+    key = hashlib.sha256(content + bytes([passes_on])).hexdigest()
+    kept = look_up(key, lambda: _parse(content.decode("utf-8"), passes_on=passes_on))
+    digest, imports, used, groups, takes_all, passes_on = kept
+    imported = tuple(Import(*one) for one in imports)
+    return Syntax(digest, imported, frozenset(used), tuple(groups), takes_all, passes_on)
+
+
+def list_neighbours(path: Path) -> list[str]:
+    """Modules of a file's package that it imports by listing them."""
+    files = path.parent.glob("[!_]*.py") if read_syntax(path).takes_all else ()
+    return sorted(file.stem for file in files)
+
+
+def _parse(text: str, *, passes_on: bool) -> list:
+    """Fields of a file's `Syntax`, as JSON has them."""
     tree = ast.parse(text)
     statements = [tree, *_list_statements(tree)]
     for node in statements:
         _drop_docstring(node)
-    passes_on = path.name == "__init__.py"
-    modules = path.parent.glob("[!_]*.py") if _find_calls(text, tree, "iter_modules") else ()
-    return Syntax(
-        tree,
-        tuple(item for node in statements for item in _read_import(node)),
-        _list_names(tree) if passes_on else frozenset(),
-        tuple(g for call in _find_calls(text, tree, "entry_points") for g in _read_groups(call)),
-        tuple(sorted(module.stem for module in modules)),
+    return [
+        hashlib.sha256(ast.dump(tree).encode()).hexdigest(),
+        [list(item) for node in statements for item in _read_import(node)],
+        sorted(_list_names(tree)) if passes_on else [],
+        [g for call in _find_calls(text, tree, "entry_points") for g in _read_groups(call)],
+        bool(_find_calls(text, tree, "iter_modules")),
         passes_on,
-    )
+    ]
 
 
 def _list_statements(tree: ast.AST) -> Iterator[ast.AST]:

@@ -23,7 +23,7 @@ from softfinger.mismatch.candidates.columns import ScoreColumns
 from softfinger.mismatch.decisions import DECISIONS
 
 ROUNDS, SLIGHT = 3, 0.1  # of EM, and the nats at which it stops: a score errs by more
-RIDGE = 1e-9  # variance over a column's own: far below what a score shows
+RIDGE = 1e-10  # of a column's square: far below what a score shows
 
 
 class FalseAlarms(NamedTuple):
@@ -74,7 +74,7 @@ def calibrate_false_alarms(
     The replicates are drawn from the base model.
     """
     d = len(base.fit.omega)
-    whole = np.ascontiguousarray(columns.bare)
+    whole = _set_apart(columns.bare)
     prior = problem.build_prior(base.model)
     prior = prior._replace(mean=prior.mean[:d], precision=prior.precision[:d])
     largest = np.empty(replicates)
@@ -156,14 +156,23 @@ def score_columns_array(
     return gain + add, alone
 
 
-def _root(gram: NDArray) -> NDArray:
-    """Root R of a Gram matrix G = RRᵀ, in scaled columns.
+def _set_apart(gram: NDArray) -> NDArray:
+    """Gram matrices (trial, …) of columns of which each has a hair of its own.
 
-    Columns hide in each other: each is drawn with a hair of its own, so that the root exists.
+    Columns hide in each other. What is left of one then is rounding, and no root exists; draws from
+    another matrix than the one that scores them would gain without bound.
     """
-    size = np.sqrt(np.maximum(np.diag(gram), 1e-300))
-    scaled = gram / np.outer(size, size) + RIDGE * np.eye(len(size))
-    return np.linalg.cholesky(scaled) * size[:, None]
+    apart = gram.copy()
+    diagonal = np.einsum("...ii->...i", apart)
+    diagonal *= 1.0 + RIDGE
+    diagonal += np.finfo(float).tiny  # of a column that moves nothing
+    return apart
+
+
+def _root(gram: NDArray) -> NDArray:
+    """Root R of a Gram matrix G = RRᵀ, in scaled columns."""
+    size = np.sqrt(np.diag(gram))
+    return np.linalg.cholesky(gram / np.outer(size, size)) * size[:, None]
 
 
 @compiled

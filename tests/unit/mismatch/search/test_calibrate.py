@@ -10,7 +10,7 @@ from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.columns import collect_columns
 from softfinger.mismatch.candidates.rank import list_pieces
 from softfinger.mismatch.search import calibrate as module
-from softfinger.mismatch.search.calibrate import _root
+from softfinger.mismatch.search.calibrate import _root, _set_apart
 
 
 @pytest.fixture
@@ -24,7 +24,7 @@ def gram():
 
 
 def test_a_root_gives_the_gram_matrix_again(gram):
-    root = _root(gram)
+    root = _root(_set_apart(gram))
     size = np.sqrt(np.diag(gram))
     np.testing.assert_allclose(
         root @ root.T / np.outer(size, size), gram / np.outer(size, size), atol=2 * module.RIDGE
@@ -34,8 +34,18 @@ def test_a_root_gives_the_gram_matrix_again(gram):
 def test_rounding_hardly_moves_a_root(gram):
     size = np.sqrt(np.diag(gram))
     wobble = 1.0 + 1e-15 * np.random.default_rng(2).normal(size=gram.shape)
-    moved = _root(gram * 0.5 * (wobble + wobble.T)) - _root(gram)
-    assert np.abs(moved / size[:, None]).max() < 1e-6
+    moved = _root(_set_apart(gram * 0.5 * (wobble + wobble.T))) - _root(_set_apart(gram))
+    assert np.abs(moved / size[:, None]).max() < 1e-4
+
+
+def test_chance_gains_no_more_where_columns_hide_in_each_other(gram):
+    """Ten columns explain ten squares of noise, however precise the recordings."""
+    apart = _set_apart(1e14 * gram)
+    drawn = _root(apart) @ np.random.default_rng(3).standard_normal((10, 4000))
+    size = np.sqrt(np.diag(apart))
+    scaled = drawn / size[:, None]
+    explained = np.sum(scaled * np.linalg.solve(apart / np.outer(size, size), scaled), axis=0)
+    assert explained.mean() == pytest.approx(10.0, abs=0.3)
 
 
 def test_a_replicate_whose_refit_fails_counts_by_its_score(draw_campaign, monkeypatch):
@@ -58,7 +68,7 @@ def test_as_many_replicates_are_drawn_as_are_asked_for(draw_campaign, monkeypatc
     problem, fit = pose_problem(draw_campaign(2, 0.0))
     base = Candidate(problem.base, fit, fit.log_evidence)
     pieces = [p for p in list_pieces(problem.setting)[0] if p.effect.id == "second_retardation"]
-    whole = collect_columns(problem, base, pieces).bare
+    whole = _set_apart(collect_columns(problem, base, pieces).bare)
     monkeypatch.setattr(module, "BUDGET", replace(BUDGET, replicates=4))
     drawn = list(module._draw_products(whole, base, np.random.default_rng(1), 9))
     assert len(drawn) == 9
@@ -70,7 +80,7 @@ def test_what_is_drawn_has_the_covariance_of_the_base_model(draw_campaign):
     problem, fit = pose_problem(draw_campaign(2, 0.0))
     base = Candidate(problem.base, fit, fit.log_evidence)
     pieces = [p for p in list_pieces(problem.setting)[0] if p.effect.id == "second_retardation"]
-    whole = collect_columns(problem, base, pieces).bare
+    whole = _set_apart(collect_columns(problem, base, pieces).bare)
     drawn = np.stack(list(module._draw_products(whole, base, np.random.default_rng(1), 4000)))
     d = len(fit.omega)
     own = whole[0, :, :d]
