@@ -49,8 +49,8 @@ class InferenceBudget:
     """Points on either side in a zoom. Why: each makes the grid five times finer."""
     profile_zooms: int = 9
     """Zooms. Why: to rounding."""
-    simulated: int = 200_000
-    """Trials that are moved to weigh draws. Why: under a minute on one core."""
+    simulated: int = 120_000
+    """Trials that are moved to weigh draws. Why: ten seconds on one core."""
     measured: int = 20_000
     """Trials moved where weighing all would take longer. Why: an sd to 1 %."""
     together: int = 2_000

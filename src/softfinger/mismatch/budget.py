@@ -32,6 +32,15 @@ class DiagnosisBudget:
     """Forms of an effect that are tried in pairs. Why: they hide alike."""
     pairs: int = 4
     """Pairs of effects that are fitted. Why: pairs' scores are of pairs, and in order."""
+    far_nats: float = 300.0
+    """[nats] that one effect gains where pairs are fitted whatever their linear score.
+    Why: the angles then miss by more than the linear model of a pair is good for.
+    Test: `test_leading_pairs.py::test_pairs_are_fitted_where_much_is_left_out`.
+    """
+    leading_pairs: int = 3
+    """Effects of which such pairs are made. Why: a true pair's effects both gain much alone."""
+    leading_forms: int = 2
+    """Forms of each of them. Why: another form may lead to another mode."""
     paired: int = 12
     """Pairs of effects to which a third is added. Why: a triple's best pair is among the first."""
     leaders: int = 2

@@ -26,12 +26,12 @@ from softfinger.mismatch.experiment.masking import list_invisible, tabulate_mask
 from softfinger.mismatch.search.calibrate import FalseAlarms, calibrate_false_alarms
 from softfinger.mismatch.search.eliminate import fit_less
 from softfinger.mismatch.search.judge import (
-    find_clock_rate,
     find_leader,
     judge_finalists,
+    list_best,
     settle_measurement,
-    weigh_log,
 )
+from softfinger.mismatch.search.log_and_clock import find_clock_rate, weigh_log
 from softfinger.mismatch.search.one_load import share_with_creep
 from softfinger.mismatch.search.patience import Patience
 from softfinger.mismatch.search.settle import (
@@ -79,6 +79,12 @@ class Survey(NamedTuple):
     alarms: FalseAlarms
     needed: float
     ranked: tuple[list[Candidate], list[Score]]
+
+    def search(self, problem: Problem, base: Candidate, progress: Progress) -> Search:
+        """Search for the effects that act together."""
+        return search_effects(
+            problem, base, self.catalogue, self.columns, self.needed, progress, self.ranked
+        )
 
 
 class Posed(NamedTuple):
@@ -145,20 +151,35 @@ def diagnose(
         return Posed(right, plain, base, survey(plain, base), known, mended)
 
     posed = mend_clock(mend_log(pose(MeasurementEntry(), {}), pose), pose)
-    (right, plain, base, found, _, mended), hums = mend_hums(posed, pose)
-    problem, base = settle_measurement(plain, base, found.ranked[0], found.needed)
-    found = found if problem is plain else survey(problem, base)
+    posed, hums = mend_hums(posed, pose)
     patience = Patience(settings.longest_search_s, progress)
-    search = search_effects(
-        problem, base, found.catalogue, found.columns, found.needed, patience, found.ranked
-    )
-    if search.best is not search.base:
-        problem, search = judge_finalists(plain, problem, search, right, found.needed)
+    problem, found, search = search_jointly(posed, survey, patience)
+    right, mended = posed.angles, posed.mended
     more = hear_hums(problem, search.best, right)
     mended = add_hums(mended, more, problem.trials.name)
     problem = replace(problem, noise=note_hums(problem.noise, hums + more))
     right = mend_recordings(angles, mended) if more else right
     return _close(problem, search, found, right, mended, cut_short=patience.was_lost)
+
+
+def search_jointly(
+    posed: Posed, survey: Callable[[Problem, Candidate], Survey], patience: Patience
+) -> tuple[Problem, Survey, Search]:
+    """Search with the measurement that leads, and without any disturbance.
+
+    A disturbance that one effect needs may be what a second effect does. So what the search finds
+    without it is judged beside what it finds with it.
+    """
+    right, plain, base, found, _, _ = posed
+    problem, start = settle_measurement(plain, base, found.ranked[0], found.needed)
+    rivals: list[Candidate] = []
+    if problem is not plain:
+        rivals = list_best(found.search(plain, base, patience))
+        found = survey(problem, start)
+    search = found.search(problem, start, patience)
+    if search.best is not search.base or rivals:
+        problem, search = judge_finalists(plain, problem, search, rivals, right, found.needed)
+    return problem, found, search
 
 
 def mend_log(posed: Posed, pose: Pose) -> Posed:

@@ -202,7 +202,7 @@ def test_a_disturbance_costs_its_prior(posed, monkeypatch):
         judge_module, "fit_disturbances", lambda *_: ({"drift": 0.1}, {"drift": 9.0}, {})
     )
     monkeypatch.setattr(judge_module, "admit_disturbances", lambda known, *_: known)
-    monkeypatch.setattr(judge_module, "_fit", lambda *_: base)
+    monkeypatch.setattr(judge_module, "fit_again", lambda *_: base)
     judged = judge_module.judge(problem, base, None, base)
     assert plain.evidence - judged.evidence == pytest.approx(3.0)
 

@@ -151,7 +151,10 @@ def _tune(series: list[WaveSeries], frequencies: Array, place: int) -> float:
     def lack(frequency: float) -> float:
         return -sum(abs(one.values @ _sound(one.time, frequency)) ** 2 for one in series)
 
+    slowest = frequencies[0] / 2.0  # what is slower is a drift
     near = frequencies[place] + np.linspace(-step, step, BUDGET.hum_tries)
+    near = near[near >= slowest]
     best = near[np.argmin([lack(f) for f in near])]
     apart = near[1] - near[0]
-    return float(minimize_scalar(lack, bounds=(best - apart, best + apart), method="bounded").x)
+    bounds = max(best - apart, slowest), best + apart
+    return float(minimize_scalar(lack, bounds=bounds, method="bounded").x)

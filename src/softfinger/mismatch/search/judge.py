@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from scipy.optimize import minimize_scalar
 
 from softfinger.inference.budget import BUDGET as INFERENCE
 from softfinger.inference.disturbances import SIZES, fit_disturbances
@@ -40,64 +39,13 @@ class Judged(NamedTuple):
     evidence: float
 
 
-def weigh_log(
-    plain: Problem, base: Candidate, singles: list[Candidate], angles: xr.Dataset, needed: float
-) -> float:
-    """Evidence [nats] for another log of the load.
-
-    The rival is the log that was fitted.
-
-    Each counts by the base model or by the best effects, an effect less what chance gains.
-
-    Parameters
-    ----------
-    plain, base, singles
-        Fitted to the log as it is.
-    angles
-        With the other log.
-    """
-    torque = angles.sel(trial=plain.trials.name)["load_torque"].transpose("trial", "knot").values
-    other = replace(plain, trials=plain.trials._replace(load_torque=torque))
-    leaders = _list_leaders(base, singles, needed)
-    moved = (_fit(other, c, base) for c in (base, *leaders))
-    best = [
-        max((_discount(c, base, needed) for c in some if c is not None), default=-np.inf)
-        for some in ((base, *leaders), moved)
-    ]
-    return best[1] - best[0]
-
-
-def find_clock_rate(plain: Problem, base: Candidate) -> tuple[float, float]:
-    """Find how slow the camera's clock runs.
-
-    Also what that gains [nats].
-
-    By the evidence of the base model, over the rates that `SIZES` allow.
-    """
-    largest = max(SIZES["clock_rate"])
-
-    def lose(rate: float) -> float:
-        trials = plain.trials._replace(node=plain.trials.node * (1.0 + rate))
-        again = _fit(replace(plain, trials=trials), base, base)
-        return np.inf if again is None else base.log_evidence - again.log_evidence
-
-    bounds = (-largest, largest)
-    found = minimize_scalar(lose, bounds=bounds, method="bounded", options={"xatol": 1e-5})
-    return float(found.x), -float(found.fun)
-
-
-def _discount(candidate: Candidate, base: Candidate, needed: float) -> float:
-    added = len(candidate.model.ids - base.model.ids)
-    return candidate.log_evidence - needed * added
-
-
 def find_leader(base: Candidate, singles: list[Candidate], needed: float) -> Candidate:
     """Find the best of base model and leading effects."""
-    leaders = base, *_list_leaders(base, singles, needed)
+    leaders = base, *list_leaders(base, singles, needed)
     return max(leaders, key=lambda c: c.log_evidence)
 
 
-def _list_leaders(base: Candidate, singles: list[Candidate], needed: float) -> list[Candidate]:
+def list_leaders(base: Candidate, singles: list[Candidate], needed: float) -> list[Candidate]:
     """Best model of each of the leading effects."""
     leaders: dict[frozenset[str], Candidate] = {}
     for candidate in singles:
@@ -128,19 +76,24 @@ def settle_measurement(
     problem, base
         With that measurement; as they are where it has no disturbance.
     """
-    leaders = _list_leaders(base, singles, needed)
+    leaders = list_leaders(base, singles, needed)
     judging = (judge(plain, c, plain, base) for c in (base, *leaders))
     best = max((j for j in judging if j is not None), key=lambda j: j.evidence, default=None)
     if best is None or best.problem is plain:
         return plain, base
     if best.candidate.model is base.model:
         return best.problem, best.candidate
-    again = _fit(best.problem, base, base)
+    again = fit_again(best.problem, base, base)
     return (plain, base) if again is None else (best.problem, again)
 
 
 def judge_finalists(
-    plain: Problem, problem: Problem, search: Search, angles: xr.Dataset, needed: float
+    plain: Problem,
+    problem: Problem,
+    search: Search,
+    rivals: list[Candidate],
+    angles: xr.Dataset,
+    needed: float,
 ) -> tuple[Problem, Search]:
     """Judge the leading sets of effects anew.
 
@@ -153,6 +106,8 @@ def judge_finalists(
     ----------
     plain, problem
         Without disturbances, and as the search had it.
+    rivals
+        Sets that a search without disturbances found.
 
     Returns
     -------
@@ -164,7 +119,8 @@ def judge_finalists(
     for candidate in search.candidates:
         if candidate.fit is not None and len(finalists) <= BUDGET.finalists:
             finalists.setdefault(candidate.model.ids, candidate)
-    finalists.setdefault(search.best.model.ids, search.best)
+    for candidate in (search.best, *rivals):
+        finalists.setdefault(candidate.model.ids, candidate)
     fitted = problem if measured is plain else None
     judged: list[Judged] = []
     best = None
@@ -182,7 +138,7 @@ def judge_finalists(
     settled = []
     for other in judged:
         same = other.problem is best.problem
-        again = other.candidate if same else _fit(best.problem, other.candidate, search.base)
+        again = other.candidate if same else fit_again(best.problem, other.candidate, search.base)
         if again is not None:
             settled.append(again._replace(log_evidence=other.evidence - level))
     return best.problem, _settle(search, settled, needed)
@@ -217,10 +173,16 @@ def judge(
         problem = replace(admit_disturbances(plain, size, directions), noise=noise)
     more = _measure_level(problem) - PRIORS.component_nats * len(size)
     rival = worth - more
-    again = candidate if problem is fitted else _fit(problem, candidate, base, rival)
+    again = candidate if problem is fitted else fit_again(problem, candidate, base, rival)
     if again is None:
         return None
     return Judged(problem, again, again.log_evidence + more)
+
+
+def list_best(search: Search) -> list[Candidate]:
+    """The best sets of a search, none beside its base."""
+    some = (search.best, *search.candidates[: BUDGET.rivals])
+    return [c for c in some if c.fit is not None and c.model.ids != search.base.model.ids]
 
 
 def measure_again(problem: Problem, candidate: Candidate, angles: xr.Dataset) -> Problem:
@@ -284,9 +246,10 @@ def _measure_level(problem: Problem) -> float:
     return -0.5 * float(problem.trials.logdet.sum())
 
 
-def _fit(
+def fit_again(
     problem: Problem, candidate: Candidate, base: Candidate, rival: float = -np.inf
 ) -> Candidate | None:
+    """Fit a model from where it was, else None."""
     fit, gain = candidate.fit, candidate.log_evidence - base.log_evidence
     start = fit.own, fit.shared, fit.omega
     tolerance = max(BUDGET.rest_nats, INFERENCE.rest_share * gain)

@@ -15,6 +15,7 @@ from softfinger.mechanics.effects.model import Piece
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.columns import ScoreColumns, collect_columns
 from softfinger.mismatch.candidates.elsewhere import list_compatible, list_elsewhere
+from softfinger.mismatch.candidates.leading_pairs import fit_leading_pairs
 from softfinger.mismatch.candidates.other_forms import find_other_form, keep_leading, swap_forms
 from softfinger.mismatch.candidates.pairs import rank_pairs
 from softfinger.mismatch.candidates.rank import (
@@ -110,13 +111,13 @@ def search_effects(
         larger = _enlarge(problem, rivals, best, found, pieces, progress, asked, size)
         if size == 2:
             larger += rank_pairs(problem, base, columns, larger, asked, progress)
+            asked = max(asked, find_best(larger))
+            larger += fit_leading_pairs(problem, base, singles, asked, progress)
         top = choose_top(larger, best)
         gain = top.log_evidence - best.log_evidence
-        if gain <= more:
-            break
-        if shape is None or shape.fit is not best.fit:
+        if gain > more and (shape is None or shape.fit is not best.fit):
             shape = measure_shape(problem, best)
-        if gain <= shape.gain:
+        if gain <= more or gain <= shape.gain:
             break
         found += larger
         larger = []

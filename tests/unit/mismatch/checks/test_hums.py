@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 from softfinger.measurement.mend import mend_recordings
 from softfinger.mechanics.effects.model_file import FittedTo
 from softfinger.mismatch import diagnose
-from softfinger.mismatch.checks.hums import find_hums
+from softfinger.mismatch.checks.hums import _tune, find_hums
 from softfinger.mismatch.checks.lines import find_line
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.tables.outcome import describe_repair
@@ -207,3 +207,9 @@ def test_a_finger_that_rings_is_not_said_to_hum(draw_campaign):
     assert found.verdict.decision != "adequate"
     assert "hum" not in found.problem.noise["component"]
     assert found.findings.line.gain > DECISIONS.least_left
+
+
+def test_no_frequency_is_sought_below_half_the_slowest():
+    """What is slower is a drift; a constant would have the frequency zero."""
+    constant = [SimpleNamespace(values=np.ones(50), time=np.linspace(0.0, 10.0, 50))]
+    assert _tune(constant, np.array([0.05, 0.3, 0.55]), 0) >= 0.025

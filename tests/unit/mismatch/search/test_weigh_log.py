@@ -16,7 +16,8 @@ from softfinger.measurement.measure import add_components
 from softfinger.measurement.steady import steady_log
 from softfinger.mechanics.effects.measurement_file import MeasurementEntry
 from softfinger.mismatch.diagnose import Posed, mend_clock
-from softfinger.mismatch.search.judge import _carry_over, find_clock_rate, weigh_log
+from softfinger.mismatch.search.judge import _carry_over
+from softfinger.mismatch.search.log_and_clock import find_clock_rate, weigh_log
 
 TIME = np.arange(300) / 15
 ROWS = np.arange(21.0)

@@ -1,0 +1,62 @@
+"""Whether the motion prefers another log of the load, or another rate of the clock."""
+
+from dataclasses import replace
+
+import numpy as np
+import xarray as xr
+from scipy.optimize import minimize_scalar
+
+from softfinger.inference.disturbances import SIZES
+from softfinger.inference.problem import Candidate, Problem
+from softfinger.mismatch.search.judge import fit_again, list_leaders
+
+
+def weigh_log(
+    plain: Problem, base: Candidate, singles: list[Candidate], angles: xr.Dataset, needed: float
+) -> float:
+    """Evidence [nats] for another log of the load.
+
+    The rival is the log that was fitted.
+
+    Each counts by the base model or by the best effects, an effect less what chance gains.
+
+    Parameters
+    ----------
+    plain, base, singles
+        Fitted to the log as it is.
+    angles
+        With the other log.
+    """
+    torque = angles.sel(trial=plain.trials.name)["load_torque"].transpose("trial", "knot").values
+    other = replace(plain, trials=plain.trials._replace(load_torque=torque))
+    leaders = list_leaders(base, singles, needed)
+    moved = (fit_again(other, c, base) for c in (base, *leaders))
+    best = [
+        max((_discount(c, base, needed) for c in some if c is not None), default=-np.inf)
+        for some in ((base, *leaders), moved)
+    ]
+    return best[1] - best[0]
+
+
+def find_clock_rate(plain: Problem, base: Candidate) -> tuple[float, float]:
+    """Find how slow the camera's clock runs.
+
+    Also what that gains [nats].
+
+    By the evidence of the base model, over the rates that `SIZES` allow.
+    """
+    largest = max(SIZES["clock_rate"])
+
+    def lose(rate: float) -> float:
+        trials = plain.trials._replace(node=plain.trials.node * (1.0 + rate))
+        again = fit_again(replace(plain, trials=trials), base, base)
+        return np.inf if again is None else base.log_evidence - again.log_evidence
+
+    bounds = (-largest, largest)
+    found = minimize_scalar(lose, bounds=bounds, method="bounded", options={"xatol": 1e-5})
+    return float(found.x), -float(found.fun)
+
+
+def _discount(candidate: Candidate, base: Candidate, needed: float) -> float:
+    added = len(candidate.model.ids - base.model.ids)
+    return candidate.log_evidence - needed * added
