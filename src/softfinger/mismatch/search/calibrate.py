@@ -16,7 +16,13 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from softfinger.compiled import compiled
-from softfinger.inference.mixed_effects import Prior, climb_omega, fit_linear, solve_gram
+from softfinger.inference.mixed_effects import (
+    Prior,
+    climb_omega,
+    fit_linear,
+    invert_scaled,
+    solve_gram,
+)
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.columns import ScoreColumns
@@ -76,7 +82,8 @@ def calibrate_false_alarms(
     d = len(base.fit.omega)
     whole = _set_apart(columns.bare)
     prior = problem.build_prior(base.model)
-    prior = prior._replace(mean=prior.mean[:d], precision=prior.precision[:d])
+    away = prior.mean[:d] - base.fit.mean  # only differences keep their digits
+    prior = prior._replace(mean=away, precision=prior.precision[:d])
     largest = np.empty(replicates)
     for k, product in enumerate(_draw_products(whole, base, rng, replicates)):
         gains, alone = score_columns_array(columns, whole, product, prior, base.fit.omega)
@@ -95,13 +102,13 @@ def calibrate_false_alarms(
 def _draw_products(
     whole: NDArray, base: Candidate, rng: np.random.Generator, replicates: int
 ) -> Iterator[NDArray]:
-    """Draw Cᵀz (trial, d + c) of campaigns that the base model made."""
+    """Draw Cᵀz (trial, d + c) of campaigns that the base model made, μ taken off."""
     trials, d = base.fit.own.shape
     factor = np.stack([_root(gram) for gram in whole])
     own_factor = np.linalg.cholesky(base.fit.omega)
     for begin in range(0, replicates, BUDGET.replicates):
         some = min(BUDGET.replicates, replicates - begin)
-        own = base.fit.mean + rng.standard_normal((some, trials, d)) @ own_factor.T
+        own = rng.standard_normal((some, trials, d)) @ own_factor.T
         noise = rng.standard_normal((trials, whole.shape[2], some))
         product = factor @ noise + whole[:, :, :d] @ own.transpose(1, 2, 0)
         yield from np.ascontiguousarray(product.transpose(2, 0, 1))
@@ -233,7 +240,7 @@ def _take_up(
     cross, direct = np.zeros((size, d)), np.zeros(size)
     square = np.zeros((size, count.max() if count.size else 0))
     for i in range(gram.shape[0]):
-        kept = np.linalg.inv(inverse + own[i, :d, :d])
+        kept = invert_scaled(inverse + own[i, :d, :d])
         side = np.ascontiguousarray(gram[i, d:, :d])
         taken = side @ kept
         cross += side - taken @ np.ascontiguousarray(own[i, :d, :d])
