@@ -15,7 +15,6 @@ from softfinger.mechanics.effects.model import Piece
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.columns import ScoreColumns, collect_columns
 from softfinger.mismatch.candidates.elsewhere import list_compatible, list_elsewhere
-from softfinger.mismatch.candidates.leading_pairs import fit_leading_pairs
 from softfinger.mismatch.candidates.other_forms import find_other_form, keep_leading, swap_forms
 from softfinger.mismatch.candidates.pairs import rank_pairs
 from softfinger.mismatch.candidates.rank import (
@@ -28,6 +27,7 @@ from softfinger.mismatch.candidates.rank import (
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.search.eliminate import choose_top, eliminate, fit_without, list_added
 from softfinger.mismatch.search.hidden import seek_hidden
+from softfinger.mismatch.search.leading_pairs import fit_leading_pairs
 from softfinger.mismatch.search.shape import Shape, allow_rest, excels, measure_shape
 
 

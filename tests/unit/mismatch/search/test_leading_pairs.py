@@ -6,8 +6,8 @@ import pytest
 
 from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.mismatch.budget import BUDGET
-from softfinger.mismatch.candidates import leading_pairs as module
 from softfinger.mismatch.candidates.rank import list_pieces
+from softfinger.mismatch.search import leading_pairs as module
 
 FORMS = {
     ("second_retardation", "proportional"),
@@ -32,8 +32,9 @@ def ranked(draw_campaign):
     return problem, base, sorted(singles, key=lambda c: -c.log_evidence)
 
 
-def fit_pairs(ranked, monkeypatch, far_nats):
+def fit_pairs(ranked, monkeypatch, far_nats, p_value=0.0):
     problem, base, singles = ranked
+    monkeypatch.setattr(module, "compute_excess", lambda *_: (0.0, p_value))
     monkeypatch.setattr(module, "BUDGET", replace(BUDGET, far_nats=far_nats))
     return module.fit_leading_pairs(
         problem, base, singles, base.log_evidence, lambda items, _: items
@@ -47,6 +48,10 @@ def test_pairs_are_fitted_where_much_is_left_out(ranked, monkeypatch):
     pairs = fit_pairs(ranked, monkeypatch, gain - 1.0)
     assert any(pair.fit is not None for pair in pairs)
     assert all(len(pair.model.ids) == 2 for pair in pairs)
+
+
+def test_none_is_fitted_where_the_best_leaves_nothing(ranked, monkeypatch):
+    assert fit_pairs(ranked, monkeypatch, 0.0, p_value=0.5) == []
 
 
 def test_each_leading_effect_is_a_start(ranked, monkeypatch):
