@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from functools import partial
 from typing import overload
@@ -9,6 +10,10 @@ from typing import overload
 from numba import njit
 
 from softfinger.compiled.cache import SourceCache
+
+# between two parallel loops the threads sleep: OpenMP would have them spin, a third of all CPU;
+# it reads this when the first such loop runs
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
 
 @overload
