@@ -124,11 +124,12 @@ def judge_finalists(
     fitted = problem if measured is plain else None
     judged: list[Judged] = []
     best = None
-    for candidate in sorted(finalists.values(), key=lambda c: -c.log_evidence):
+    for candidate in sorted(
+        finalists.values(), key=lambda c: (c is not search.base, -c.log_evidence)
+    ):
         worth = -np.inf
         if best is not None:
-            gain = best.candidate.log_evidence - search.base.log_evidence
-            worth = best.evidence - reaching_nats(gain)
+            worth = best.evidence - reaching_nats(best.evidence - judged[0].evidence)
         one = judge(measured, candidate, fitted, search.base, worth)
         judged += [] if one is None else [one]
         best = max(judged, key=lambda j: j.evidence, default=None)

@@ -1,0 +1,41 @@
+"""Finalists are judged in turn, the base model first."""
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from softfinger.inference.problem import Candidate
+from softfinger.mismatch.search import judge as module
+from softfinger.mismatch.search.judge import Judged, judge_finalists, list_best
+from softfinger.mismatch.search.stepwise import Search
+
+
+def stand_in(evidence, *ids):
+    return Candidate(SimpleNamespace(ids=frozenset(ids)), object(), evidence)
+
+
+BASE, BEST, THIRD = stand_in(0.0), stand_in(500.0, "gravity"), stand_in(90.0, "inertia")
+SEARCH = Search(BASE, [BEST, THIRD], [], BEST, 500.0, {}, [])
+
+
+def test_the_base_model_is_never_given_up_and_no_other_goes_on_far_behind(monkeypatch):
+    asked = {}
+
+    def judge(problem, candidate, _fitted, _base, worth):
+        asked[candidate.model.ids] = worth
+        return Judged(problem, candidate, candidate.log_evidence)
+
+    plain = object()
+    monkeypatch.setattr(module, "judge", judge)
+    monkeypatch.setattr(module, "measure_again", lambda problem, *_: problem)
+    rival = stand_in(300.0, "wire_friction")
+    judge_finalists(plain, plain, SEARCH, [rival], None, 5.0)
+    assert list(asked) == [BASE.model.ids, BEST.model.ids, rival.model.ids, THIRD.model.ids]
+    assert asked[BASE.model.ids] == -np.inf
+    assert asked[BEST.model.ids] == -20.0  # behind the base model, the best so far
+    assert asked[THIRD.model.ids] == 250.0  # behind the best by half of its gain
+
+
+def test_the_best_sets_of_a_search_are_beside_its_base():
+    assert list_best(SEARCH) == [BEST, BEST, THIRD]
+    assert list_best(SEARCH._replace(best=BASE, candidates=[])) == []
