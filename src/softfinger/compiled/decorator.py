@@ -11,7 +11,7 @@ from numba import njit
 
 from softfinger.compiled.cache import SourceCache
 
-# between two parallel loops the threads sleep: OpenMP would have them spin, a third of all CPU;
+# between two parallel loops the threads sleep: OpenMP would have them spin;
 # it reads this when the first such loop runs
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 

@@ -50,7 +50,7 @@ class InferenceBudget:
     profile_zooms: int = 9
     """Zooms. Why: to rounding."""
     simulated: int = 120_000
-    """Trials that are moved to weigh draws. Why: ten seconds on one core."""
+    """Trials that are moved to weigh draws. Why: it takes no longer than sampling."""
     measured: int = 20_000
     """Trials moved where weighing all would take longer. Why: an sd to 1 %."""
     together: int = 2_000

@@ -107,7 +107,7 @@ def fit_nonlinear(
     own, shared, omega = (np.array(a, float) for a in start)
     gram = linearise(own, shared)
     moving, spreading = Relaxation(), Relaxation()
-    path = Path([], [])
+    course = Course([], [])
     tries, converged = 0, False
     for _ in range(steps):
         moved, near, centre = centre_gram(gram, prior, own, shared)
@@ -120,7 +120,7 @@ def fit_nonlinear(
         most = moving.limit(wanted)
         taken = take_step(linearise, prior, linear, (own, shared), moves, gram, own_step, most)
         if taken is None:
-            converged = bool(path.evidence)
+            converged = bool(course.evidence)
             break
         made = taken.own - own
         own, shared, gram, fraction, more = taken
@@ -132,43 +132,43 @@ def fit_nonlinear(
         evidence = linear.log_evidence
         first = evidence if np.isinf(first) else first
         slight = tolerance + BUDGET.rest_share * abs(evidence - first)
-        path = path.go_on(evidence, float(gram[:, -1, -1].sum()))
-        converged = path.is_at_rest(slight, still=still)
-        if converged or path.has_stalled(slight):
+        course = course.go_on(evidence, float(gram[:, -1, -1].sum()))
+        converged = course.is_at_rest(slight, still=still)
+        if converged or course.has_stalled(slight):
             break
-        if tries > 2 * steps or path.extrapolate(steps) < rival:
+        if tries > 2 * steps or course.extrapolate(steps) < rival:
             break
     return _finish(gram, prior, bounds, own, shared, omega, converged=converged, first=first)
 
 
-class Path(NamedTuple):
+class Course(NamedTuple):
     """Log evidence [nats] and misfit [χ²] after each step."""
 
     evidence: list[float]
     misfit: list[float]
 
-    def go_on(self, evidence: float, misfit: float) -> "Path":
+    def go_on(self, evidence: float, misfit: float) -> "Course":
         """Add a step."""
-        return Path([*self.evidence, evidence], [*self.misfit, misfit])
+        return Course([*self.evidence, evidence], [*self.misfit, misfit])
 
     def extrapolate(self, steps: int) -> float:
         """Log evidence that a fit would reach.
 
         It is what so many steps would give at the pace of the last ones.
 
-        >>> Path([0.0] * 5 + [1.0, 2.0, 3.0, 4.0, 5.0], []).extrapolate(26)
+        >>> Course([0.0] * 5 + [1.0, 2.0, 3.0, 4.0, 5.0], []).extrapolate(26)
         15.0
         """
-        path = self.evidence
-        if len(path) <= BUDGET.pace:
+        seen = self.evidence
+        if len(seen) <= BUDGET.pace:
             return np.inf
-        pace = max(path[-1] - path[-1 - BUDGET.pace], 0.0) / BUDGET.pace
-        return path[-1] + pace * (steps - len(path))
+        pace = max(seen[-1] - seen[-1 - BUDGET.pace], 0.0) / BUDGET.pace
+        return seen[-1] + pace * (steps - len(seen))
 
     def has_stalled(self, slight: float) -> bool:
         """Whether the last steps led no higher than those before.
 
-        >>> Path([5.0, 4.0] * BUDGET.pace, [1.0, 2.0] * BUDGET.pace).has_stalled(0.01)
+        >>> Course([5.0, 4.0] * BUDGET.pace, [1.0, 2.0] * BUDGET.pace).has_stalled(0.01)
         True
         """
         if len(self.evidence) < 2 * BUDGET.pace:
@@ -187,7 +187,7 @@ class Path(NamedTuple):
 def _spread_out(
     moved: NDArray, near: Prior, omega: NDArray, spreading: Relaxation
 ) -> tuple[LinearFit, Relaxation]:
-    """The linear model's answer, Ω changed by no more than comes to rest."""
+    """The linear model's answer, Ω relaxed."""
     linear = fit_linear(moved, near, omega)
     change = subtract_omega(linear.omega, omega)
     part = spreading.limit(change)

@@ -102,7 +102,7 @@ def calibrate_false_alarms(
 def _draw_products(
     whole: NDArray, base: Candidate, rng: np.random.Generator, replicates: int
 ) -> Iterator[NDArray]:
-    """Draw Cᵀz (trial, d + c) of campaigns that the base model made, μ taken off."""
+    """Draw Cᵀz (trial, d + c) about μ from the base model."""
     trials, d = base.fit.own.shape
     factor = np.stack([_root(gram) for gram in whole])
     own_factor = np.linalg.cholesky(base.fit.omega)
@@ -164,10 +164,11 @@ def score_columns_array(
 
 
 def _set_apart(gram: NDArray) -> NDArray:
-    """Gram matrices (trial, …) of columns of which each has a hair of its own.
+    """Give each column a hair of its own.
 
-    Columns hide in each other. What is left of one then is rounding, and no root exists; draws from
-    another matrix than the one that scores them would gain without bound.
+    Gram matrices are (trial, …) or one. Columns hide in each other: what is left of one then is
+    rounding, and no root exists. Draws from another matrix than the one that scores them would
+    gain without bound.
     """
     apart = gram.copy()
     diagonal = np.einsum("...ii->...i", apart)
@@ -231,7 +232,7 @@ def _take_up(
     count: NDArray,
     omega: NDArray,
 ) -> tuple[NDArray, NDArray, NDArray]:
-    """What is left of the columns once every trial's η has taken its share.
+    """What is left of columns beside every trial's η.
 
     Their products with ∂F/∂μ and with z, and each form's columns with one another.
     """

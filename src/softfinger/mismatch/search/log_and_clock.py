@@ -1,4 +1,4 @@
-"""Whether the motion prefers another log of the load, or another rate of the clock."""
+"""Whether the motion prefers another load log or clock."""
 
 from dataclasses import replace
 
