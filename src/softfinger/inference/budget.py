@@ -24,9 +24,27 @@ class InferenceBudget:
     least_fraction: float = 0.05
     """Of a step that is taken where changes overshoot. Why: less never arrives."""
     shortenings: int = 6
-    """Halvings of a step that does not gain. Why: if 2 % of it does not gain, none does."""
+    """Regions that a step tries. Why: if a step of a hundredth does not gain, none does."""
+    smaller: float = 3.0
+    """Factor by which a region shrinks. Why: as `shortenings`."""
+    larger: float = 2.0
+    """Factor by which it grows where a step gained as expected. Why: it soon spans a valley."""
+    largest_region: float = 2.0
+    """Largest region [longest steps]. Why: with corrections it is straight so far."""
+    agreed: float = 0.5
+    """Share of the expected gain that needs no correction. Why: a linearisation costs as much."""
+    poor: float = 0.1
+    """Share of it below which the region was too large. Why: the next step would gain less."""
+    edge: float = 0.8
+    """Share of the region that a step at its edge has. Why: finding its edge is not the aim."""
+    dampings: tuple[float, float] = (-16.0, 4.0)
+    """Logarithms of the dampings that reach it, over the curvature. Why: rounding; no motion."""
+    halvings: int = 14
+    """Of the interval between them. Why: a step is then right to 1 %."""
     returns: int = 2
-    """Gauss-Newton steps of η back to the bottom of the valley. Why: they converge in squares."""
+    """Gauss-Newton steps back to the bottom of the valley. Why: they converge in squares."""
+    farthest_back: float = 0.75
+    """Share of a step that one of them may go. Why: more has lost the valley."""
     omega_moves: int = 200
     """Trials up to which Ω adapts without one. Why: with more, it hardly does."""
     guess_rates: int = 25

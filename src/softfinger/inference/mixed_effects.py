@@ -156,7 +156,9 @@ def solve_gram(
         total = inverse + gram[i, :d, :d]
         kept[i] = invert_scaled(total)
         logdet += np.linalg.slogdet(total)[1] + log_omega
-        _add_without_own(gram[i], kept[i], inverse, normal)
+        _add_without_own(gram[i], total, kept[i], inverse, normal)
+    for k in range(m):  # trials add to what the prior knows; rounding may take it away
+        normal[k, k] = max(normal[k, k], precision[k])
     hessian = np.ascontiguousarray(normal[:m, :m])
     covariance = invert_scaled(hessian)
     shared = covariance @ np.ascontiguousarray(normal[:m, m])
@@ -181,17 +183,25 @@ def solve_gram(
 
 
 @compiled
-def _add_without_own(gram: NDArray, kept: NDArray, inverse: NDArray, normal: NDArray) -> None:
+def _add_without_own(
+    gram: NDArray, total: NDArray, kept: NDArray, inverse: NDArray, normal: NDArray
+) -> None:
     """Add G − G_η K G_ηᵀ of a trial to the normal matrix, K = (P + G_ηη)⁻¹.
 
     In this form large numbers do not cancel, however much the trial shows: P − P K P, G_φη K P.
+    K G_ηφ is solved for, each row in its own unit: K has lost the digits that it needs where own
+    parameters look alike.
     """
     d = len(kept)
     rest, pulled = np.ascontiguousarray(gram[d:, :d]), kept @ inverse
+    size = np.sqrt(np.diag(total))
+    unit = total / np.outer(size, size) + ROUNDING * np.eye(d)
+    scaled = np.ascontiguousarray(rest.T) / size.reshape(d, 1)
+    explained = np.ascontiguousarray(scaled.T) @ np.linalg.solve(unit, scaled)
     normal[:d, :d] += inverse - inverse @ pulled
     normal[d:, :d] += rest @ pulled
     normal[:d, d:] += (rest @ pulled).T
-    normal[d:, d:] += gram[d:, d:] - rest @ kept @ rest.T
+    normal[d:, d:] += gram[d:, d:] - 0.5 * (explained + explained.T)
 
 
 @compiled

@@ -31,7 +31,9 @@ from softfinger.inference.mixed_effects_linearised import (
     hold_bounds,
     solve_linearised,
 )
-from softfinger.inference.mixed_effects_step import Linearise, Relaxation, take_step
+from softfinger.inference.mixed_effects_quadratic import Longest, Place, expand, settle
+from softfinger.inference.mixed_effects_step import Linearise, take_step
+from softfinger.inference.relaxation import Relaxation
 
 
 class Fit(NamedTuple):
@@ -107,36 +109,39 @@ def fit_nonlinear(
     own, shared, omega = (np.array(a, float) for a in start)
     gram = linearise(own, shared)
     moving, spreading = Relaxation(), Relaxation()
-    course = Course([], [])
-    tries, converged = 0, False
+    course, limits = Course([], []), Longest.limit(own_step, bounds)
+    tries, region, converged = 0, 1.0, False
     for _ in range(steps):
         moved, near, centre = centre_gram(gram, prior, own, shared)
         linear, spreading = _spread_out(moved, near, omega, spreading)
         omega = linear.omega
-        linear, target = hold_bounds(moved, near, bounds, linear, centre)
-        step = linear.own - own
-        moves = step, target - shared
+        linear, _ = hold_bounds(moved, near, bounds, linear, centre)
+        place = settle(prior, omega, own, shared)
+        step, change = moves = linear.own - own, linear.shared - place[1]
         wanted = _scale(linear, moves)
         most = moving.limit(wanted)
-        taken = take_step(linearise, prior, linear, (own, shared), moves, gram, own_step, most)
+        lack = expand(prior, omega, place, gram).expect(moves)
+        answer = most * step, most * change
+        taken = take_step(linearise, prior, omega, place, answer, gram, limits, region)
         if taken is None:
             converged = bool(course.evidence)
             break
         made = taken.own - own
-        own, shared, gram, fraction, more = taken
+        own, shared, gram, fraction, more, region = taken
+        fraction *= most
         tries += more
         moving = moving.take(most, wanted, fraction)
         # a trial whose step leads back to where it was is at rest, whatever it wants
         far = np.minimum(np.abs(step), np.abs(made) / fraction)
         still = np.all(far <= 0.05 * _spread(linear))
-        evidence = linear.log_evidence
+        evidence = linear.log_evidence - lack
         first = evidence if np.isinf(first) else first
         slight = tolerance + BUDGET.rest_share * abs(evidence - first)
         course = course.go_on(evidence, float(gram[:, -1, -1].sum()))
         converged = course.is_at_rest(slight, still=still)
         if converged or course.has_stalled(slight):
             break
-        if tries > 2 * steps or course.extrapolate(steps) < rival:
+        if tries > 2 * steps or max(course.extrapolate(steps), linear.log_evidence) < rival:
             break
     return _finish(gram, prior, bounds, own, shared, omega, converged=converged, first=first)
 
@@ -208,7 +213,9 @@ def _finish(
     first: float,
 ) -> Fit:
     d = len(omega)
-    linear, evidence = solve_linearised(gram, prior, bounds, (own, shared), omega, rounds=30)
+    place = own, shared
+    linear, evidence = solve_linearised(gram, prior, bounds, place, omega, rounds=30)
+    evidence -= _find_lack(gram, prior, bounds, place, linear.omega)
     covariance = linear.shared_covariance
     return Fit(
         own,
@@ -225,12 +232,27 @@ def _finish(
     )
 
 
+def _find_lack(
+    gram: NDArray, prior: Prior, bounds: SharedBounds, place: Place, omega: NDArray
+) -> float:
+    """What a place lacks of the linear model's best [nats].
+
+    Far from the best the linear model promises what no place has.
+    """
+    moved, near, centre = centre_gram(gram, prior, *place)
+    linear, _ = hold_bounds(moved, near, bounds, hold_omega(moved, near, omega), centre)
+    own, shared = settle(prior, omega, *place)
+    return expand(prior, omega, (own, shared), gram).expect(
+        (linear.own - own, linear.shared - shared)
+    )
+
+
 def _scale(linear: LinearFit, moves: tuple[NDArray, NDArray]) -> NDArray:
     """A step in units of its uncertainty."""
     d = len(linear.omega)
     variance = np.diag(linear.shared_covariance)[d:]  # rounding may leave one below 0
     sd = np.sqrt(np.maximum(variance, 0.0)) + 1e-12
-    return np.concatenate([(moves[0] / _spread(linear)).ravel(), moves[1] / sd])
+    return np.concatenate([(moves[0] / _spread(linear)).ravel(), moves[1][d:] / sd])
 
 
 def _spread(linear: LinearFit) -> NDArray:

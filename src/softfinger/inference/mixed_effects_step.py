@@ -2,10 +2,16 @@
 
 It goes as far along the linear model's answer as that is valid.
 
-Precise recordings make the likelihood a narrow valley: a small change of φ moves every trial's η
-by many of its sds, along a curve that the linear model takes for straight. So where a step leads
-uphill, each trial first returns to the bottom at fixed φ, before the step is shortened.
-Where each answer takes about the last step back, only a part of a step is taken.
+Precise recordings make the likelihood a narrow, bent valley. A step is the linear model's answer
+where that lies within the region in which linearisations have been right, and the damped answer
+that just reaches the region's edge elsewhere. From where it leads, Gauss-Newton steps across it
+return to the bottom of the valley, and keep the way that was made along it. So a step may be as
+long as the valley is straight, not as the valley is narrow.
+
+References
+----------
+Moré (1978), Lecture Notes in Mathematics 630, 105: the region, and damping. Keller (1977), in
+Applications of Bifurcation Theory, 359: corrections across a step.
 """
 
 from collections.abc import Callable
@@ -15,16 +21,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.inference.budget import BUDGET
-from softfinger.inference.mixed_effects import LinearFit, Prior
+from softfinger.inference.mixed_effects import Prior
+from softfinger.inference.mixed_effects_quadratic import (
+    Longest,
+    Place,
+    Quadratic,
+    add,
+    expand,
+    settle,
+)
 
 Linearise = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
-Place = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 class Taken(NamedTuple):
     """Result of a step.
 
-    η, φ and Gram matrices after it, the fraction of it that was taken, and what it took.
+    η, φ and Gram matrices after it; the fraction of the answer that it made; linearisations that it
+    took; the region [longest steps] for the next.
     """
 
     own: NDArray[np.float64]
@@ -32,108 +46,167 @@ class Taken(NamedTuple):
     gram: NDArray[np.float64]
     fraction: float
     tries: int
-
-
-class Relaxation(NamedTuple):
-    """How much of a wanted change may be taken.
-
-    Attributes
-    ----------
-    most
-        Largest fraction of the next change.
-    wanted, fraction
-        The last change that was wanted, and the fraction of it that was taken.
-    count
-        Changes so far.
-    """
-
-    most: float = 1.0
-    wanted: NDArray[np.float64] | None = None
-    fraction: float = 1.0
-    count: int = 0
-
-    def limit(self, now: NDArray[np.float64]) -> float:
-        """Fraction of a wanted change that comes to rest.
-
-        Near its end a wanted change s leaves (1 − c f) s when a fraction f of it is taken: c > 1
-        overshoots, and 1/c of the next is right. The fraction grows again, but slower
-        with each change: where c itself changes, a fraction that grew freely would never settle.
-
-        >>> Relaxation().take(1.0, np.array([1.0]), 1.0).limit(np.array([-0.9])).round(3)
-        np.float64(0.526)
-        """
-        if self.wanted is None:
-            return 1.0
-        left = self.wanted @ now / max(self.wanted @ self.wanted, 1e-300)
-        right = self.fraction / max(1.0 - left, 1e-300)
-        return np.clip(min(right, (1 + 1 / self.count) * self.most), BUDGET.least_fraction, 1.0)
-
-    def take(self, most: float, wanted: NDArray[np.float64], fraction: float) -> "Relaxation":
-        """Remember a change, its fraction taken, `most` allowed."""
-        return Relaxation(most, wanted, fraction, self.count + 1)
+    region: float
 
 
 def take_step(
     linearise: Linearise,
     prior: Prior,
-    linear: LinearFit,
+    omega: NDArray[np.float64],
     place: Place,
-    step: Place,
+    answer: Place,
     gram: NDArray[np.float64],
-    longest: NDArray[np.float64],
-    most: float,
+    longest: Longest,
+    region: float,
 ) -> Taken | None:
     """Take the longest step that does not lead down.
 
-    It tries the step, a third of it, … until the joint log posterior does not fall; None: nowhere.
-
-    All trials and φ take the same fraction: only so is the step a way down.
+    It tries smaller and smaller regions until the joint log posterior does not fall; None: nowhere.
 
     Parameters
     ----------
     linearise
         As in `fit_nonlinear`.
-    linear
-        The linear model's answer: its μ and Ω are fixed during the step.
-    place, step, gram
-        η (trial, d) and φ (p,) now; what is added to them; Gram matrices there.
+    omega
+        Ω, fixed during the step.
+    place, answer, gram
+        η (trial, d) and (μ, φ) now; what the linear model adds to them; Gram matrices there.
     longest
-        (d,) longest step of η.
-    most
-        Largest fraction.
+        Longest steps and bounds.
+    region
+        Length [longest steps] up to which linearisations have been right.
     """
-    now = _penalise(prior, linear, *place, gram)
-    fraction = min(most, 1.0 / max(1.0, np.max(np.abs(step[0]) / longest)))
+    now = expand(prior, omega, place, gram)
+
+    def look(at: Place) -> Reached:
+        own, shared = at = settle(prior, omega, at[0], at[1][len(omega) :])
+        found = linearise(own, shared[len(omega) :])
+        known = np.isfinite(found).all()
+        return Reached(at, found, expand(prior, omega, at, found) if known else None)
+
     tries = 0
     for _ in range(BUDGET.shortenings):
-        own, shared = (p + fraction * s for p, s in zip(place, step, strict=True))
-        for correction in range(BUDGET.returns + 1):
-            there = linearise(own, shared)
-            tries += 1
-            if not np.isfinite(there).all():
-                break
-            value = _penalise(prior, linear, own, shared, there)
-            if value <= now + 1e-6 * abs(now) + 0.01:
-                return Taken(own, shared, there, fraction, tries)
-            if correction < BUDGET.returns:
-                own = own + _step_back(linear, own, there, longest)
-        fraction /= 3.0
+        step = _reach(now, place, answer, longest, region)
+        expected, length = now.expect(step), longest.measure(step)
+        enough = now.value - BUDGET.agreed * expected
+        best, more = _follow(look, add(place, step), step, longest, enough)
+        tries += more
+        if best.value <= now.value + 1e-6 * abs(now.value) + 0.005:
+            right = (now.value - best.value) / max(expected, 1e-300)
+            own, shared = best.place
+            share = _share((own - place[0], shared - place[1]), answer, longest)
+            region = _resize(region, length, right)
+            return Taken(own, shared[len(omega) :], best.gram, share, tries, region)
+        region = length / BUDGET.smaller
     return None
 
 
-def _step_back(linear: LinearFit, own: NDArray, gram: NDArray, longest: NDArray) -> NDArray:
-    """Gauss-Newton step of every η, all else fixed."""
-    d = len(linear.omega)
-    inverse = np.linalg.inv(linear.omega)
-    pull = gram[:, :d, -1] - (own - linear.shared[:d]) @ inverse
-    step = np.linalg.solve(gram[:, :d, :d] + inverse, pull[..., None])[..., 0]
-    return step / np.maximum(1.0, np.max(np.abs(step) / longest, axis=1))[:, None]
+class Reached(NamedTuple):
+    """A place that was tried: Gram matrices, misfit.
+
+    There is no misfit where the model has no solution.
+    """
+
+    place: Place
+    gram: NDArray[np.float64]
+    misfit: Quadratic | None
+
+    @property
+    def value(self) -> float:
+        """The misfit's value."""
+        return np.inf if self.misfit is None else self.misfit.value
 
 
-def _penalise(
-    prior: Prior, linear: LinearFit, own: NDArray, shared: NDArray, gram: NDArray
-) -> float:
-    d = len(linear.omega)
-    away = own - linear.shared[:d]
-    value = gram[:, -1, -1].sum() + np.sum(away @ np.linalg.inv(linear.omega) * away)
-    return float(value + np.sum(prior.precision[d:] * (shared - prior.mean[d:]) ** 2))
+def _follow(
+    look: Callable[[Place], Reached], at: Place, step: Place, longest: Longest, enough: float
+) -> tuple[Reached, int]:
+    """Return to the bottom of the valley; the best place, places tried."""
+    best, tries = look(at), 1
+    while best.value > enough and best.misfit is not None and tries <= BUDGET.returns:
+        back = _return(best.misfit, best.place, step, longest)
+        if back is None:
+            break
+        found = look(add(best.place, back))
+        tries += 1
+        if found.value >= best.value:
+            break
+        best = found
+    return best, tries
+
+
+def _reach(now: Quadratic, place: Place, answer: Place, longest: Longest, region: float) -> Place:
+    """The step that just lies within the region."""
+    length = longest.measure(answer)
+    if length <= region:
+        return answer
+    shorter = answer[0] * region / length, answer[1] * region / length
+    return _soften(lambda damped: _damp(damped, place, longest), now, longest, region) or shorter
+
+
+def _soften(
+    solve: Callable[[Quadratic], Place], now: Quadratic, longest: Longest, most: float
+) -> Place | None:
+    """The least damped solution no longer than `most`."""
+    steepest, found = _find_steepest(now, longest), None
+    weak, strong = BUDGET.dampings
+    for _ in range(BUDGET.halvings):
+        middle = (weak + strong) / 2.0
+        step = solve(now.damp(steepest * 10.0**middle, longest))
+        length = longest.measure(step)
+        if not length <= most:
+            weak = middle
+            continue
+        strong, found = middle, step
+        if length >= BUDGET.edge * most:
+            break
+    return found
+
+
+def _find_steepest(now: Quadratic, longest: Longest) -> float:
+    """Largest curvature, in units of the longest steps."""
+    own = np.einsum("tii->ti", now.within) * longest.own**2
+    limited = np.isfinite(longest.bounds.step)
+    shared = np.diag(now.beside)[limited] * longest.bounds.step[limited] ** 2
+    return float(max(np.max(own), np.max(shared, initial=0.0)))
+
+
+def _damp(damped: Quadratic, place: Place, longest: Longest) -> Place:
+    """The damped answer within the bounds."""
+    alone, follows, moved, covariance = damped.solve(damped.own[..., None], damped.shared[:, None])
+    shared = longest.hold(place, moved[:, 0], covariance)
+    return alone[..., 0] + follows @ shared, shared
+
+
+def _return(there: Quadratic, at: Place, step: Place, longest: Longest) -> Place | None:
+    """Gauss-Newton step across a step: what was made along it stays made."""
+    most, along = BUDGET.farthest_back * longest.measure(step), longest.weigh(step)
+    return _soften(lambda damped: _cross(damped, at, along, longest), there, longest, most)
+
+
+def _cross(damped: Quadratic, at: Place, along: Place, longest: Longest) -> Place:
+    """The damped answer within the bounds, in the plane across a direction."""
+    right = np.stack([damped.own, along[0]], axis=2), np.stack([damped.shared, along[1]], axis=1)
+    alone, follows, moved, covariance = damped.solve(*right)
+    own = alone + follows @ moved
+    down, up = np.einsum("ti,tik->k", along[0], own) + along[1] @ moved
+    plane = covariance - np.outer(moved[:, 1], moved[:, 1]) / up
+    shared = longest.hold(at, moved[:, 0] - down / up * moved[:, 1], plane)
+    back = alone[..., 0] + follows @ shared
+    down = np.sum(along[0] * back) + along[1] @ shared
+    return back - down / max(np.sum(along[0] * alone[..., 1]), 1e-300) * alone[..., 1], shared
+
+
+def _resize(region: float, length: float, right: float) -> float:
+    """The region after a step that gained a share of what was expected."""
+    if right < BUDGET.poor:
+        return length / BUDGET.smaller
+    at_the_edge = length >= BUDGET.edge * region
+    larger = right >= BUDGET.agreed and at_the_edge
+    return min(region * BUDGET.larger, BUDGET.largest_region) if larger else region
+
+
+def _share(made: Place, answer: Place, longest: Longest) -> float:
+    """Fraction of the answer that a step made."""
+    own, shared = longest.weigh(answer)
+    ways = [float(np.sum(own * one) + shared @ two) for one, two in (made, answer)]
+    return float(np.clip(ways[0] / max(ways[1], 1e-300), BUDGET.least_fraction, 1.0))

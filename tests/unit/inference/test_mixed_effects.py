@@ -158,10 +158,10 @@ def test_a_fit_is_at_rest_where_its_steps_lead_back(monkeypatch):
     def lead(back, tries=1):
         taken.clear()
 
-        def take(linearise, prior, linear, place, step, gram, longest, most):
+        def take(linearise, prior, omega, place, answer, gram, longest, region):
             taken.append(tries)
-            moved = 0.0 if back else most
-            return Taken(place[0] + moved * step[0], place[1], gram, most, tries)
+            moved = 0.0 if back else 1.0
+            return Taken(place[0] + moved * answer[0], place[1][1:], gram, 1.0, tries, region)
 
         monkeypatch.setattr(mixed_effects_laplace, "take_step", take)
         return fit_nonlinear(
@@ -205,3 +205,24 @@ def test_a_trial_that_shows_far_more_than_the_population_keeps_em_steady():
         evidence.append(value)
     assert np.all(np.diff(evidence) > -1e-4)
     assert np.abs(omega - omega.T).max() == 0.0
+
+
+def test_a_shared_column_that_looks_like_own_ones_keeps_its_digits():
+    """The load's scale under a constant load: it is a compliance, and only priors tell them."""
+    rng = np.random.default_rng(0)
+    time = np.linspace(0.01, 1.0, 3000)
+    columns = 3e4 * np.column_stack([time, 1.0 + 1e-2 * time, 1.0 - np.exp(-9.0 * time)])
+    rows = np.column_stack([columns, columns.sum(axis=1), rng.normal(size=3000)])
+    prior = Prior(np.zeros(4), np.full(4, 4.0), np.full(3, 0.1), 2.0, 3)
+    omega = np.diag([0.04, 0.09, 0.16])
+    linear = hold_omega((rows.T @ rows)[None], prior, omega)
+    assert np.isfinite(linear.log_evidence)
+    own, shared = linear.own[0], linear.shared[3:]
+    # η and φ together, μ integrated: rows of the recordings and of the priors
+    root = np.linalg.inv(np.linalg.cholesky(omega + np.diag(1.0 / prior.precision[:3])))
+    stack = np.vstack([rows[:, :4], np.column_stack([root, np.zeros(3)]), [[0.0, 0.0, 0.0, 2.0]]])
+    right = np.linalg.qr(stack, mode="r")
+    covariance = np.linalg.inv(right) @ np.linalg.inv(right).T
+    assert linear.shared_covariance[3, 3] == pytest.approx(covariance[3, 3], rel=1e-3)
+    answer = np.linalg.lstsq(stack, np.append(rows[:, 4], np.zeros(4)))[0]
+    np.testing.assert_allclose(np.append(own, shared), answer, atol=1e-2)

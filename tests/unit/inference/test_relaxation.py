@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from softfinger.inference.mixed_effects_step import Relaxation
+from softfinger.inference.relaxation import Relaxation
 
 
 def iterate(answer, start, count):

@@ -13,21 +13,12 @@ from softfinger.mechanics.effects.model import Piece
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.elsewhere import list_compatible, list_elsewhere
 from softfinger.mismatch.candidates.rank import Progress, Score, find_best, fit_scored
-from softfinger.mismatch.checks.summary import compute_excess
-from softfinger.mismatch.decisions import DECISIONS
 
 
 def fit_leading_pairs(
-    problem: Problem,
-    base: Candidate,
-    singles: list[Candidate],
-    asked: float,
-    progress: Progress,
+    problem: Problem, singles: list[Candidate], asked: float, progress: Progress
 ) -> list[Candidate]:
     """Fit pairs of leading effects from either's fit.
-
-    There are none where no effect gains much, for linear scores are right then, and none where
-    the best leaves nothing that lasts.
 
     Parameters
     ----------
@@ -37,10 +28,6 @@ def fit_leading_pairs(
         Log evidence [nats] that a pair must reach to be believed.
     """
     leading = _list_leading(singles)
-    if not leading or leading[0].log_evidence - base.log_evidence < BUDGET.far_nats:
-        return []
-    if compute_excess(problem, leading[0])[1] >= DECISIONS.missing:
-        return []
     found: list[Candidate] = []
     for one in leading:
         others = [c.model.pieces[-1] for c in leading]

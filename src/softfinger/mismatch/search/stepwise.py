@@ -85,7 +85,9 @@ def search_effects(
     columns
         Of the catalogue, on top of the base model.
     needed
-        Gain [nats] that chance exceeds in 1 % of campaigns, over the whole catalogue.
+        Gain [nats] that chance exceeds in 1 % of campaigns, over the whole catalogue. Where one
+        effect gains far more and leaves what a spline finds, linear scores of pairs err: those of
+        the leading effects are fitted whatever their score.
     ranked
         What `rank_pieces` gives for the catalogue on top of the base model.
     """
@@ -112,7 +114,9 @@ def search_effects(
         if size == 2:
             larger += rank_pairs(problem, base, columns, larger, asked, progress)
             asked = max(asked, find_best(larger))
-            larger += fit_leading_pairs(problem, base, singles, asked, progress)
+            shape = measure_shape(problem, best) if explained >= BUDGET.far_nats else None
+            if shape is not None and shape.gain > more:
+                larger += fit_leading_pairs(problem, singles, asked, progress)
         top = choose_top(larger, best)
         gain = top.log_evidence - best.log_evidence
         if gain > more and (shape is None or shape.fit is not best.fit):

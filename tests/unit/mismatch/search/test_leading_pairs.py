@@ -1,13 +1,17 @@
 """Pairs of leading effects, fitted whatever their linear score."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
 from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.mismatch.budget import BUDGET
+from softfinger.mismatch.candidates.columns import collect_columns
 from softfinger.mismatch.candidates.rank import list_pieces
-from softfinger.mismatch.search import leading_pairs as module
+from softfinger.mismatch.search import stepwise
+from softfinger.mismatch.search.leading_pairs import fit_leading_pairs
+from softfinger.mismatch.search.shape import Shape
 
 FORMS = {
     ("second_retardation", "proportional"),
@@ -32,29 +36,29 @@ def ranked(draw_campaign):
     return problem, base, sorted(singles, key=lambda c: -c.log_evidence)
 
 
-def fit_pairs(ranked, monkeypatch, far_nats, p_value=0.0):
+def test_each_leading_effect_is_a_start(ranked):
     problem, base, singles = ranked
-    monkeypatch.setattr(module, "compute_excess", lambda *_: (0.0, p_value))
-    monkeypatch.setattr(module, "BUDGET", replace(BUDGET, far_nats=far_nats))
-    return module.fit_leading_pairs(
-        problem, base, singles, base.log_evidence, lambda items, _: items
-    )
-
-
-def test_pairs_are_fitted_where_much_is_left_out(ranked, monkeypatch):
-    _, base, singles = ranked
-    gain = singles[0].log_evidence - base.log_evidence
-    assert fit_pairs(ranked, monkeypatch, gain + 1.0) == []
-    pairs = fit_pairs(ranked, monkeypatch, gain - 1.0)
+    pairs = fit_leading_pairs(problem, singles, base.log_evidence, lambda items, _: items)
+    first = {pair.model.pieces[0].effect.id for pair in pairs}
+    assert 2 <= len(first) <= BUDGET.leading_pairs
     assert any(pair.fit is not None for pair in pairs)
     assert all(len(pair.model.ids) == 2 for pair in pairs)
 
 
-def test_none_is_fitted_where_the_best_leaves_nothing(ranked, monkeypatch):
-    assert fit_pairs(ranked, monkeypatch, 0.0, p_value=0.5) == []
-
-
-def test_each_leading_effect_is_a_start(ranked, monkeypatch):
-    pairs = fit_pairs(ranked, monkeypatch, 0.0)
-    first = {pair.model.pieces[0].effect.id for pair in pairs}
-    assert 2 <= len(first) <= BUDGET.leading_pairs
+@pytest.mark.parametrize(
+    ("far", "left", "fitted"), [(-1.0, 1e9, True), (1.0, 1e9, False), (-1.0, 0.0, False)]
+)
+def test_pairs_are_fitted_where_much_is_left_out(ranked, monkeypatch, far, left, fitted):
+    """The leading effect gains much, and a spline finds much in what it leaves."""
+    problem, base, singles = ranked
+    gain, asked = singles[0].log_evidence - base.log_evidence, []
+    pieces = [single.model.pieces[-1] for single in singles]
+    columns = collect_columns(problem, base, pieces)
+    monkeypatch.setattr(stepwise, "fit_leading_pairs", lambda *_: asked.append(1) or [])
+    shape = Shape(singles[0].fit, SimpleNamespace(gain=left, fit=None), 0.0)
+    monkeypatch.setattr(stepwise, "measure_shape", lambda *_: shape)
+    monkeypatch.setattr(stepwise, "BUDGET", replace(BUDGET, far_nats=gain + far))
+    stepwise.search_effects(
+        problem, base, (pieces, {}), columns, 3.0, lambda items, _: items, (singles, [])
+    )
+    assert bool(asked) is fitted
