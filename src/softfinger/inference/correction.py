@@ -76,7 +76,8 @@ def correct_draws(
     if not weighs or log_weight.size < DECISIONS.least_weighed:
         return Correction(whole, float("nan"), error)
     log_ratio = -log_weight  # ArviZ smooths the weights of a likelihood that is left out
-    smoothed, k = AzStatsDaAccessor(log_ratio).psislw(dim=["chain", "draw"])
+    with np.errstate(over="ignore"):  # of a tail that k then finds beyond all limits
+        smoothed, k = AzStatsDaAccessor(log_ratio).psislw(dim=["chain", "draw"])
     if not float(k) <= DECISIONS.largest_k:
         return Correction(whole, float(k), error)
     weight = np.exp(smoothed.values - smoothed.values.max())

@@ -36,6 +36,7 @@ SIZES: Mapping[str, Array] = {
     "clock_offset": np.array(PRIORS.offset_sizes_s),
     "clock_rate": np.array(PRIORS.rate_sizes),
     "drift": np.array(PRIORS.drift_sizes),
+    "picture_turn": np.array(PRIORS.drift_sizes),
     "gain_drift": np.array(PRIORS.gain_drift_sizes),
 }
 STEP_SHARE = 0.01  # of a row's load by which the model is moved
@@ -57,6 +58,7 @@ def list_disturbances(
         "timing_jitter": lambda: _spread_jitter(problem.trials, speed),
         "drift": lambda: _list_walks(problem),
         "gain_drift": lambda: _drift_gain(problem, candidate),
+        "picture_turn": lambda: _turn_picture(problem),
     }
     if problem.setting.load_known:
         made["clock_offset"] = lambda: speed[..., None]
@@ -204,6 +206,17 @@ def _list_walks(problem: Problem) -> Array:
     sd = problem.noise["noise_sd"].values
     columns = np.einsum("tns,jk,j->tjnks", walk, np.eye(joints), sd)
     return columns.reshape(*columns.shape[:3], joints * shapes)
+
+
+def _turn_picture(problem: Problem) -> Array:
+    """How a camera that slowly turns moves angles: the first joint's alone.
+
+    A random walk as in `_list_walks`. With one joint it is no other than that.
+    """
+    walk = _walk_array(_share_trial(problem.trials), BUDGET.turn_shapes)
+    moved = np.zeros(problem.trials.joints)
+    moved[0] = problem.noise["noise_sd"].values[0] if len(moved) > 1 else 0.0
+    return np.einsum("tns,j->tjns", walk, moved)
 
 
 def _drift_gain(problem: Problem, candidate: Candidate) -> Array:

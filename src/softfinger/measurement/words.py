@@ -105,5 +105,12 @@ WORDS = {
         lambda s, _: f"The gain of the angles' sensor drifts within a trial by {100 * s:.2g} %.",
         "drift",
     ),
+    "picture_turn": Words(
+        "noise_sd",
+        lambda s, _: (
+            f"The picture turns within a trial by {s:.2g} times the noise: the first joint drifts."
+        ),
+        "drift",
+    ),
     "hum": Words("amplitude_rad", _say_hum, "drift"),
 }

@@ -52,6 +52,8 @@ from softfinger.mismatch.verdict.schema import Verdict
 from softfinger.progress import track_progress
 from softfinger.settings import read_settings
 
+DRIFTS = ("drift", "gain_drift", "picture_turn")
+
 
 class Diagnosis(NamedTuple):
     """A verdict and everything behind it.
@@ -211,11 +213,18 @@ def mend_clock(posed: Posed, pose: Pose) -> Posed:
 
 
 def mend_hums(posed: Posed, pose: Pose) -> tuple[Posed, list[Hum]]:
-    """Take hums, neither motion nor noise, off recordings."""
+    """Take hums, neither motion nor noise, off recordings.
+
+    A few slow waves imitate a drift. They are hums where they explain more than it does.
+    """
     leader = find_leader(posed.base, posed.survey.ranked[0], posed.survey.needed)
     hums = hear_hums(posed.plain, leader, posed.angles)
     if not hums:
         return posed, hums
+    found = fit_disturbances(posed.plain, leader)[1]
+    drift = sum(found.get(name, 0.0) for name in DRIFTS)
+    if drift > sum(hum.evidence for hum in hums):
+        return posed, []
     mended = add_hums(posed.mended, hums, posed.plain.trials.name)
     return pose(mended, posed.known), hums
 

@@ -183,6 +183,24 @@ def test_a_gain_that_wanders_is_found_with_its_size_and_no_drift(record):
     assert not directions["gain_drift"][:, :, 0].any()
 
 
+def test_a_camera_that_turns_moves_the_first_joint_alone(record):
+    """It wanders, and returns within 0.4 of a trial."""
+    angles = record()
+    values, noise = angles["joint_angle"].values.copy(), np.random.default_rng(11)
+    turn = np.zeros((8, 500))
+    for k in range(1, 500):
+        turn[:, k] = 0.995 * turn[:, k - 1] + 0.1 * noise.standard_normal(8)
+    sd = float(pose_problem(angles)[0].noise["noise_sd"][0])
+    values[:, 0] += 1.5 * sd * turn
+    problem, fit = pose_problem(angles.assign(joint_angle=(angles["joint_angle"].dims, values)))
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    size, evidence, directions = fit_disturbances(problem, base)
+    assert max(evidence, key=evidence.get) == "picture_turn"
+    assert evidence["picture_turn"] > 15.0
+    assert "drift" not in size
+    assert not directions["picture_turn"][:, 1:].any()
+
+
 def test_a_known_disturbance_is_admitted_with_its_size(noisy):
     problem, base = noisy
     softer, fit = admit_known(problem, base.fit, {"noisy_load": 0.02})

@@ -7,7 +7,14 @@ from pydantic import Field
 from softfinger.mechanics.effects.prior_file import Part, Positive
 
 Disturbance = Literal[
-    "noisy_load", "load_drift", "timing_jitter", "clock_offset", "clock_rate", "drift", "gain_drift"
+    "noisy_load",
+    "load_drift",
+    "timing_jitter",
+    "clock_offset",
+    "clock_rate",
+    "drift",
+    "gain_drift",
+    "picture_turn",
 ]
 DIGITS = 7
 Amplitudes = dict[str, list[float]]

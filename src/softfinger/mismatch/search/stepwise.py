@@ -93,8 +93,7 @@ def search_effects(
     """
     (pieces, refused), (singles, scores) = catalogue, ranked
     found, larger, shape, alone = list(singles), [], None, None
-    best = choose_top(singles, base)
-    first_gain = best.log_evidence - base.log_evidence
+    first_gain = (best := choose_top(singles, base)).log_evidence - base.log_evidence
     if first_gain <= needed:
         single = Search(base, found, [], base, max(first_gain, 0.0), refused, scores)
         return _seek_hidden(problem, single, columns, needed, progress)
@@ -113,9 +112,9 @@ def search_effects(
         larger = _enlarge(problem, rivals, best, found, pieces, progress, asked, size)
         if size == 2:
             larger += rank_pairs(problem, base, columns, larger, asked, progress)
-            asked = max(asked, find_best(larger))
             shape = measure_shape(problem, best) if explained >= BUDGET.far_nats else None
             if shape is not None and shape.gain > more:
+                asked = max(asked, find_best(larger))
                 larger += fit_leading_pairs(problem, singles, asked, progress)
         top = choose_top(larger, best)
         gain = top.log_evidence - best.log_evidence
