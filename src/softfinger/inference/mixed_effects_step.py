@@ -31,6 +31,7 @@ from softfinger.inference.mixed_effects_quadratic import (
     settle,
 )
 
+TINY = np.finfo(float).tiny  # no division by nothing
 Linearise = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 
 
@@ -92,7 +93,7 @@ def take_step(
         best, more = _follow(look, add(place, step), step, longest, enough)
         tries += more
         if best.value <= now.value + 1e-6 * abs(now.value) + 0.005:
-            right = (now.value - best.value) / max(expected, 1e-300)
+            right = (now.value - best.value) / max(expected, TINY)
             own, shared = best.place
             share = _share((own - place[0], shared - place[1]), answer, longest)
             region = _resize(region, length, right)
@@ -147,12 +148,20 @@ def _soften(
     solve: Callable[[Quadratic], Place], now: Quadratic, longest: Longest, most: float
 ) -> Place | None:
     """The least damped solution no longer than `most`."""
-    steepest, found = _find_steepest(now, longest), None
+    steepest = _find_steepest(now, longest)
+
+    def try_damping(power: float) -> tuple[Place, float]:
+        step = solve(now.damp(steepest * 10.0**power, longest))
+        return step, longest.measure(step)
+
     weak, strong = BUDGET.dampings
+    found, length = try_damping(weak)
+    if length <= most:
+        return found
+    found = None
     for _ in range(BUDGET.halvings):
         middle = (weak + strong) / 2.0
-        step = solve(now.damp(steepest * 10.0**middle, longest))
-        length = longest.measure(step)
+        step, length = try_damping(middle)
         if not length <= most:
             weak = middle
             continue
@@ -189,11 +198,12 @@ def _cross(damped: Quadratic, at: Place, along: Place, longest: Longest) -> Plac
     alone, follows, moved, covariance = damped.solve(*right)
     own = alone + follows @ moved
     down, up = np.einsum("ti,tik->k", along[0], own) + along[1] @ moved
+    up = max(up, TINY)
     plane = covariance - np.outer(moved[:, 1], moved[:, 1]) / up
     shared = longest.hold(at, moved[:, 0] - down / up * moved[:, 1], plane)
     back = alone[..., 0] + follows @ shared
     down = np.sum(along[0] * back) + along[1] @ shared
-    return back - down / max(np.sum(along[0] * alone[..., 1]), 1e-300) * alone[..., 1], shared
+    return back - down / max(np.sum(along[0] * alone[..., 1]), TINY) * alone[..., 1], shared
 
 
 def _resize(region: float, length: float, right: float) -> float:
@@ -209,4 +219,4 @@ def _share(made: Place, answer: Place, longest: Longest) -> float:
     """Fraction of the answer that a step made."""
     own, shared = longest.weigh(answer)
     ways = [float(np.sum(own * one) + shared @ two) for one, two in (made, answer)]
-    return float(np.clip(ways[0] / max(ways[1], 1e-300), BUDGET.least_fraction, 1.0))
+    return float(np.clip(ways[0] / max(ways[1], TINY), BUDGET.least_fraction, 1.0))
