@@ -32,7 +32,8 @@ def find_saturated_frames(angles: xr.Dataset) -> Flags:
         angles[name].transpose("trial", ...).values for name in ("time", "load_time", "load_torque")
     )
     moment, load = _list_rows(*log)
-    since = np.where(find_saturated_array(load), moment, np.inf).min(axis=1)
+    pulling = np.where(load == 0.0, np.nan, load)  # a load that has gone is at no limit
+    since = np.where(find_saturated_array(pulling), moment, np.inf).min(axis=1)
     return found | (time >= since[:, None])[:, None]
 
 

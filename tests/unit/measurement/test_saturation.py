@@ -93,3 +93,14 @@ def test_a_load_cell_at_its_limit_leaves_what_follows_unknown(campaign):
     found = find_saturated_frames(limited)
     assert found[:, :, TIME > 10.0].all()
     assert not found[:, :, TIME < 9.0].any()
+
+
+def test_a_load_that_has_gone_is_at_no_limit(campaign):
+    """A cell whose gain drifts reads another load in every row, and 0 whenever none acts."""
+    knot = np.tile(np.arange(0.0, 16.0, 0.25), (6, 1))
+    drift = 1.0 - 1e-3 * knot * np.linspace(0.5, 1.5, 6)[:, None] ** 2
+    load = np.where((knot > 1.0) & (knot < 9.0), 0.04 * drift, 0.0)
+    angles = campaign.drop_dims("knot").assign(
+        load_time=(("trial", "knot"), knot), load_torque=(("trial", "knot"), load)
+    )
+    assert not find_saturated_frames(angles).any()
