@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from softfinger.faults import Fault
 from softfinger.measurement.budget import BUDGET
 from softfinger.measurement.decisions import DECISIONS
+from softfinger.measurement.flags import JUMP, STALE
 from softfinger.measurement.frames import select_frames
 from softfinger.measurement.noise import NoiseFit, complete_noise, fit_noise
 from softfinger.measurement.outliers import find_outliers
@@ -139,7 +140,9 @@ def _prepare_frames(angles: xr.Dataset) -> xr.Dataset:
     seen = angles["joint_angle"].transpose(*LAYOUT).where(~saturated)
     angles = angles.assign(joint_angle=seen)
     frames = select_frames(angles)
-    repeated = find_repeated_frames(angles, frames)
+    stale, suspect = _read_flags(angles)
+    repeated = find_repeated_frames(angles, frames) | stale
+    there = frames["used"].values | stale | suspect | saturated.any(axis=1)
     shape = tuple(angles.sizes[dim] for dim in LAYOUT)
     return frames.assign(
         used=(FRAMES, frames["used"].values & ~repeated),
@@ -148,7 +151,7 @@ def _prepare_frames(angles: xr.Dataset) -> xr.Dataset:
         trial_factor=(LAYOUT[:2], np.ones(shape[:2])),
         noise_factor=(LAYOUT, np.ones(shape)),
         rounding_sd=("joint", find_rounding(angles, frames)),
-        lost=((), _count_lost(angles, frames["used"].values | saturated.any(axis=1))),
+        lost=((), _count_lost(angles, there)),
         saturated=(FRAMES, saturated.any(axis=1)),
     )
 
@@ -159,6 +162,13 @@ def _measure_sd(angles: xr.Dataset, frames: xr.Dataset, fit: NoiseFit) -> Array:
         return fit.noise["noise_sd"].values
     shown = fit_noise(angles.assign_attrs(noise_sd_rad=np.nan), frames).noise["noise_sd"].values
     return shown * np.exp(np.log(frames["trial_factor"].values).mean(axis=0))
+
+
+def _read_flags(angles: xr.Dataset) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Frames (trial, frame) flagged as repeats, and as jumps."""
+    flag = angles["angle_flag"].transpose(*LAYOUT).values
+    seen = np.isfinite(angles["joint_angle"].transpose(*LAYOUT).values)
+    return tuple(((flag & bit > 0) & seen).any(axis=1) for bit in (STALE, JUMP))
 
 
 def _count_lost(angles: xr.Dataset, seen: NDArray[np.bool_]) -> float:

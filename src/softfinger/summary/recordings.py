@@ -4,9 +4,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from softfinger.measurement.flags import JUMP, MISSING, STALE
 from softfinger.summary.residuals import list_load_jumps, select_good
 
-FLAGS = {"missing": 1, "stale": 2, "jump": 4}
+FLAGS = {"missing": MISSING, "stale": STALE, "jump": JUMP}
 """Bits of `angle_flag`."""
 
 

@@ -5,8 +5,8 @@ import xarray as xr
 from scipy.ndimage import median_filter
 
 from softfinger.campaign import Campaign
+from softfinger.measurement.flags import JUMP, MISSING, STALE
 from softfinger.tracking.camera import undistort_array
-from softfinger.tracking.flags import JUMP, MISSING, STALE
 
 _MOVING_BASE = 1.5  # scatter of the base's direction, in its frame-to-frame scatter
 # ASSUME: a marker that does not move keeps an error of a tenth of its standard deviation, that of

@@ -14,9 +14,9 @@ from softfinger.campaign import (
 from softfinger.campaign.load_log import refuse_mixed_loads
 from softfinger.campaign.trials import Trial
 from softfinger.faults import CampaignFault, TrialFault
+from softfinger.measurement.flags import JUMP, MISSING, STALE
 from softfinger.tracking.angles import compute_joint_angles
 from softfinger.tracking.dots import measure_motion
-from softfinger.tracking.flags import JUMP, MISSING, STALE
 from softfinger.tracking.outliers import find_jumps_array, find_stale_array
 from softfinger.tracking.plausibility import flag_markers
 from softfinger.tracking.quality import LIMITS, compute_quality, list_poor

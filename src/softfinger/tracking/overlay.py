@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from softfinger.faults import Fault
-from softfinger.tracking.flags import JUMP, MISSING, STALE
+from softfinger.measurement.flags import JUMP, MISSING, STALE
 from softfinger.tracking.video import read_frames
 
 # Blue, green, red; colours that the colour-blind distinguish.

@@ -5,7 +5,7 @@ from itertools import combinations
 import numpy as np
 import xarray as xr
 
-from softfinger.tracking.flags import JUMP, MISSING
+from softfinger.measurement.flags import JUMP, MISSING
 from softfinger.tracking.outliers import find_jumps_array
 
 _STRETCH = 0.1  # of a distance that should be rigid

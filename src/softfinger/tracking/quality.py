@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 import xarray as xr
 
-from softfinger.tracking.flags import JUMP, STALE
+from softfinger.measurement.flags import JUMP, STALE
 
 #: Limits beyond which a trial is set aside, where the configuration names no others.
 LIMITS: Mapping[str, float] = {

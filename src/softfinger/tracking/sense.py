@@ -8,7 +8,7 @@ import xarray as xr
 from softfinger.doubts.features import measure_noise, measure_unexplained, thin
 from softfinger.doubts.response import choose_times, compute_terms, fit_response
 from softfinger.faults import CampaignFault
-from softfinger.tracking.flags import JUMP, MISSING
+from softfinger.measurement.flags import JUMP, MISSING
 
 _ABOVE_NOISE = 5.0  # sd of the noise: what moves less has no sense
 _UNEXPLAINED = 0.9  # of the motion: what its load explains less of has no sense

@@ -7,7 +7,7 @@ import xarray as xr
 
 from softfinger.campaign import Specimen
 from softfinger.faults import TrialFault
-from softfinger.tracking.flags import JUMP, MISSING
+from softfinger.measurement.flags import JUMP, MISSING
 
 # ASSUME: a typical trial bends by half a radian, as the priors of a finger expect. A motion of any
 # quantity has no natural size of its own; with this one a change of its unit changes nothing else.

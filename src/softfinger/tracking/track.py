@@ -9,12 +9,12 @@ import xarray as xr
 
 from softfinger.campaign import Camera, Campaign, marker_names
 from softfinger.faults import TrialFault
+from softfinger.measurement.flags import JUMP, MISSING, STALE
 from softfinger.progress import track_progress
 from softfinger.tracking.body import Body
 from softfinger.tracking.disc import RADIUS, X, Y
 from softfinger.tracking.dots import start_dots
 from softfinger.tracking.fit import FIT_QUALITY
-from softfinger.tracking.flags import JUMP, MISSING, STALE
 from softfinger.tracking.start import find_start
 from softfinger.tracking.uncertainty import claim_sd_array, compute_excess_array
 from softfinger.tracking.video import read_frames

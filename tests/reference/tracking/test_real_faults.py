@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 
 from softfinger.campaign import read_campaign
+from softfinger.measurement.flags import JUMP, STALE
 from softfinger.tracking import assemble_angles
-from softfinger.tracking.flags import JUMP, STALE
 from softfinger.tracking.outliers import find_jumps_array
 
 DOCUMENTED_JUMPS = {"pwm080_old4": 12, "pwm080_old5": 17, "pwm080_old6": 6, "pwm040_old0": 2}

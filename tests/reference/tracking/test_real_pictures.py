@@ -14,8 +14,8 @@ from softfinger.artifacts import open_artifact
 from softfinger.artifacts.specs.markers import SPEC
 from softfinger.campaign import read_campaign
 from softfinger.cli import recordings
+from softfinger.measurement.flags import MISSING
 from softfinger.tracking.dots import measure_motion
-from softfinger.tracking.flags import MISSING
 
 SPECIMEN = """\
 version: 1

@@ -1,8 +1,9 @@
-"""Readings at the end of a sensor's range."""
+"""Readings at the end of a sensor's range, and frames that were flagged before."""
 
 import numpy as np
 import pytest
 
+from softfinger.measurement.flags import JUMP, STALE
 from softfinger.measurement.measure import measure
 from softfinger.measurement.saturation import find_saturated_array, find_saturated_frames
 
@@ -104,3 +105,13 @@ def test_a_load_that_has_gone_is_at_no_limit(campaign):
         load_time=(("trial", "knot"), knot), load_torque=(("trial", "knot"), load)
     )
     assert not find_saturated_frames(angles).any()
+
+
+def test_flagged_repeats_are_repeats_and_no_frame_is_lost(campaign):
+    flag = campaign["angle_flag"].copy()
+    flag[:, :, 100:120] |= STALE
+    flag[:, 0, 300:304] |= JUMP
+    found = measure(campaign.assign(angle_flag=flag))
+    assert found["repeated"].values[:, 100:120].all()
+    assert found["lost"] == 0.0
+    assert not found["used"].values[:, 100:120].any()

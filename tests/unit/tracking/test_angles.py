@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from softfinger.measurement.flags import JUMP, MISSING, STALE
 from softfinger.tracking.angles import (
     compute_direction_array,
     compute_joint_angles,
     steady_base_array,
     unwrap_array,
 )
-from softfinger.tracking.flags import JUMP, MISSING, STALE
 
 NAMES = ["base_1", "base_2", "link_1_1", "link_1_2", "link_2_1", "link_2_2", "link_2_3"]
 

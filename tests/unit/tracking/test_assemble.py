@@ -5,8 +5,8 @@ from softfinger.artifacts import list_faults
 from softfinger.artifacts.specs.angles import SPEC
 from softfinger.campaign import read_campaign
 from softfinger.faults import CampaignFault
+from softfinger.measurement.flags import JUMP, MISSING, STALE
 from softfinger.tracking import assemble_angles, track_trials
-from softfinger.tracking.flags import JUMP, MISSING, STALE
 
 DESCRIPTION = """\
 version: 1

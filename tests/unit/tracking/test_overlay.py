@@ -2,7 +2,7 @@ import cv2
 import numpy as np
 import pytest
 
-from softfinger.tracking.flags import JUMP, MISSING
+from softfinger.measurement.flags import JUMP, MISSING
 from softfinger.tracking.overlay import (
     choose_worst_frames,
     draw_contact_sheet,

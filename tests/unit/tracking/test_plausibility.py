@@ -1,7 +1,7 @@
 import numpy as np
 import xarray as xr
 
-from softfinger.tracking.flags import JUMP, MISSING
+from softfinger.measurement.flags import JUMP, MISSING
 from softfinger.tracking.plausibility import flag_markers
 
 NAMES = ["base_1", "base_2", "link_1_1", "link_1_2", "link_1_3"]

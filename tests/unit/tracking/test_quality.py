@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from softfinger.tracking.flags import JUMP, MISSING, STALE
+from softfinger.measurement.flags import JUMP, MISSING, STALE
 from softfinger.tracking.quality import LIMITS, compute_quality, list_poor
 
 

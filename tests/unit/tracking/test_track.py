@@ -8,8 +8,8 @@ from softfinger.artifacts import list_faults
 from softfinger.artifacts.specs.markers import SPEC
 from softfinger.campaign import marker_names
 from softfinger.faults import TrialFault
+from softfinger.measurement.flags import JUMP, MISSING, STALE
 from softfinger.tracking import track_trials, track_video
-from softfinger.tracking.flags import JUMP, MISSING, STALE
 
 FRAMES = 24
 
