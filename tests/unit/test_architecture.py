@@ -244,8 +244,8 @@ ROUNDING = {
 """Numerics beside their equation: guards, asymptotic limits, constants of mathematics."""
 DIFFERENCES = {"APART", "STEP_SHARE", "STEP_S"}
 """Steps of numerical derivatives."""
-LAYOUT = {"OWN", "TURN"}
-"""Shapes and changes of coordinates."""
+LAYOUT = {"OWN", "TURN", "MISSING", "STALE", "JUMP"}
+"""Shapes, changes of coordinates, and bits of a file's flags."""
 
 
 def list_numbers(tree: ast.Module) -> list[str]:
