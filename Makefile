@@ -7,7 +7,7 @@ CORES ?= 2
 SEED ?= 1
 SNAKEMAKE := $(BIN)/snakemake --cores $(CORES)
 
-.PHONY: help setup run quick figures recovery docs browser demo wheel reproduce manifest fuzz kill-test kills cluster coverage test calibration lint format benchmark benchmark-long proof-real concealed concealed-catalogue concealed-clean concealed-foreign concealed-long lock
+.PHONY: help setup run quick figures recovery docs browser demo wheel reproduce manifest fuzz kill-test kills cluster coverage test calibration lint format benchmark benchmark-long proof-real concealed concealed-catalogue concealed-clean concealed-foreign concealed-long concealed-twins lock
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)$$/\1\t\2/' | expand -t 18
@@ -99,7 +99,7 @@ concealed-catalogue: setup ## every effect of the catalogue under every protocol
 
 concealed-clean: setup ## clean campaigns over every condition of the measurement, diagnosed blind (an hour or two; SEED=1)
 	$(PROOF) config/concealed_clean.yaml --config seed=$(SEED)
-	$(BIN)/python -m benchmarks._concealed results/concealed_clean/seed_$(SEED)/benchmarks.json clean_
+	$(BIN)/python -m benchmarks._concealed results/concealed_clean/seed_$(SEED)/benchmarks.json clean_ measurement_
 
 concealed-foreign: setup ## foreign laws only, diagnosed blind (hours; SEED=1)
 	$(PROOF) config/concealed_foreign.yaml --config seed=$(SEED)
@@ -108,6 +108,10 @@ concealed-foreign: setup ## foreign laws only, diagnosed blind (hours; SEED=1)
 concealed-long: setup ## the proof in full: 200 campaigns (hours; SEED=1)
 	$(PROOF) config/concealed_long.yaml --config seed=$(SEED)
 	$(BIN)/python -m benchmarks._concealed results/concealed_long/seed_$(SEED)/benchmarks.json
+
+concealed-twins: setup ## the same effects without and with nuisances, diagnosed blind (an hour; SEED=1)
+	$(PROOF) config/concealed_twins.yaml --config seed=$(SEED)
+	$(BIN)/python -m benchmarks._concealed results/concealed_twins/seed_$(SEED)/benchmarks.json nuisance_
 
 lock: | $(UV) ## renew environment.lock from pyproject.toml
 	$(UV) pip compile pyproject.toml --group dev --universal --generate-hashes --upgrade --python-version 3.12 --no-header --quiet --output-file environment.lock

@@ -14,7 +14,8 @@ from softfinger.provenance import PROJECT
 PROOFS = {
     "concealed": ("concealed_", "clean_", "nuisance_", "measurement_", "law_"),
     "concealed_long": ("concealed_", "clean_", "nuisance_", "measurement_", "law_"),
-    "concealed_clean": ("clean_",),
+    "concealed_clean": ("clean_", "measurement_"),
+    "concealed_twins": ("nuisance_",),
     "concealed_foreign": ("law_",),
 }
 """Folders of proofs, and beginnings of the keys that each measures; a later one counts more."""
