@@ -11,11 +11,15 @@ of load, of all trials and changes. A model's misfit is then not cleaned away. W
 is judged. No frame is compared with one before the last change.
 An outlier raises its neighbours' t² as well, so only the peaks are taken, round after round.
 
+Before a model is fitted, trials are not alike after a change of load: one may be many times faster
+than the others. Then an angle on its way from what was before to what comes after is no outlier.
+
 ASSUME: outliers are rare. A trial that would lose more than `most_outliers` keeps all its frames.
 """
 
 import numpy as np
 import xarray as xr
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 from scipy.stats import chi2
@@ -51,26 +55,31 @@ def find_outliers(
     interval = float(frames["frame_interval"])
     found = np.zeros(used.shape)
     freedom = np.maximum(present.sum(axis=1), 1)[:, None]
-    distance, since = (np.full(used.shape, np.nan) for _ in range(2))
+    distance, judged, since = (np.full(used.shape, np.nan) for _ in range(3))
     changed = used.any(axis=1)
     for _ in range(BUDGET.rounds):
         for trial in np.flatnonzero(changed):
             here, some = np.flatnonzero(present[trial]), used[trial] & (found[trial] == 0)
             load = (angles[name].values[trial] for name in ("load_time", "load_torque"))
             moment = time[trial, some]
-            distance[trial], since[trial] = np.nan, np.nan
+            distance[trial], judged[trial], since[trial] = np.nan, np.nan, np.nan
             since[trial, some] = compute_time_since_array(moment, *load)
             gap = np.diff(moment) / interval
             gap[np.diff(since[trial, some]) < 0] = np.inf
-            rows = subtract_median_array(residual[trial, here][:, some].T, gap)
+            whole = residual[trial, here][:, some].T
+            rows = subtract_median_array(whole, gap)
             if noise is None:
-                distance[trial, some] = compare_usual_array(rows)
+                usual = measure_usual_array(rows)
+                size, passing = (rows / usual) ** 2, mark_passing_array(whole / usual)
+                distance[trial, some] = size.sum(axis=1)
+                judged[trial, some] = np.where(passing, 0.0, size).sum(axis=1)
             else:
                 distance[trial, some] = measure_distance_array(rows, gap, *_read(noise, here))
+                judged[trial] = distance[trial]
         usual = _find_usual(distance / chi2.median(freedom), since)
         far = usual * chi2.isf(DECISIONS.good_lost, freedom)
-        standing = (distance > far) & _find_peaks(distance)
-        found = np.where(standing, distance, found)
+        standing = (judged > far) & _find_peaks(judged)
+        found = np.where(standing, judged, found)
         changed = standing.any(axis=1)
         if not changed.any():
             break
@@ -101,13 +110,31 @@ def subtract_median_array(rows: Array, gap: Array) -> Array:
     )
 
 
-def compare_usual_array(rows: Array) -> Array:
-    """Squared size (n,) of frames (n, joint).
-
-    It is in units of each joint's usual size, summed over joints.
-    """
+def measure_usual_array(rows: Array) -> Array:
+    """Usual size (joint,) of series (n, joint); infinite if none."""
     usual = np.median(np.abs(rows), axis=0) / 0.6745
-    return ((rows / np.where(usual > 0, usual, np.inf)) ** 2).sum(axis=1)
+    return np.where(usual > 0, usual, np.inf)
+
+
+def mark_passing_array(angle: Array) -> NDArray[np.bool_]:
+    """Mark angles (n, joint), in units of the noise, on their way.
+
+    But for the noise, they lie between the frames beside them, and between the medians of as many
+    frames before and after as the running median takes: a burst returns to where it came from.
+
+    >>> rise = np.concatenate([np.zeros(20), [50.0, 80.0], 90.0 + np.zeros(20)])
+    >>> rise[[30, 31, 36]] = 40.0, 40.0, 100.0
+    >>> np.flatnonzero(~mark_passing_array(rise[:, None]))
+    array([30, 31, 36])
+    """
+    passing, slack = np.ones(angle.shape, bool), np.sqrt(chi2.isf(DECISIONS.good_lost, 1))
+    for width in (1, DECISIONS.median_frames):
+        padded = np.pad(angle, ((width, width), (0, 0)), mode="edge")
+        median = np.median(sliding_window_view(padded, width, axis=0), axis=2)
+        before, after = median[: len(angle)], median[width + 1 :]
+        passing &= angle >= np.minimum(before, after) - slack
+        passing &= angle <= np.maximum(before, after) + slack
+    return passing
 
 
 def measure_distance_array(

@@ -89,6 +89,22 @@ def test_gross_errors_are_left_out_and_hardly_anything_else(drawn):
     np.testing.assert_allclose(found["noise_sd"], SD * np.array([1.0, 0.8, 1.3]), rtol=0.06)
 
 
+def test_a_trial_that_is_faster_than_the_others_has_no_outliers(make_campaign):
+    """Before a model is fitted, its first frames after a change of load are like nobody's."""
+    load = [0.0, 0.5, 0.5, 17.0], [0.0, 0.0, 0.045, 0.045]
+    rng = np.random.default_rng(20)
+    angles = make_campaign(rng, 8, time=TIME, load=load)[0]
+    since, size = np.maximum(TIME - 0.5, 0.0), np.full((8, 3, 1), 0.3)
+    time_constant = np.full((8, 3, 1), 2.0)
+    time_constant[0, 2] = 0.03
+    motion = size * (1.0 - np.exp(-since / time_constant))
+    values = motion + 5e-4 * rng.standard_normal(motion.shape)
+    faster = angles.assign(joint_angle=(angles["joint_angle"].dims, values))
+    assert (measure(faster)["outlier_distance"].values[0] == 0.0).all()
+    spoilt, hit = scatter_outliers(faster)
+    assert (measure(spoilt)["outlier_distance"].values > 0)[hit].mean() > 0.9
+
+
 def test_what_every_trial_does_after_a_change_of_load_is_no_outlier(drawn):
     angles, motion = drawn()
     since = TIME - np.minimum(TIME // 4.0, 3) * 4.0
