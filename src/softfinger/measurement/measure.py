@@ -152,6 +152,7 @@ def _prepare_frames(angles: xr.Dataset) -> xr.Dataset:
         noise_factor=(LAYOUT, np.ones(shape)),
         rounding_sd=("joint", find_rounding(angles, frames)),
         lost=((), _count_lost(angles, there)),
+        jumped=((), float((suspect & ~frames["used"].values & ~stale).sum())),
         saturated=(FRAMES, saturated.any(axis=1)),
     )
 

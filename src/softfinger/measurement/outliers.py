@@ -19,7 +19,6 @@ ASSUME: outliers are rare. A trial that would lose more than `most_outliers` kee
 
 import numpy as np
 import xarray as xr
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 from scipy.stats import chi2
@@ -129,9 +128,9 @@ def mark_passing_array(angle: Array) -> NDArray[np.bool_]:
     """
     passing, slack = np.ones(angle.shape, bool), np.sqrt(chi2.isf(DECISIONS.good_lost, 1))
     for width in (1, DECISIONS.median_frames):
-        padded = np.pad(angle, ((width, width), (0, 0)), mode="edge")
-        median = np.median(sliding_window_view(padded, width, axis=0), axis=2)
-        before, after = median[: len(angle)], median[width + 1 :]
+        padded, half = np.pad(angle, ((width, width), (0, 0)), mode="edge"), width // 2
+        median = median_filter(padded, (width, 1), mode="nearest")
+        before, after = (median[width + away :][: len(angle)] for away in (-half - 1, half + 1))
         passing &= angle >= np.minimum(before, after) - slack
         passing &= angle <= np.maximum(before, after) + slack
     return passing

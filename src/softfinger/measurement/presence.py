@@ -22,7 +22,7 @@ def list_components(
         found["uneven_noise"] = float(size), evidence
     if "signal" in scales.size:
         found["signal_noise"] = scales.per_rad, scales.evidence["signal"]
-    found |= _weigh_outliers(frames) | _weigh_tails(fit)
+    found |= _add_jumps(_weigh_outliers(frames), frames) | _weigh_tails(fit)
     found |= _count_frames("repeated_frames", frames["repeated"].values.sum(), frames)
     found |= _count_frames("saturated_sensor", frames["saturated"].values.sum(), frames)
     found |= _count_frames("lost_frames", float(frames["lost"]), frames)
@@ -42,6 +42,16 @@ def _weigh_outliers(frames: xr.Dataset) -> dict[str, tuple[float, float]]:
     evidence = 0.5 * np.sum(out * (1.0 - 1.0 / wide) - freedom * np.log(wide))
     evidence += out.size * np.log(share) + count * np.log1p(-share)
     return {"outliers": (float(share), float(evidence))}
+
+
+def _add_jumps(
+    found: dict[str, tuple[float, float]], frames: xr.Dataset
+) -> dict[str, tuple[float, float]]:
+    """Count jumps that were flagged before among the outliers."""
+    jumps = _count_frames("outliers", float(frames["jumped"]), frames)
+    parts = [some["outliers"] for some in (found, jumps) if some]
+    share, evidence = np.sum(parts, axis=0) if parts else (0.0, 0.0)
+    return {"outliers": (float(share), float(evidence))} if parts else {}
 
 
 def _weigh_tails(fit: NoiseFit) -> dict[str, tuple[float, float]]:

@@ -115,3 +115,7 @@ def test_flagged_repeats_are_repeats_and_no_frame_is_lost(campaign):
     assert found["repeated"].values[:, 100:120].all()
     assert found["lost"] == 0.0
     assert not found["used"].values[:, 100:120].any()
+    still = np.zeros(campaign["joint_angle"].shape)
+    found = measure(campaign.assign(angle_flag=flag), still)
+    size = found["component_size"].sel(component="outliers")
+    assert size == pytest.approx(4 / 480, rel=0.3)
