@@ -165,14 +165,18 @@ def evaluate_without(
 
 
 def _evaluate(problem: Problem, model: EffectModel, there: Linearised, rounds: int) -> float:
-    return solve_linearised(
-        there.gram,
-        problem.build_prior(model),
-        problem.build_bounds(model),
-        (there.own, there.shared),
-        there.omega,
-        rounds=rounds,
-    )[1]
+    """Log evidence; −∞ where the linear model cannot be solved."""
+    try:
+        return solve_linearised(
+            there.gram,
+            problem.build_prior(model),
+            problem.build_bounds(model),
+            (there.own, there.shared),
+            there.omega,
+            rounds=rounds,
+        )[1]
+    except np.linalg.LinAlgError:  # as of a fit: numbers that leave the range have no evidence
+        return -np.inf
 
 
 def prune(problem: Problem, candidate: Candidate) -> Candidate:

@@ -1,8 +1,11 @@
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from softfinger.inference.mixed_effects import Prior
+from softfinger.inference.mixed_effects_linearised import SharedBounds
 from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.mechanics.effects.model import EffectModel
 from softfinger.mismatch.candidates import rank
@@ -140,3 +143,14 @@ def test_only_leading_effects_are_fitted_where_none_comes_near_what_is_asked(
     found = fit_scored(problem, origin, scores, lambda items, _: items, floor)
     assert problem.calls == fitted
     assert len(found) == 6
+
+
+def test_a_linear_model_that_cannot_be_solved_has_no_evidence():
+    """Numbers of one form may leave their range; the other forms are still ranked."""
+    model = SimpleNamespace()
+    problem = SimpleNamespace(
+        build_prior=lambda _: Prior(np.zeros(2), np.ones(2), np.ones(1), 2.0, 1),
+        build_bounds=lambda _: SharedBounds(np.full(1, -1.0), np.ones(1), np.ones(1)),
+    )
+    there = rank.Linearised(np.full((2, 3, 3), np.nan), np.zeros((2, 1)), np.zeros(1), np.eye(1))
+    assert rank._evaluate(problem, model, there, 0) == -np.inf
