@@ -39,6 +39,7 @@ SIZES: Mapping[str, Array] = {
     "picture_turn": np.array(PRIORS.drift_sizes),
     "gain_drift": np.array(PRIORS.gain_drift_sizes),
 }
+DRIFTS = ("drift", "gain_drift", "picture_turn")  # those that wander slowly
 STEP_SHARE = 0.01  # of a row's load by which the model is moved
 STEP_S = 0.002
 

@@ -186,7 +186,9 @@ def solve_gram(
 def _add_without_own(
     gram: NDArray, total: NDArray, kept: NDArray, inverse: NDArray, normal: NDArray
 ) -> None:
-    """Add G − G_η K G_ηᵀ of a trial to the normal matrix, K = (P + G_ηη)⁻¹.
+    """Add a trial's part to the normal matrix.
+
+    It is G − G_η K G_ηᵀ with K = (P + G_ηη)⁻¹.
 
     In this form large numbers do not cancel, however much the trial shows: P − P K P, G_φη K P.
     K G_ηφ is solved for, each row in its own unit: K has lost the digits that it needs where own

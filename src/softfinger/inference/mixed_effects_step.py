@@ -207,7 +207,7 @@ def _cross(damped: Quadratic, at: Place, along: Place, longest: Longest) -> Plac
 
 
 def _resize(region: float, length: float, right: float) -> float:
-    """The region after a step that gained a share of what was expected."""
+    """The next region, by the share of the expected gain."""
     if right < BUDGET.poor:
         return length / BUDGET.smaller
     at_the_edge = length >= BUDGET.edge * region

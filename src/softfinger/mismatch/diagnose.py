@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from softfinger.inference.disturbances import SIZES, fit_disturbances
+from softfinger.inference.disturbances import DRIFTS, SIZES, fit_disturbances
 from softfinger.inference.problem import Candidate, Problem, pose_problem
 from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.measure import add_components
@@ -51,8 +51,6 @@ from softfinger.mismatch.verdict.conclude import conclude
 from softfinger.mismatch.verdict.schema import Verdict
 from softfinger.progress import track_progress
 from softfinger.settings import read_settings
-
-DRIFTS = ("drift", "gain_drift", "picture_turn")
 
 
 class Diagnosis(NamedTuple):

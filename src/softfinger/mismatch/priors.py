@@ -17,7 +17,7 @@ class DiagnosisPriors:
 
     Test: `test_decisions.py::test_a_disturbance_costs_its_prior`.
     """
-    noise_memory_sd: float = 0.05
+    noise_memory_sd: float = 0.03
     """Sd of the correlation of neighbouring bins that whitening leaves. Why: no noise is AR(1).
 
     Test: `test_decisions.py::test_noise_of_another_size_is_no_excess_and_what_lasts_is`.

@@ -37,7 +37,7 @@ def fit_bend(steps, count=None):
 
 
 def test_one_trial_follows_its_own_bent_valley():
-    """Steps as short as the valley is narrow would need some thousand linearisations."""
+    """Steps as short as the valley is narrow take far more linearisations."""
     count = []
     fit = fit_bend(60, count)
     assert fit.converged
