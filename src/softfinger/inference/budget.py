@@ -89,6 +89,11 @@ class InferenceBudget:
 
     Test: `test_disturbances.py::test_a_camera_that_turns_moves_the_first_joint_alone`.
     """
+    lasting_shapes: int = 12
+    """Slow waves of noise that lasts longer. Why: the next is seen in windows.
+
+    Test: `test_disturbances.py::test_noise_that_outlasts_the_windows_is_no_drift`.
+    """
     disturbed_trials: int = 100
     """Trials of a fit in which disturbances are sought. Why: what all suffer from, these show."""
     disturbance_rounds: int = 3

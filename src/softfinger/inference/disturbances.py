@@ -24,6 +24,7 @@ from softfinger.inference.priors import PRIORS
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.inference.reduce import reduce_trials
 from softfinger.inference.spreads import list_spreads
+from softfinger.inference.walks import list_walks, list_waves, share_trial, turn_picture, walk_array
 from softfinger.measurement.components import choose_components
 from softfinger.measurement.trials import Trials
 
@@ -38,8 +39,9 @@ SIZES: Mapping[str, Array] = {
     "drift": np.array(PRIORS.drift_sizes),
     "picture_turn": np.array(PRIORS.drift_sizes),
     "gain_drift": np.array(PRIORS.gain_drift_sizes),
+    "lasting_noise": np.array(PRIORS.lasting_sizes),
 }
-DRIFTS = ("drift", "gain_drift", "picture_turn")  # those that wander slowly
+DRIFTS = ("drift", "gain_drift", "picture_turn", "lasting_noise")  # those that wander slowly
 STEP_SHARE = 0.01  # of a row's load by which the model is moved
 STEP_S = 0.002
 
@@ -57,9 +59,10 @@ def list_disturbances(
     time = problem.trials.node.reshape(len(speed), 1, -1)
     made: dict[str, Callable[[], Array]] = {
         "timing_jitter": lambda: _spread_jitter(problem.trials, speed),
-        "drift": lambda: _list_walks(problem),
+        "drift": lambda: list_walks(problem),
         "gain_drift": lambda: _drift_gain(problem, candidate),
-        "picture_turn": lambda: _turn_picture(problem),
+        "picture_turn": lambda: turn_picture(problem),
+        "lasting_noise": lambda: list_waves(problem),
     }
     if problem.setting.load_known:
         made["clock_offset"] = lambda: speed[..., None]
@@ -173,71 +176,18 @@ def _spread_jitter(trials: Trials, speed: Array) -> Array:
     return np.repeat(columns, 2, axis=2)
 
 
-def count_shapes(trials: int, joints: int) -> int:
-    """How many shapes of a random walk count.
-
-    >>> count_shapes(1, 1), count_shapes(4, 1), count_shapes(40, 3)
-    (60, 15, 5)
-    """
-    return max(BUDGET.drift_shapes, BUDGET.drift_columns // (trials * joints))
-
-
-def _walk_array(share: Array, shapes: int) -> Array:
-    """Leading shapes (…, k) of a random walk.
-
-    It is over shares (…) of a trial, of sd 1 at its end.
-
-    Karhunen–Loève: √2 sin((k − ½) π t/T) / ((k − ½) π).
-
-    >>> bool(abs((_walk_array(np.ones(1), 5) ** 2).sum() - 1.0) < 0.05)
-    True
-    """
-    pitch = (np.arange(shapes) + 0.5) * np.pi
-    return np.sqrt(2.0) * np.sin(share[..., None] * pitch) / pitch
-
-
-def _list_walks(problem: Problem) -> Array:
-    """How a random walk of each joint moves angles.
-
-    It has the noise's sd at a trial's end.
-    """
-    trials, joints = problem.trials, problem.trials.joints
-    shapes = count_shapes(len(trials.name), joints)
-    walk = _walk_array(_share_trial(trials), shapes)
-    sd = problem.noise["noise_sd"].values
-    columns = np.einsum("tns,jk,j->tjnks", walk, np.eye(joints), sd)
-    return columns.reshape(*columns.shape[:3], joints * shapes)
-
-
-def _turn_picture(problem: Problem) -> Array:
-    """How a camera that slowly turns moves angles: the first joint's alone.
-
-    A random walk as in `_list_walks`. With one joint it is no other than that.
-    """
-    walk = _walk_array(_share_trial(problem.trials), BUDGET.turn_shapes)
-    moved = np.zeros(problem.trials.joints)
-    moved[0] = problem.noise["noise_sd"].values[0] if len(moved) > 1 else 0.0
-    return np.einsum("tns,j->tjns", walk, moved)
-
-
 def _drift_gain(problem: Problem, candidate: Candidate) -> Array:
     """How a walking gain of the angles' own sensor moves them.
 
     Each joint's deflection from where its trial began, times a random walk of its own.
     """
     still = _simulate(problem, candidate)
-    share = _share_trial(problem.trials)
+    share = share_trial(problem.trials)
     away = still - still[:, :, :1]
     columns = np.einsum(
-        "tjn,tns,jk->tjnks", away, _walk_array(share, BUDGET.drift_shapes), np.eye(still.shape[1])
+        "tjn,tns,jk->tjnks", away, walk_array(share, BUDGET.drift_shapes), np.eye(still.shape[1])
     )
     return columns.reshape(*still.shape, -1)
-
-
-def _share_trial(trials: Trials) -> Array:
-    """How much of a trial has gone by (trial, bin · 2)."""
-    node = trials.node.reshape(len(trials.name), -1)
-    return (node - node[:, :1]) / np.maximum(node[:, -1:] - node[:, :1], 1e-300)
 
 
 def _move_rows(problem: Problem, candidate: Candidate) -> Array:
@@ -266,7 +216,7 @@ def _drift_load(problem: Problem, candidate: Candidate) -> Array:
     trials = problem.trials
     start, end = trials.node[:, 0, 0, None], trials.node[:, -1, -1, None]
     share = np.clip((trials.load_time - start) / (end - start), 0.0, 1.0)
-    walk = _walk_array(share, BUDGET.drift_shapes)
+    walk = walk_array(share, BUDGET.drift_shapes)
     still = _simulate(problem, candidate)
     moved = [
         _simulate(problem, candidate, load_torque=trials.load_torque * (1.0 + STEP_SHARE * shape))

@@ -61,6 +61,8 @@ class InferencePriors:
     """The same of its rate. Why: a quartz has 1e-4 at worst, a driver's clock 1e-3."""
     drift_sizes: tuple[float, ...] = (0.5, 1.0, 2.0, 4.0)
     """The same of the picture's drift, over the noise. Why: hardly seen up to plain."""
+    lasting_sizes: tuple[float, ...] = (0.5, 1.0, 2.0, 4.0)
+    """The same of noise that lasts longer: 1 is twice as long. Why: windows show it to that."""
     gain_drift_sizes: tuple[float, ...] = (0.003, 0.01, 0.03)
     """The same of the gain of the angles' own sensor. Why: as of a load cell's."""
     effect_spreads: tuple[float, ...] = (0.03, 0.1, 0.3)

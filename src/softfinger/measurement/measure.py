@@ -16,7 +16,7 @@ from softfinger.measurement.decisions import DECISIONS
 from softfinger.measurement.flags import JUMP, STALE
 from softfinger.measurement.frames import select_frames
 from softfinger.measurement.noise import NoiseFit, complete_noise, fit_noise
-from softfinger.measurement.outliers import find_outliers
+from softfinger.measurement.outliers import find_outliers, list_passed_array
 from softfinger.measurement.presence import list_components
 from softfinger.measurement.priors import PRIORS
 from softfinger.measurement.reml import LEAST_SD, profile_windows
@@ -57,17 +57,17 @@ def measure(angles: xr.Dataset, motion: Array | None = None) -> xr.Dataset:
         If no trial has enough frames.
     """
     frames = _prepare_frames(angles)
-    left = angles["joint_angle"].transpose(*LAYOUT)
-    left = left if motion is None else left - motion
-    angles = angles.assign(joint_angle=left)
-    every = frames[["used", "present"]]
-    frames = _leave_out(frames, _find_outliers(angles, frames, None))
     if motion is None:
+        frames = _leave_out(frames, _find_outliers(angles, frames, None))
         return _complete(angles, frames, fit_noise(angles, frames), {})
+    angles = angles.assign(joint_angle=angles["joint_angle"].transpose(*LAYOUT) - motion)
+    passed = list_passed_array(motion)
+    every = frames[["used", "present"]]
+    frames = _leave_out(frames, _find_outliers(angles, frames, None, passed))
     scales, frames = _scale_noise(angles, frames, _measure_deflection(motion, frames))
     known = complete_noise(fit_noise(angles, frames).noise, angles, frames)
     frames = frames.assign(every)
-    frames = _leave_out(frames, _find_outliers(angles, frames, known))
+    frames = _leave_out(frames, _find_outliers(angles, frames, known, passed))
     fit = fit_noise(angles, frames)
     found = list_components(scales, fit, frames)
     return _complete(angles, frames, fit, found).assign(
@@ -180,9 +180,12 @@ def _count_lost(angles: xr.Dataset, seen: NDArray[np.bool_]) -> float:
     return float(np.maximum(gap - 1.0, 0.0).sum())
 
 
-def _find_outliers(angles: xr.Dataset, frames: xr.Dataset, noise: xr.Dataset | None) -> Array:
+def _find_outliers(
+    angles: xr.Dataset, frames: xr.Dataset, noise: xr.Dataset | None, passed: Array | None = None
+) -> Array:
     scale = frames["frame_scale"].values[:, None] * frames["noise_factor"].values
-    return find_outliers(angles["joint_angle"].values / scale, angles, frames, noise)
+    passed = None if passed is None else passed / scale
+    return find_outliers(angles["joint_angle"].values / scale, angles, frames, noise, passed)
 
 
 def _leave_out(frames: xr.Dataset, distance: Array) -> xr.Dataset:

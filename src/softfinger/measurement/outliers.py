@@ -11,6 +11,7 @@ of load, of all trials and changes. A model's misfit is then not cleaned away. W
 is judged. No frame is compared with one before the last change.
 An outlier raises its neighbours' t² as well, so only the peaks are taken, round after round.
 
+A frame's time may be wrong by up to an interval: what the model moves by meanwhile is no error.
 Before a model is fitted, trials are not alike after a change of load: one may be many times faster
 than the others. Then an angle on its way from what was before to what comes after is no outlier.
 
@@ -33,7 +34,11 @@ Array = NDArray[np.float64]
 
 
 def find_outliers(
-    residual: Array, angles: xr.Dataset, frames: xr.Dataset, noise: xr.Dataset | None
+    residual: Array,
+    angles: xr.Dataset,
+    frames: xr.Dataset,
+    noise: xr.Dataset | None,
+    passed: Array | None = None,
 ) -> Array:
     """Find the outliers among the used frames.
 
@@ -48,11 +53,14 @@ def find_outliers(
     noise
         As from `fit_noise`; None where it is not known yet: then frames count by their size
         over the trial's usual one.
+    passed
+        As from `list_passed_array`, over the factor too; None where no model is fitted.
     """
     used, present = frames["used"].values, frames["present"].values
     time = angles["time"].transpose("trial", "frame").values
     interval = float(frames["frame_interval"])
     found = np.zeros(used.shape)
+    passed = np.zeros((2, *residual.shape)) if passed is None else np.nan_to_num(passed)
     freedom = np.maximum(present.sum(axis=1), 1)[:, None]
     distance, judged, since = (np.full(used.shape, np.nan) for _ in range(3))
     changed = used.any(axis=1)
@@ -67,14 +75,15 @@ def find_outliers(
             gap[np.diff(since[trial, some]) < 0] = np.inf
             whole = residual[trial, here][:, some].T
             rows = subtract_median_array(whole, gap)
+            low, high = passed[:, trial, here][:, :, some].transpose(0, 2, 1)
             if noise is None:
                 usual = measure_usual_array(rows)
-                size, passing = (rows / usual) ** 2, mark_passing_array(whole / usual)
-                distance[trial, some] = size.sum(axis=1)
-                judged[trial, some] = np.where(passing, 0.0, size).sum(axis=1)
+                passing = mark_passing_array(whole / usual)
+                left = np.where(passing, 0.0, rows - rows.clip(low, high))
+                sizes = [((part / usual) ** 2).sum(axis=1) for part in (rows, left)]
             else:
-                distance[trial, some] = measure_distance_array(rows, gap, *_read(noise, here))
-                judged[trial] = distance[trial]
+                sizes = measure_distance_array(rows, gap, *_read(noise, here), low, high)
+            distance[trial, some], judged[trial, some] = sizes
         usual = _find_usual(distance / chi2.median(freedom), since)
         far = usual * chi2.isf(DECISIONS.good_lost, freedom)
         standing = (judged > far) & _find_peaks(judged)
@@ -91,6 +100,22 @@ def _read(noise: xr.Dataset, here: NDArray) -> tuple[Array, Array, Array, Array]
     names = ("noise_sd", "noise_autocorrelation", "noise_white")
     sd, rho, white = (noise[name].values[here] for name in names)
     return sd, rho, white, noise["noise_correlation"].values[np.ix_(here, here)]
+
+
+def list_passed_array(motion: Array) -> Array:
+    """List what a frame's wrong time may move it by.
+
+    Least and largest (2, trial, joint, frame) [rad], for a motion (trial, joint, frame): it may
+    show any angle that is passed between the frames beside it. Outside the recording it goes on.
+
+    >>> list_passed_array(np.array([1.0, 3.0, 4.0, 4.0])).tolist()
+    [[-2.0, -2.0, -1.0, 0.0], [2.0, 1.0, 0.0, 0.0]]
+    """
+    step = np.diff(motion)
+    back = -np.concatenate([step[..., :1], step], axis=-1)
+    on = np.concatenate([step, step[..., -1:]], axis=-1)
+    beside = np.stack([back, 0.0 * motion, on])
+    return np.stack([np.fmin.reduce(beside), np.fmax.reduce(beside)])
 
 
 def subtract_median_array(rows: Array, gap: Array) -> Array:
@@ -137,9 +162,18 @@ def mark_passing_array(angle: Array) -> NDArray[np.bool_]:
 
 
 def measure_distance_array(
-    residual: Array, gap: Array, sd: Array, autocorrelation: Array, white: Array, correlation: Array
-) -> Array:
+    residual: Array,
+    gap: Array,
+    sd: Array,
+    autocorrelation: Array,
+    white: Array,
+    correlation: Array,
+    low: Array,
+    high: Array,
+) -> tuple[Array, Array]:
     """Measure t² (n,) of each frame against its neighbours.
+
+    Also what is left of it if its time is wrong.
 
     Parameters
     ----------
@@ -149,23 +183,33 @@ def measure_distance_array(
         (n − 1,) between frames, in median intervals; infinite between those to be kept apart.
     sd, autocorrelation, white, correlation
         (joint,), (joint,), (joint,), (joint, joint) of their noise.
+    low, high
+        (n, joint) [rad] that a wrong time may move a frame by.
     """
     kinds, index = np.unique(np.round(gap, 3), return_inverse=True)
     kept = (1.0 - white) * autocorrelation ** kinds[:, None]
     covariance = [compute_innovation_covariance_array(1.0, sd, k, correlation) for k in kept]
     first = compute_innovation_covariance_array(np.inf, sd, autocorrelation, correlation)
     precision = np.linalg.inv(np.stack([*covariance, first]))
-    return _sum_distance(residual, kept, precision, index)
+    return _sum_distance(residual, kept, precision, index, low, high)
 
 
 @compiled(error_model="numpy")
-def _sum_distance(residual: NDArray, kept: NDArray, precision: NDArray, index: NDArray) -> NDArray:
+def _sum_distance(
+    residual: NDArray,
+    kept: NDArray,
+    precision: NDArray,
+    index: NDArray,
+    low: NDArray,
+    high: NDArray,
+) -> tuple[NDArray, NDArray]:
     """Λ of frame i.
 
-    P of its own gain, plus what its share in the next frame's adds.
+    P of its own gain, plus what its share in the next frame's adds. Λ_ii⁻¹ (Λr)_i is how far the
+    frame is from what all others predict.
     """
     count, joints = residual.shape
-    distance = np.empty(count)
+    distance, judged = np.empty(count), np.empty(count)
     for i in range(count):
         own = precision[-1] if i == 0 else precision[index[i - 1]]
         gain = residual[i].copy()
@@ -180,8 +224,11 @@ def _sum_distance(residual: NDArray, kept: NDArray, precision: NDArray, index: N
                 pull[j] -= share[j] * lost[j]
                 for k in range(joints):
                     diagonal[j, k] += share[j] * share[k] * after[j, k]
-        distance[i] = pull @ np.linalg.solve(diagonal, pull)
-    return distance
+        away = np.linalg.solve(diagonal, pull)
+        distance[i] = pull @ away
+        left = away - np.minimum(np.maximum(away, low[i]), high[i])
+        judged[i] = min(left @ (diagonal @ left), distance[i])
+    return distance, judged
 
 
 def _find_peaks(distance: Array) -> NDArray[np.bool_]:

@@ -10,12 +10,14 @@ import xarray as xr
 class Words(NamedTuple):
     """How a component appears in a verdict.
 
-    Key of the size, the sentence from size and measurement, and the verdict's id if another.
+    Key of the size, the sentence from size and measurement, the verdict's id if another, and
+    whether it is a fault of the recordings; how long noise lasts is none.
     """
 
     key: str
     say: Callable[[float, xr.Dataset], str]
     id: str = ""
+    fault: bool = True
 
 
 def describe_components(measurement: xr.Dataset, names: Iterable[str]) -> list[str]:
@@ -111,6 +113,14 @@ WORDS = {
             f"The picture turns within a trial by {s:.2g} times the noise: the first joint drifts."
         ),
         "drift",
+    ),
+    "lasting_noise": Words(
+        "noise_sd",
+        lambda s, _: (
+            f"The noise lasts longer than quiet windows show: {s:.2g} times as much of its slow "
+            "waves is missing as if it lasted twice as long."
+        ),
+        fault=False,
     ),
     "hum": Words("amplitude_rad", _say_hum, "drift"),
 }

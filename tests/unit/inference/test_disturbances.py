@@ -201,6 +201,23 @@ def test_a_camera_that_turns_moves_the_first_joint_alone(record):
     assert not directions["picture_turn"][:, 1:].any()
 
 
+def test_noise_that_outlasts_the_windows_is_no_drift(record):
+    """Its memory is as long as half a plateau of the staircase, and windows find less of it."""
+    angles = record()
+    values, rng = angles["joint_angle"].values.copy(), np.random.default_rng(14)
+    lasting = rng.standard_normal((8, 2, 500))
+    lasting[:, :, 0] /= np.sqrt(1.0 - 0.98**2)
+    for k in range(1, 500):
+        lasting[:, :, k] += 0.98 * lasting[:, :, k - 1]
+    values += 0.01 * lasting
+    problem, fit = pose_problem(angles.assign(joint_angle=(angles["joint_angle"].dims, values)))
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    size, evidence, _ = fit_disturbances(problem, base)
+    assert (problem.noise["noise_autocorrelation"] < 0.96).all()
+    assert list(size) == ["lasting_noise"]
+    assert evidence["lasting_noise"] > 15.0
+
+
 def test_a_known_disturbance_is_admitted_with_its_size(noisy):
     problem, base = noisy
     softer, fit = admit_known(problem, base.fit, {"noisy_load": 0.02})

@@ -113,6 +113,21 @@ def test_what_every_trial_does_after_a_change_of_load_is_no_outlier(drawn):
     assert found["used"].all()
 
 
+def test_frames_whose_times_jitter_are_no_outliers(drawn):
+    """Frames on their way after a step are off by many sds, and are where the motion passes."""
+    angles, motion = drawn(sd=0.0003)
+    values, noise = angles["joint_angle"].values.copy(), np.random.default_rng(5)
+    late = np.clip(0.006 * noise.standard_normal((8, 500)), -0.02, 0.02)
+    for place in np.ndindex(8, 3):
+        true = motion[place]
+        values[place] += np.interp(TIME + late[place[0]], TIME, true) - true
+    found = measure(angles.assign(joint_angle=(angles["joint_angle"].dims, values)), motion)
+    assert "outliers" not in list_found(found)
+    values[2, :, 60] += 0.02
+    found = measure(angles.assign(joint_angle=(angles["joint_angle"].dims, values)), motion)
+    assert not found["used"].values[2, 60]
+
+
 def test_held_frames_tell_nothing(drawn):
     angles, motion = drawn()
     values = angles["joint_angle"].values.copy()

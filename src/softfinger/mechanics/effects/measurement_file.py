@@ -14,6 +14,7 @@ Disturbance = Literal[
     "clock_rate",
     "drift",
     "gain_drift",
+    "lasting_noise",
     "picture_turn",
 ]
 DIGITS = 7

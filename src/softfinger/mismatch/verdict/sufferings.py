@@ -12,14 +12,15 @@ from softfinger.mismatch.verdict.schema import Suffering, Warned
 def describe_measurement(measurement: xr.Dataset) -> list[Suffering]:
     """Describe every component, the most evident first.
 
-    Parameters of effects that differ between trials are the effects', not the measurement's.
+    Parameters of effects that differ between trials are the effects', not the measurement's; and
+    how long the noise lasts is no fault.
     """
     names = measurement["component"].values.astype(str).tolist()
     sizes = measurement["component_size"].values.tolist()
     evidence = measurement["component_evidence"].values.tolist()
     found = []
     for name, size, nats in zip(names, sizes, evidence, strict=True):
-        if is_spread(name):
+        if is_spread(name) or not WORDS[name].fault:
             continue
         words = WORDS[name]
         found.append(

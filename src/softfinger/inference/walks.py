@@ -1,0 +1,94 @@
+"""What wanders slowly in the angles of a trial.
+
+A random walk goes ever farther; noise that lasts returns. Both are a few shapes over the trial,
+each times a normal number of its own.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from softfinger.inference.budget import BUDGET
+from softfinger.inference.problem import Problem
+from softfinger.measurement.trials import Trials
+
+Array = NDArray[np.float64]
+
+
+def count_shapes(trials: int, joints: int) -> int:
+    """How many shapes of a random walk count.
+
+    >>> count_shapes(1, 1), count_shapes(4, 1), count_shapes(40, 3)
+    (60, 15, 5)
+    """
+    return max(BUDGET.drift_shapes, BUDGET.drift_columns // (trials * joints))
+
+
+def walk_array(share: Array, shapes: int) -> Array:
+    """Leading shapes (…, k) of a random walk.
+
+    It is over shares (…) of a trial, of sd 1 at its end.
+
+    Karhunen–Loève: √2 sin((k − ½) π t/T) / ((k − ½) π).
+
+    >>> bool(abs((walk_array(np.ones(1), 5) ** 2).sum() - 1.0) < 0.05)
+    True
+    """
+    pitch = (np.arange(shapes) + 0.5) * np.pi
+    return np.sqrt(2.0) * np.sin(share[..., None] * pitch) / pitch
+
+
+def list_walks(problem: Problem) -> Array:
+    """How a random walk of each joint moves angles.
+
+    It has the noise's sd at a trial's end.
+    """
+    trials = problem.trials
+    shapes = count_shapes(len(trials.name), trials.joints)
+    walk = walk_array(share_trial(trials), shapes)[:, None]
+    return _move_joints(problem, np.repeat(walk, trials.joints, axis=1))
+
+
+def list_waves(problem: Problem) -> Array:
+    """How noise that lasts twice as long moves angles.
+
+    Twice as long as quiet windows show, and as lively from frame to frame: it has more of its slow
+    waves √2 cos(ω t), ω = k π/T. With σ and τ of the noise's lasting part, T its recording and
+    x = ω τ, their variances are 6 σ² τ/T / ((1 + 4 x²) (1 + x²)): spectra at 2 τ less those at τ.
+    A quartic follows such waves in a window, and one that is shorter than the noise lasts does not
+    show how long that is.
+    """
+    trials, noise = problem.trials, problem.noise
+    rho = np.maximum(noise["noise_autocorrelation"].values, np.finfo(float).tiny)
+    lasts = -float(noise["frame_interval"]) / np.log(rho)
+    node = trials.node.reshape(len(trials.name), -1)
+    span = (node[:, -1] - node[:, 0])[:, None]
+    number = np.arange(1, BUDGET.lasting_shapes + 1)
+    turn = (number * np.pi * lasts[:, None] / span[:, None]) ** 2  # x² (trial, joint, k)
+    size = 6.0 * (1.0 - noise["noise_white"].values) * lasts / span
+    sd = np.sqrt(size[..., None] / ((1.0 + 4.0 * turn) * (1.0 + turn)))
+    waves = np.sqrt(2.0) * np.cos(share_trial(trials)[..., None] * number * np.pi)
+    return _move_joints(problem, np.einsum("tnk,tjk->tjnk", waves, sd))
+
+
+def turn_picture(problem: Problem) -> Array:
+    """How a camera that slowly turns moves angles: the first joint's alone.
+
+    A random walk as in `list_walks`. With one joint it is no other than that.
+    """
+    walk = walk_array(share_trial(problem.trials), BUDGET.turn_shapes)
+    moved = np.zeros(problem.trials.joints)
+    moved[0] = problem.noise["noise_sd"].values[0] if len(moved) > 1 else 0.0
+    return np.einsum("tns,j->tjns", walk, moved)
+
+
+def share_trial(trials: Trials) -> Array:
+    """How much of a trial has gone by (trial, bin · 2)."""
+    node = trials.node.reshape(len(trials.name), -1)
+    return (node - node[:, :1]) / np.maximum(node[:, -1:] - node[:, :1], 1e-300)
+
+
+def _move_joints(problem: Problem, shape: Array) -> Array:
+    """Move each joint alone by shapes (trial, joint, node, k), in units of its noise."""
+    sd = problem.noise["noise_sd"].values
+    columns = np.einsum("tink,ij,j->tinjk", shape, np.eye(len(sd)), sd)
+    return columns.reshape(*columns.shape[:3], -1)
