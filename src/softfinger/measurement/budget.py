@@ -26,6 +26,8 @@ class MeasurementBudget:
     """
     rounds: int = 10
     """Rounds in which peaks are taken for outliers. Why: a burst of ten frames goes in five."""
+    held_rounds: int = 50
+    """Rounds in which the share of held frames is found. Why: it converges by halves."""
     bin_growth: float = 0.12
     """Width of a bin over the time since load change. Why: creep bends little in it."""
     bin_share: float = 1.0 / 80.0

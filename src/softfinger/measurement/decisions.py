@@ -125,13 +125,18 @@ class MeasurementDecisions:
     Why: a quartic takes five of them.
     Test: `test_noise.py::test_too_short_recordings_give_no_noise`.
     """
-    equal_by_chance: float = 1e-3
-    """Chance of equality below which frames are repeated.
-
-    It is that of equal neighbours by rounding.
+    least_held: float = 0.9
+    """Probability from which a frame that equals the one before was held.
 
     Why: a coarse reader repeats itself without holding.
-    Test: `test_measure.py::test_rounded_angles_err_by_their_rounding`.
+    Test: `test_measure.py::test_rounded_angles_err_by_their_rounding`,
+    `test_measure.py::test_numbers_of_few_digits_repeat_themselves_without_holding`.
+    """
+    least_distinct: int = 4
+    """Distinct values from which a block shows a step.
+
+    Why: three even gaps in a row are no accident.
+    Test: `test_measurement_decisions.py::test_what_is_held_shows_no_step`.
     """
     least_values: int = 20
     """Values from which a rounding step is sought.

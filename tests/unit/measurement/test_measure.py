@@ -149,6 +149,18 @@ def test_rounded_angles_err_by_their_rounding(drawn):
     assert (found["noise_sd"] >= step / np.sqrt(12) * 0.999).all()
 
 
+def test_numbers_of_few_digits_repeat_themselves_without_holding(drawn):
+    """Their step is ten times larger where the angle is: fine ones show that none is held."""
+    angles, motion = drawn(sd=2e-4)
+    values = angles["joint_angle"].values
+    step = np.where(np.abs(values) < 0.5 * np.abs(values).max(), 1e-5, 1e-3)
+    values = np.round(values / step) * step
+    equal = (np.diff(values[0]) == 0).mean(axis=1)
+    found = measure(angles.assign(joint_angle=(angles["joint_angle"].dims, values)), motion)
+    assert equal.min() > 0.1
+    assert not found["repeated"].any()
+
+
 def test_a_declared_sd_is_expected_and_not_enforced(drawn):
     """The artifact has what is declared, and how far each trial is from it."""
     angles, motion = drawn()

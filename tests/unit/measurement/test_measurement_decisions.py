@@ -9,7 +9,7 @@ from softfinger.measurement.noise import fit_noise
 from softfinger.measurement.outliers import _find_usual, find_outliers, subtract_median_array
 from softfinger.measurement.presence import _count_frames, _weigh_tails
 from softfinger.measurement.reml import cut_windows
-from softfinger.measurement.repeats import find_step_array
+from softfinger.measurement.repeats import _expect_equal, find_step_array
 
 
 @pytest.fixture
@@ -86,3 +86,11 @@ def test_windows_are_neither_long_nor_short(quiet):
 @pytest.mark.parametrize(("count", "step"), [(19, 0.0), (20, 0.5)])
 def test_few_values_show_no_step(count, step):
     assert find_step_array(0.5 * np.arange(count)) == step
+
+
+@pytest.mark.parametrize(("distinct", "shown"), [(3, False), (4, True)])
+def test_what_is_held_shows_no_step(distinct, shown):
+    """Three even gaps are no accident; fewer are, unless a value comes back."""
+    held = np.repeat(0.1 * np.arange(distinct), 20)
+    assert np.isfinite(_expect_equal(held)) == shown
+    assert _expect_equal(np.concatenate([held, held])) == pytest.approx(1.0)
