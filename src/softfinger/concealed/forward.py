@@ -23,6 +23,7 @@ def simulate_trial(
     rig: Rig,
     time: Array,
     tolerance: float = 5e-9,
+    beside: tuple[Array, Array] | None = None,
 ) -> Array:
     """Joint angles of a trial, free of noise.
 
@@ -40,6 +41,9 @@ def simulate_trial(
         When the frames were taken, by the recording's clock.
     tolerance : float [rad]
         Error of one step of the integrator.
+    beside
+        Compliances (element, joint) [rad/(N m)] and delays (element,) [s] of Voigt elements that
+        the joints have beside the three, whatever effects are switched on.
     """
     physics = build_plain_physics(
         to_parameters(individual),
@@ -50,6 +54,8 @@ def simulate_trial(
         rig.wire_offset,
         rig.joint_length,
     )
+    if beside is not None:
+        physics = physics._replace(compliance=beside[0], retardation_time=beside[1])
     seen_at = time
     doses = vary(doses, trial)
     for name, dose in doses.items():

@@ -6,9 +6,9 @@ import pytest
 
 from softfinger.concealed.added import accepts, claims, draw_additions, read_bodies, write_added
 from softfinger.concealed.added.apply import Addition, strengthen
-from softfinger.concealed.added.body import RIG, describe
+from softfinger.concealed.added.body import RIG, describe, fit_body, fit_plain
 from softfinger.concealed.effects import Dose
-from softfinger.concealed.forward import compute_plain_angles
+from softfinger.concealed.forward import compute_plain_angles, simulate_trial
 from softfinger.concealed.population import to_parameters
 from softfinger.concealed.protocols import Load
 
@@ -61,6 +61,21 @@ def test_bodies_are_fitted_in_the_units_of_the_finger(folder):
     per = 10.0 / scale.motion  # finger's radians per campaign's
     np.testing.assert_allclose(k_v * per, true[0], rtol=1e-2)
     np.testing.assert_allclose([c_v, c_p], true[1:] / scale.time / per, rtol=2e-2)
+
+
+def test_a_body_follows_creep_on_many_time_scales_and_gross_errors_hardly_count():
+    load = Load(np.array([1.0, 1.0]), np.array([0.0, 10.0]))
+    time = np.arange(0.0, 30.0, 0.05)
+    trial, since = describe(0, 1, load, 30.0), np.maximum(time - 1.0, 0.0)
+    true = 0.02 + 0.1 * (since > 0) * (1 - np.exp(-since / 0.1)) + 0.08 * since**0.3
+    spoilt = np.where(np.arange(time.size) % 100 == 7, true + 0.5, true)
+    own = fit_plain(time, spoilt, load)
+    alone = simulate_trial(own, {}, trial, RIG, time)[:, 0]
+    own, ladder = fit_body(time, spoilt, load)
+    body = simulate_trial(own, {}, trial, RIG, time, beside=tuple(ladder))[:, 0]
+    assert np.abs(body - true).mean() < 0.15 * np.abs(alone - true).mean()
+    assert np.abs(body - true).max() < 0.01
+    assert (ladder.compliance > 0).all()
 
 
 def test_an_added_lag_is_where_the_load_changes_and_nowhere_else(folder, tmp_path):

@@ -5,8 +5,8 @@ the effect does to a body that is fitted to each trial, by the proof's own equat
 
     q'(t) = q(t) + [q_effect(t; η) − q_plain(t; η)],
 
-η the three elements that come closest to the trial. Where the effect is a shift of the clock, the
-time stamps are shifted and the angles stay as they are.
+η the three elements and the ladder of others that follow the trial. Where the effect is a shift of
+the clock, the time stamps are shifted and the angles stay as they are.
 """
 
 import hashlib
@@ -122,7 +122,9 @@ def add(body: Body, trial: Circumstances, addition: Addition) -> tuple[Array, Ar
     taken = body.time[find_first(body.motion)]
     order = np.argsort(taken, kind="stable")
     moved, plain = (
-        simulate_trial(body.individual, some, trial, RIG, taken[order])[:, 0]
+        simulate_trial(body.individual, some, trial, RIG, taken[order], beside=tuple(body.ladder))[
+            :, 0
+        ]
         for some in (doses, {})
     )
     motion = body.motion.copy()

@@ -18,6 +18,7 @@ from softfinger.campaign.folder import Campaign
 from softfinger.campaign.load_log import read_load
 from softfinger.campaign.recordings import read_angle_table
 from softfinger.campaign.trials import Trial
+from softfinger.concealed.added.ladder import Ladder, fit_ladder
 from softfinger.concealed.arrays import Array
 from softfinger.concealed.effects import Circumstances
 from softfinger.concealed.forward import compute_plain_angles
@@ -65,7 +66,9 @@ class Body:
     load
         In the finger's units.
     individual : array (4, 1)
-        log k_v, log c_v, log c_p and q_ini of the three elements that come closest.
+        log k_v, log c_v, log c_p and q_ini of its three elements.
+    ladder
+        What it creeps by beside them.
     """
 
     name: str
@@ -75,6 +78,7 @@ class Body:
     motion: Array
     load: Load
     individual: Array
+    ladder: Ladder
 
 
 def read_bodies(folder: Path) -> tuple[list[Body], Scale]:
@@ -102,8 +106,8 @@ def read_bodies(folder: Path) -> tuple[list[Body], Scale]:
         time, motion = time / scale.time, (motion - scale.rest) / scale.motion
         load = Load(load.time / scale.time, load.tension / scale.load)
         path = trial.recording.relative_to(campaign.folder)
-        own = fit_plain(time, motion, load)
-        bodies.append(Body(trial.name, path, column, time, motion, load, own))
+        own, ladder = fit_body(time, motion, load)
+        bodies.append(Body(trial.name, path, column, time, motion, load, own, ladder))
     return bodies, scale
 
 
@@ -138,6 +142,15 @@ def _reach(motion: Array) -> float:
     """Largest motion from the first, without gross errors."""
     seen = motion[np.isfinite(motion)]
     return float(np.quantile(np.abs(seen - _rest(motion)), 0.99))
+
+
+def fit_body(time: Array, motion: Array, load: Load) -> tuple[Array, Ladder]:
+    """Fit three elements to one trial, then a ladder beside them."""
+    own = fit_plain(time, motion, load)
+    chosen = choose_frames(time, motion, load)
+    trial = describe(0, 1, load, time[chosen][-1])
+    close = CLOSE * LARGEST_RAD
+    return fit_ladder(own, trial, RIG.wire_offset, time[chosen], motion[chosen], close)
 
 
 def fit_plain(time: Array, motion: Array, load: Load) -> Array:
