@@ -31,6 +31,7 @@ from softfinger.concealed.added import (
     write_added,
 )
 from softfinger.concealed.blind import diagnose_blind
+from softfinger.mechanics.effects import list_effects
 from softfinger.provenance import PROJECT, code_hash
 
 VISIBLE_NATS = 15.0
@@ -90,7 +91,8 @@ def name_case(folder: Path, addition: Addition) -> str:
 def list_cases(folders: list[Path], out: Path) -> Iterator[tuple[Path, Addition]]:
     """Additions that are new to their recordings, quick campaigns first and in turn.
 
-    What the verdict on the plain recordings has already could not be gained.
+    What the verdict on the plain recordings has already could not be gained, nor an effect of the
+    same place: one free law is both.
     """
     waiting = []
     for folder in folders:
@@ -100,13 +102,21 @@ def list_cases(folders: list[Path], out: Path) -> Iterator[tuple[Path, Addition]
         except ValueError as error:
             print(f"{folder.name}: {error}", flush=True)
             continue
-        drawn = [a for a in draw_additions(folder.name, trials) if a.effect not in plain["claims"]]
+        taken = {find_place(effect) for effect in plain["claims"]}
+        every = draw_additions(folder.name, trials)
+        drawn = [a for a in every if find_place(a.effect) not in taken]
         waiting.append((plain["cpu_seconds"], folder, drawn))
     waiting.sort(key=lambda entry: entry[0])
     for turn in range(max((len(drawn) for *_, drawn in waiting), default=0)):
         for place, (_, folder, drawn) in enumerate(waiting):
             if turn < len(drawn):  # each campaign begins with another effect
                 yield folder, drawn[(turn + 3 * place) % len(drawn)]
+
+
+def find_place(effect: str) -> str:
+    """Name of the place that an effect may share with others; else its id."""
+    known = list_effects().get(effect)
+    return known.place or effect if known else effect
 
 
 def summarise(out: Path) -> dict[str, float]:
