@@ -20,6 +20,7 @@ from softfinger.concealed.added import Addition, Body, write_added
 from softfinger.concealed.added.apply import strengthen
 from softfinger.concealed.added.body import Scale
 from softfinger.config import read_config
+from softfinger.faults import CampaignFault
 from softfinger.inference.mixed_effects_laplace import Fit
 from softfinger.inference.problem import Problem, pose_problem
 from softfinger.measurement.trials import prepare_trials
@@ -86,8 +87,13 @@ def weigh(
     write_added(folder, place, bodies, scale, addition)
     out = place.with_suffix(".out")
     out.mkdir()
-    angles = open_artifact(prepare_angles(place, out, read_config()), ANGLES)
-    shutil.rmtree(place)
+    try:
+        prepared = prepare_angles(place, out, read_config())
+    except CampaignFault:  # it moves farther than any finger
+        return -np.inf
+    finally:
+        shutil.rmtree(place)
+    angles = open_artifact(prepared, ANGLES)
     again = pose_again(problem, angles)
     if again is None:
         return -np.inf

@@ -25,7 +25,7 @@ from softfinger.inference.problem import Candidate, Problem
 from softfinger.inference.reduce import reduce_trials
 from softfinger.inference.spreads import list_spreads
 from softfinger.inference.walks import list_walks, list_waves, share_trial, turn_picture, walk_array
-from softfinger.measurement.components import choose_components
+from softfinger.measurement.components import choose_components, is_largest
 from softfinger.measurement.trials import Trials
 
 Array = NDArray[np.float64]
@@ -104,7 +104,22 @@ def fit_disturbances(
 
     seen = [name for name in directions if np.any(directions[name])]
     sizes = {name: SIZES.get(name, np.array(PRIORS.effect_spreads)) for name in seen}
-    return *choose_components(evaluate, sizes), directions
+    return *_choose_plausible(evaluate, sizes), directions
+
+
+def _choose_plausible(
+    evaluate: Callable[[Mapping[str, float]], float], sizes: dict[str, Array]
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Choose disturbances, none of them at the largest size that one has.
+
+    A drift that would have to be larger than drifts are is physics that the model lacks.
+    """
+    while True:
+        size, evidence = choose_components(evaluate, sizes)
+        beyond = {name for name in size if name in SIZES and is_largest(size[name], sizes[name])}
+        if not beyond:
+            return size, evidence
+        sizes = {name: sizes[name] for name in sizes if name not in beyond}
 
 
 def soften_gram_array(

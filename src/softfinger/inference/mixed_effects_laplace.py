@@ -212,10 +212,15 @@ def _finish(
     converged: bool,
     first: float,
 ) -> Fit:
+    """The fit at a place.
+
+    Far from the best, the Ω that suits the linear model's answer does not suit the place.
+    """
     d = len(omega)
     place = own, shared
-    linear, evidence = solve_linearised(gram, prior, bounds, place, omega, rounds=30)
-    evidence -= _find_lack(gram, prior, bounds, place, linear.omega)
+    solved = (solve_linearised(gram, prior, bounds, place, omega, rounds=n) for n in (30, 0))
+    told = [(e - _find_lack(gram, prior, bounds, place, li.omega), li) for li, e in solved]
+    evidence, linear = max(told, key=lambda pair: pair[0])
     covariance = linear.shared_covariance
     return Fit(
         own,

@@ -13,6 +13,8 @@ from softfinger.measurement.budget import BUDGET
 from softfinger.measurement.decisions import DECISIONS
 
 Sizes = dict[str, float]
+BEYOND = 2.0  # how far a size may lie beyond those that are tried
+SIZE_DIGITS = 0.03  # of a size, to which it is found
 
 
 def choose_components(
@@ -51,6 +53,15 @@ def choose_components(
         return known[key]
 
     return _choose(look_up, sizes)
+
+
+def is_largest(size: float, sizes: NDArray[np.float64]) -> bool:
+    """Whether a size is at the end of what a component may have.
+
+    >>> is_largest(1.99, np.array([0.5, 1.0])), is_largest(1.5, np.array([0.5, 1.0]))
+    (True, False)
+    """
+    return bool(size >= (1.0 - SIZE_DIGITS) * BEYOND * max(sizes))
 
 
 def _choose(
@@ -100,7 +111,9 @@ def _refine(
         lambda x: -evaluate(dict(zip(names, np.exp(x).tolist(), strict=True))),
         np.log([size[name] for name in names]),
         method="Nelder-Mead",
-        bounds=[tuple(np.log([min(sizes[name]) / 2.0, 2.0 * max(sizes[name])])) for name in names],
-        options={"xatol": 0.03, "fatol": 0.03, "maxfev": BUDGET.evaluations},
+        bounds=[
+            tuple(np.log([min(sizes[name]) / BEYOND, BEYOND * max(sizes[name])])) for name in names
+        ],
+        options={"xatol": SIZE_DIGITS, "fatol": 0.03, "maxfev": BUDGET.evaluations},
     )
     return {name: round(float(np.exp(x)), 12) for name, x in zip(names, found.x, strict=True)}

@@ -106,6 +106,6 @@ def _fit_near(problem: Problem, best: Candidate, start: Start) -> Candidate | No
     if fit is None or fit.log_evidence < best.log_evidence - BUDGET.reach_nats:
         return None
     fit = go_on(problem, model, fit)
-    if fit is None or not fit.converged:
+    if fit is None:
         return None
     return prune(problem, Candidate(model, fit, fit.log_evidence))

@@ -188,7 +188,7 @@ def prune(problem: Problem, candidate: Candidate) -> Candidate:
         return candidate
     start = fit.own, fit.shared[candidate.model.match(model)], fit.omega
     refit = problem.fit(model, start, first=fit.first, rival=candidate.log_evidence)
-    if refit is None or not refit.converged or refit.log_evidence < candidate.log_evidence:
+    if refit is None or refit.log_evidence < candidate.log_evidence:
         return candidate
     return Candidate(model, refit, refit.log_evidence)
 
@@ -225,10 +225,9 @@ def fit_scored(
     their kind have reached, or what is asked of them.
 
     Promising are the best forms of the leading effects, and every form whose score is near the best
-    fit so far. Each gets a few linearisations; one that then leads goes on at once, for only a fit
-    that has come to rest may set the measure for others. Those within reach of the best go on as
-    well. One that does not come to rest cannot be chosen, and counts by what it has reached. Forms
-    that are not fitted count by their score.
+    fit so far. Each gets a few linearisations; one that then leads goes on at once. Those within
+    reach of the best go on as well. One that does not come to rest counts by what it has reached,
+    for its evidence is at least that. Forms that are not fitted count by their score.
     """
     leading = set(list(dict.fromkeys(s.effect for s in scores))[: BUDGET.leading])
     begun, candidates, best = [], [], max(origin.log_evidence, floor)
@@ -245,18 +244,20 @@ def fit_scored(
             fit = go_on(problem, score.model, fit, best - competing_nats(gain))
         if fit is None:
             continue
-        if fit.converged:
-            best = max(best, fit.log_evidence)
+        best = max(best, fit.log_evidence)
         begun.append((score.model, fit))
     reach = reaching_nats(best - origin.log_evidence)
     for model, fit in begun:
         if fit.log_evidence < best - reach:
             candidates.append(Candidate(model, None, fit.log_evidence))
             continue
-        fit = go_on(problem, model, fit, best - competing_nats(best - origin.log_evidence))
-        if fit is not None and fit.converged:
+        rival = best - competing_nats(best - origin.log_evidence)
+        fit = go_on(problem, model, fit, rival)
+        if fit is None:
+            continue
+        if has_reached(fit, rival):
             candidates.append(prune(problem, Candidate(model, fit, fit.log_evidence)))
-        elif fit is not None:
+        else:
             candidates.append(Candidate(model, None, fit.log_evidence))
     return sorted(candidates, key=lambda c: -c.log_evidence)
 
@@ -274,6 +275,11 @@ def competing_nats(gain: float) -> float:
 def reaching_nats(gain: float) -> float:
     """Distance [nats] from a best within which a fit goes on."""
     return max(BUDGET.reach_nats, BUDGET.reach_share * gain)
+
+
+def has_reached(fit: Fit, rival: float) -> bool:
+    """Whether a fit came to rest, or to what is worth reaching."""
+    return fit.converged or fit.log_evidence >= rival
 
 
 def go_on(problem: Problem, model: EffectModel, fit: Fit, rival: float = -np.inf) -> Fit | None:

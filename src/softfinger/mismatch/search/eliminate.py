@@ -34,7 +34,7 @@ def _fit_kept(problem: Problem, candidate: Candidate, kept: list[Piece]) -> Cand
     shared = candidate.fit.shared[candidate.model.match(model)]
     start = candidate.fit.own, shared, candidate.fit.omega
     fit = problem.fit(model, start, first=candidate.fit.first)
-    if fit is None or not fit.converged:
+    if fit is None:
         return None
     return prune(problem, Candidate(model, fit, fit.log_evidence))
 

@@ -21,7 +21,7 @@ from softfinger.inference.problem import Candidate, Problem, predict_frames
 from softfinger.measurement.measure import add_components, measure
 from softfinger.measurement.trials import prepare_trials
 from softfinger.mismatch.budget import BUDGET
-from softfinger.mismatch.candidates.rank import reaching_nats
+from softfinger.mismatch.candidates.rank import has_reached, reaching_nats
 from softfinger.mismatch.priors import PRIORS
 from softfinger.mismatch.search.stepwise import Search
 
@@ -255,6 +255,6 @@ def fit_again(
     start = fit.own, fit.shared, fit.omega
     tolerance = max(BUDGET.rest_nats, INFERENCE.rest_share * gain)
     again = problem.fit(candidate.model, start, tolerance=tolerance, rival=rival)
-    if again is None or not again.converged:
+    if again is None or not has_reached(again, rival):
         return None
     return Candidate(candidate.model, again, again.log_evidence)
