@@ -248,6 +248,8 @@ def _close(
     search = shape_rest(problem, settle_search(search))
     findings = examine(problem, search, angles, needed=needed)
     kept = drop_negligible(search, partial(fit_less, problem))
+    if kept.best is not search.best and kept.best is not kept.base:
+        kept = share_with_creep(problem, name_species(problem, kept))
     search = hold_against_shape(problem, kept)
     if search.best is not kept.best:
         findings = examine(problem, search, angles, needed=needed)

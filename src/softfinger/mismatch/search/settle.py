@@ -121,7 +121,7 @@ def drop_negligible(search: Search, refit: Refit) -> Search:
         Fits a model without some effects, for sets that the search left out.
     """
     best, base = search.best, search.base
-    negligible = best.model.list_negligible(best.fit.shared) - base.model.ids
+    negligible = _list_negligible(best, base)
     if not negligible:
         return search
     wanted = best.model.ids - base.model.ids - negligible
@@ -134,7 +134,17 @@ def drop_negligible(search: Search, refit: Refit) -> Search:
     fewer = [c for c in known if base.model.ids < c.model.ids and len(c.model.ids) <= size]
     more = [c for c in search.candidates if len(c.model.ids) > size]
     left = search._replace(candidates=fewer, rejected=[*more, *search.rejected], best=kept)
-    return left if kept is base else drop_negligible(left, refit)
+    if kept is base:
+        return left
+    # alone, another may explain more than what is left of the best set
+    rivals = [c for c in fewer if c.fit is not None and not _list_negligible(c, base)]
+    best = max([kept, *rivals], key=lambda c: c.log_evidence)
+    return drop_negligible(left._replace(best=best), refit)
+
+
+def _list_negligible(candidate: Candidate, base: Candidate) -> Ids:
+    """Effects of a fitted model that lie below their floors."""
+    return candidate.model.list_negligible(candidate.fit.shared) - base.model.ids
 
 
 def join_ids(ids: Ids) -> str:

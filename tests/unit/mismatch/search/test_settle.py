@@ -143,6 +143,15 @@ def test_what_is_left_above_its_floor_is_fitted_where_the_search_had_not():
     assert settled.rejected == [three]
 
 
+@pytest.mark.parametrize(("floor", "best"), [("b", "c"), ("bc", "a")])
+def test_where_an_effect_is_taken_back_the_most_probable_of_the_others_is_claimed(floor, best):
+    """A set was named with probability 1e-10, for another of its size had more evidence."""
+    one, other = small("a", negligible="", nats=60.0), small("c", negligible=floor, nats=80.0)
+    pair = small("a", "b", negligible="b", nats=100.0)
+    settled = drop_negligible(search(one, other, pair), refuse)
+    assert settled.best.model.ids == frozenset(best)
+
+
 @pytest.mark.parametrize(
     ("shape", "p", "unlisted"), [(240.0, 1.0, False), (260.0, 1.0, True), (0.0, 5e-4, True)]
 )
