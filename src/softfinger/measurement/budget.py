@@ -26,6 +26,8 @@ class MeasurementBudget:
     """
     rounds: int = 10
     """Rounds in which peaks are taken for outliers. Why: a burst of ten frames goes in five."""
+    size_digits: float = 0.03
+    """Of a component's size, to which it is found. Why: its sd is larger."""
     held_rounds: int = 50
     """Rounds in which the share of held frames is found. Why: it converges by halves."""
     bin_growth: float = 0.12

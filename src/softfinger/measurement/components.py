@@ -11,10 +11,9 @@ from scipy.optimize import minimize
 
 from softfinger.measurement.budget import BUDGET
 from softfinger.measurement.decisions import DECISIONS
+from softfinger.measurement.priors import PRIORS
 
 Sizes = dict[str, float]
-BEYOND = 2.0  # how far a size may lie beyond those that are tried
-SIZE_DIGITS = 0.03  # of a size, to which it is found
 
 
 def choose_components(
@@ -61,7 +60,7 @@ def is_largest(size: float, sizes: NDArray[np.float64]) -> bool:
     >>> is_largest(1.99, np.array([0.5, 1.0])), is_largest(1.5, np.array([0.5, 1.0]))
     (True, False)
     """
-    return bool(size >= (1.0 - SIZE_DIGITS) * BEYOND * max(sizes))
+    return bool(size >= (1.0 - BUDGET.size_digits) * PRIORS.beyond * max(sizes))
 
 
 def _choose(
@@ -112,8 +111,9 @@ def _refine(
         np.log([size[name] for name in names]),
         method="Nelder-Mead",
         bounds=[
-            tuple(np.log([min(sizes[name]) / BEYOND, BEYOND * max(sizes[name])])) for name in names
+            tuple(np.log([min(sizes[name]) / PRIORS.beyond, PRIORS.beyond * max(sizes[name])]))
+            for name in names
         ],
-        options={"xatol": SIZE_DIGITS, "fatol": 0.03, "maxfev": BUDGET.evaluations},
+        options={"xatol": BUDGET.size_digits, "fatol": 0.03, "maxfev": BUDGET.evaluations},
     )
     return {name: round(float(np.exp(x)), 12) for name, x in zip(names, found.x, strict=True)}

@@ -218,6 +218,18 @@ def test_noise_that_outlasts_the_windows_is_no_drift(record):
     assert evidence["lasting_noise"] > 15.0
 
 
+@pytest.mark.parametrize(("size", "found"), [(3.0, True), (60.0, False)])
+def test_what_asks_for_more_than_a_drift_is_no_drift(record, size, found):
+    """A camera drifts by a few times its noise; what is far beyond is physics that is missing."""
+    angles = record()
+    values, rng = angles["joint_angle"].values.copy(), np.random.default_rng(15)
+    walk = np.cumsum(rng.standard_normal((8, 2, 500)), axis=2) / np.sqrt(500)
+    values += size * 0.002 * walk
+    problem, fit = pose_problem(angles.assign(joint_angle=(angles["joint_angle"].dims, values)))
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    assert ("drift" in fit_disturbances(problem, base)[0]) is found
+
+
 def test_a_known_disturbance_is_admitted_with_its_size(noisy):
     problem, base = noisy
     softer, fit = admit_known(problem, base.fit, {"noisy_load": 0.02})
