@@ -73,6 +73,7 @@ EFFECTS = {
     "lens_distortion by direction": {
         "direction_law": 0.1 * np.sin(np.arange(KNOTS)), "direction_reach": 1.5,
     },
+    "lens_distortion aslant": {"slant_along": 1.5, "slant_across": -0.8},
     "lens_distortion": {
         "lens_radial": 10.0, "angle_cubic": 0.05, "lens_along": 0.01, "lens_across": -0.02,
     },

@@ -41,6 +41,14 @@ def _keystone(place: Array, strength: float) -> Array:
     return place / (1.0 + 0.25 * strength * place[..., :1])
 
 
+def _decentred(place: Array, strength: float) -> Array:
+    """Lenses beside each other's axes: Brown's tangential distortion along the finger."""
+    square = (place**2).sum(axis=-1, keepdims=True)
+    along, across = place[..., :1], place[..., 1:]
+    turned = np.concatenate([square + 2.0 * along**2, 2.0 * along * across], axis=-1)
+    return place + 0.1 * strength * turned
+
+
 def _backlash(angle: Array, time: Array, dose: Dose, trial: Circumstances, rig: Rig) -> Array:
     """The link follows after play of the strength."""
     seen = angle.copy()
@@ -85,6 +93,14 @@ LAWS = (
         typical=8.0,
         largest=40.0,
         record=_lens(_keystone),
+    ),
+    build_law(
+        lens_distortion.EFFECT,
+        "decentred",
+        "lenses beside each other's axes: a distortion that is not radial",
+        typical=8.0,
+        largest=40.0,
+        record=_lens(_decentred),
     ),
     build_law(
         joint_play.EFFECT,

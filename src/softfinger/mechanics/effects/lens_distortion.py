@@ -1,4 +1,4 @@
-"""Angles bent by the optics: radially, cubic, or by a free law of direction."""
+"""Angles bent by the optics: by a lens, a picture plane aslant, a cubic, or a free law."""
 
 import math
 
@@ -15,9 +15,10 @@ from softfinger.mechanics.forward.work import Model
 
 AXES = ("along", "across")
 CENTRE_SD_M = 0.015  # how far from the middle of the straight finger a camera may look
+SLANT_SD_PER_M = 0.5  # of a camera half a metre away that is aslant by a quarter of a radian
 
 
-_CUBIC, _LAW, _REACH, _RADIAL, _ALONG, _ACROSS = declare(
+_CUBIC, _LAW, _REACH, _RADIAL, _ALONG, _ACROSS, _SLANT_ALONG, _SLANT_ACROSS = declare(
     angle_cubic=Slot("joint", "rad^-2", 0.0, "measured angle q + b q³"),
     direction_law=Slot(
         "law", "1", 0.0, "measured direction θ (1 + law) of a link, a law of |θ|: that of joint 1"
@@ -35,6 +36,14 @@ _CUBIC, _LAW, _REACH, _RADIAL, _ALONG, _ACROSS = declare(
     ),
     lens_across=Slot(
         "chain", "m", 0.0, "optical centre beyond where it is thought, across",
+        needs=("link_length", "marker_middle"),
+    ),
+    slant_along=Slot(
+        "chain", "m^-1", 0.0, "loss of scale towards the tip: the picture plane is aslant",
+        needs=("link_length", "marker_middle"),
+    ),
+    slant_across=Slot(
+        "chain", "m^-1", 0.0, "loss of scale across the finger",
         needs=("link_length", "marker_middle"),
     ),
 )  # fmt: skip
@@ -110,18 +119,10 @@ def _fill_turns(model: Model, q: NDArray, turn: NDArray, by_turn: NDArray, unit:
     """Write Δ of base and links, and its derivatives."""
     radial = model.chain[_RADIAL]
     direction, place = np.zeros(q.size + 1), np.zeros((q.size + 1, 2))
-    place[0, 0] = -model.centre[0] - model.chain[_ALONG]
-    place[0, 1] = -model.centre[1] - model.chain[_ACROSS]
     by_turn[:] = 0.0
     for i in range(q.size + 1):
-        if i > 0:
-            length = model.link_length[i - 2] if i > 1 else 0.0
-            direction[i] = direction[i - 1] + q[i - 1]
-            place[i, 0] = place[i - 1, 0] + length * math.cos(direction[i - 1])
-            place[i, 1] = place[i - 1, 1] + length * math.sin(direction[i - 1])
-        cosine, sine = math.cos(direction[i]), math.sin(direction[i])
-        along = place[i, 0] * cosine + place[i, 1] * sine + model.middle[i]
-        across = place[i, 1] * cosine - place[i, 0] * sine
+        _place_link(model, q, i, model.chain[_ALONG], model.chain[_ACROSS], direction, place)
+        along, across, cosine, sine = _turn_place(model, i, direction, place)
         unit[i, 0] = 2.0 * along * across
         unit[i, 1] = 2.0 * radial * (sine * along - cosine * across)
         unit[i, 2] = -2.0 * radial * (cosine * along + sine * across)
@@ -133,6 +134,72 @@ def _fill_turns(model: Model, q: NDArray, turn: NDArray, by_turn: NDArray, unit:
                 lean = direction[i] - direction[m]
                 rise = math.cos(lean) * along + math.sin(lean) * across
                 by_turn[i, k] += 2.0 * radial * model.link_length[m - 1] * rise
+
+
+@compiled
+def _place_link(
+    model: Model, q: NDArray, i: int, beyond: float, aside: float, direction: NDArray,
+    place: NDArray,
+) -> None:  # fmt: skip
+    """Write the direction of link i, and where it begins from the optical centre; 0 is the base."""
+    if i == 0:
+        place[0, 0], place[0, 1] = -model.centre[0] - beyond, -model.centre[1] - aside
+        return
+    length = model.link_length[i - 2] if i > 1 else 0.0
+    direction[i] = direction[i - 1] + q[i - 1]
+    place[i, 0] = place[i - 1, 0] + length * math.cos(direction[i - 1])
+    place[i, 1] = place[i - 1, 1] + length * math.sin(direction[i - 1])
+
+
+@compiled
+def _turn_place(
+    model: Model, i: int, direction: NDArray, place: NDArray
+) -> tuple[float, float, float, float]:
+    """The middle of link i's markers, along and across it; cosine and sine of its direction."""
+    cosine, sine = math.cos(direction[i]), math.sin(direction[i])
+    along = place[i, 0] * cosine + place[i, 1] * sine + model.middle[i]
+    return along, place[i, 1] * cosine - place[i, 0] * sine, cosine, sine
+
+
+@compiled
+def slant_picture(
+    model: Model, angle: NDArray, by: NDArray, seen: NDArray, gradient: NDArray
+) -> None:
+    """The turn of each link's line of markers in a picture plane that is aslant.
+
+    A place p is seen at p / (1 + k·p), and a short line along t turns by −(p·n)(k·t), to first
+    order in k; p, t and n as in `bend_picture`.
+    """
+    joints, frames, columns = gradient.shape
+    a, b = model.chain[_SLANT_ALONG], model.chain[_SLANT_ACROSS]
+    direction, place = np.zeros(joints + 1), np.zeros((joints + 1, 2))
+    change = np.zeros(columns)
+    for frame in range(frames):
+        q = angle[:, frame].copy()
+        last, last_change = 0.0, np.zeros(columns)
+        for i in range(joints + 1):
+            _place_link(model, q, i, 0.0, 0.0, direction, place)
+            along, across, cosine, sine = _turn_place(model, i, direction, place)
+            lean = a * cosine + b * sine
+            turn = -across * lean
+            for c in range(columns):
+                change[c] = -across * (
+                    cosine * model.d_chain[c, _SLANT_ALONG] + sine * model.d_chain[c, _SLANT_ACROSS]
+                )
+            for k in range(i):
+                sideways = model.middle[i] - along
+                for m in range(k + 1, i):  # links carry it
+                    between = direction[i] - direction[m]
+                    sideways += model.link_length[m - 1] * math.cos(between)
+                by_turn = -sideways * lean - across * (b * cosine - a * sine)
+                for c in range(columns):
+                    change[c] += by_turn * by[k, frame, c]
+            if i > 0:
+                seen[i - 1, frame] += turn - last
+                for c in range(columns):
+                    gradient[i - 1, frame, c] += change[c] - last_change[c]
+            last = turn
+            last_change[:] = change
 
 
 def _build_forms(setting: Setting) -> list[Form] | str:
@@ -151,6 +218,9 @@ def _build_forms(setting: Setting) -> list[Form] | str:
         place = {"lens_along": values["lens_along_m"], "lens_across": values["lens_across_m"]}
         return lens(values) | place
 
+    def slanted(values: Values) -> dict:
+        return {f"slant_{k}": values[f"slant_{k}_per_m"] for k in AXES}
+
     reach = float(np.sum(setting.reach))
     law = Law("direction_law", "direction_rad", reach, 0.05, terms=5)
     forms = [Form("cubic", (cubic,), bent), free_form(law, {"direction_reach": reach})]
@@ -158,6 +228,8 @@ def _build_forms(setting: Setting) -> list[Form] | str:
         centre = [Parameter(f"lens_{k}_m", 0.0, CENTRE_SD_M, starts=(0.0,)) for k in AXES]
         forms.insert(0, Form("radial", (radial,), lens))
         forms.insert(1, Form("radial_off_centre", (radial, *centre), shifted_lens))
+        slant = [signed(f"slant_{k}_per_m", SLANT_SD_PER_M, floor=5e-3) for k in AXES]
+        forms.insert(2, Form("aslant", tuple(slant), slanted))
     return forms
 
 
@@ -169,6 +241,7 @@ EFFECT = Effect(
     "lens",
     hooks=(
         Hook("observe", bend_picture, ("lens_radial", "lens_along", "lens_across")),
+        Hook("observe", slant_picture, ("slant_along", "slant_across")),
         Hook("observe", bend_angle, ("angle_cubic",)),
         Hook("observe", bend_direction, ("direction_law",)),
     ),
