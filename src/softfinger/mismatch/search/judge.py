@@ -99,8 +99,8 @@ def judge_finalists(
 
     Each has its own measurement.
 
-    Frames count that are no outliers of the best model. A model leads only if
-    what it has more than a simpler one gains more than `needed` nats.
+    Frames count that are no outliers of the best model. A model leads only if what it has more than
+    a simpler one gains more than `needed` nats; the measurement is that of the model that leads.
 
     Parameters
     ----------
@@ -135,6 +135,9 @@ def judge_finalists(
         best = max(judged, key=lambda j: j.evidence, default=None)
     if best is None or (best.problem is plain and plain is problem and _agree(judged, plain)):
         return problem, search
+    told = [one.candidate._replace(log_evidence=one.evidence) for one in judged]
+    leading = _choose_simplest(told, needed)
+    best = next(one for one, c in zip(judged, told, strict=True) if c is leading)
     level = best.evidence - best.candidate.log_evidence
     settled = []
     for other in judged:
@@ -222,11 +225,7 @@ def _settle(search: Search, settled: list[Candidate], needed: float) -> Search:
     base = next((c for c in settled if c.model.ids == search.base.model.ids), None)
     if base is None:
         return search
-    best = settled[0]
-    for simpler in sorted(settled, key=lambda c: len(c.model.ids)):
-        close = best.log_evidence - simpler.log_evidence <= needed
-        if close and simpler.model.ids < best.model.ids:
-            best = simpler
+    best = _choose_simplest(settled, needed)
     size = len(best.model.ids)
     rest = [c for c in settled if c is not base]
     kept = [c for c in rest if len(c.model.ids) <= max(size, len(base.model.ids) + 1)]
@@ -240,6 +239,16 @@ def _settle(search: Search, settled: list[Candidate], needed: float) -> Search:
         shape=None,
         alone=None,
     )
+
+
+def _choose_simplest(candidates: list[Candidate], needed: float) -> Candidate:
+    """The best, or what it adds least to: that must gain more than `needed` nats."""
+    best = max(candidates, key=lambda c: c.log_evidence)
+    for simpler in sorted(candidates, key=lambda c: len(c.model.ids)):
+        close = best.log_evidence - simpler.log_evidence <= needed
+        if close and simpler.model.ids < best.model.ids:
+            best = simpler
+    return best
 
 
 def _measure_level(problem: Problem) -> float:

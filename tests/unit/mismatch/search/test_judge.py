@@ -3,6 +3,7 @@
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
 from softfinger.inference.problem import Candidate
 from softfinger.mismatch.search import judge as module
@@ -34,6 +35,24 @@ def test_the_base_model_is_never_given_up_and_no_other_goes_on_far_behind(monkey
     assert asked[BASE.model.ids] == -np.inf
     assert asked[BEST.model.ids] == -20.0  # behind the base model, the best so far
     assert asked[THIRD.model.ids] == 250.0  # behind the best by half of its gain
+
+
+@pytest.mark.parametrize(("gain", "leads"), [(4.0, "base"), (6.0, "effect")])
+def test_the_measurement_is_that_of_the_model_that_leads(monkeypatch, gain, leads):
+    """A noisy log was forgotten, for an effect without it had 0.4 nats more."""
+    problems = {"base": object(), "effect": object()}
+
+    def judge(_problem, candidate, _fitted, _base, _worth):
+        own = problems["effect" if candidate.model.ids else "base"]
+        return Judged(own, candidate, gain if candidate.model.ids else 0.0)
+
+    monkeypatch.setattr(module, "judge", judge)
+    monkeypatch.setattr(module, "measure_again", lambda problem, *_: problem)
+    monkeypatch.setattr(module, "fit_again", lambda _problem, candidate, _base: candidate)
+    found = Search(BASE, [BEST], [], BEST, 500.0, {}, [])
+    problem, search = judge_finalists(problems["effect"], problems["effect"], found, [], None, 5.0)
+    assert problem is problems[leads]
+    assert search.best.model.ids == (BEST if leads == "effect" else BASE).model.ids
 
 
 def test_the_best_sets_of_a_search_are_beside_its_base():
