@@ -16,7 +16,7 @@ from softfinger.measurement.decisions import DECISIONS
 from softfinger.measurement.flags import JUMP, STALE
 from softfinger.measurement.frames import select_frames
 from softfinger.measurement.noise import NoiseFit, complete_noise, fit_noise
-from softfinger.measurement.outliers import find_outliers, list_passed_array
+from softfinger.measurement.outliers import find_outliers, find_time_error, list_passed_array
 from softfinger.measurement.presence import list_components
 from softfinger.measurement.priors import PRIORS
 from softfinger.measurement.reml import LEAST_SD, profile_windows
@@ -62,6 +62,8 @@ def measure(angles: xr.Dataset, motion: Array | None = None) -> xr.Dataset:
         return _complete(angles, frames, fit_noise(angles, frames), {})
     angles = angles.assign(joint_angle=angles["joint_angle"].transpose(*LAYOUT) - motion)
     passed = list_passed_array(motion)
+    seen = frames["used"].values
+    passed *= find_time_error(angles["joint_angle"].values, passed, seen)
     every = frames[["used", "present"]]
     frames = _leave_out(frames, _find_outliers(angles, frames, None, passed))
     scales, frames = _scale_noise(angles, frames, _measure_deflection(motion, frames))

@@ -11,7 +11,8 @@ of load, of all trials and changes. A model's misfit is then not cleaned away. W
 is judged. No frame is compared with one before the last change.
 An outlier raises its neighbours' t² as well, so only the peaks are taken, round after round.
 
-A frame's time may be wrong by up to an interval: what the model moves by meanwhile is no error.
+A frame's time may be wrong by up to an interval: what the model moves by in the usual error of the
+frames' times is no gross error.
 Before a model is fitted, trials are not alike after a change of load: one may be many times faster
 than the others. Then an angle on its way from what was before to what comes after is no outlier.
 
@@ -116,6 +117,32 @@ def list_passed_array(motion: Array) -> Array:
     on = np.concatenate([step, step[..., -1:]], axis=-1)
     beside = np.stack([back, 0.0 * motion, on])
     return np.stack([np.fmin.reduce(beside), np.fmax.reduce(beside)])
+
+
+def find_time_error(residual: Array, passed: Array, used: NDArray[np.bool_]) -> float:
+    """Find how far times are wrong, as a share of an interval.
+
+    Frames are off by what the motion passes in the usual error of their times: of most, not of a
+    few. From frames in which the motion passes much more than their noise, with d the deviation
+    and p the half of what it passes, s² = median(d²/p²)/0.455 − median(noise²/p²); excused is what
+    a normal error of that sd has once in `good_lost`.
+
+    Parameters
+    ----------
+    residual, passed
+        (trial, joint, frame) and (2, trial, joint, frame) [rad].
+    used
+        (trial, frame).
+    """
+    left = np.where(used[:, None], residual, np.nan)
+    noise = np.nanmedian(np.abs(left), axis=(0, 2), keepdims=True) / 0.6745
+    half = (passed[1] - passed[0]) / 2.0
+    fast = np.isfinite(left) & (half > DECISIONS.gross_sd * noise)
+    if not fast.any():
+        return 1.0
+    square = np.median((left[fast] / half[fast]) ** 2) / chi2.median(1)
+    square -= np.median((np.broadcast_to(noise, half.shape)[fast] / half[fast]) ** 2)
+    return float(min(np.sqrt(max(square, 0.0) * chi2.isf(DECISIONS.good_lost, 1)), 1.0))
 
 
 def subtract_median_array(rows: Array, gap: Array) -> Array:

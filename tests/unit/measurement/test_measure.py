@@ -128,6 +128,17 @@ def test_frames_whose_times_jitter_are_no_outliers(drawn):
     assert not found["used"].values[2, 60]
 
 
+def test_where_times_are_right_a_frame_on_its_way_may_be_a_gross_error(drawn):
+    """One frame lies between its neighbours, but many sds from where all others are."""
+    angles, motion = drawn(sd=0.0003)
+    values = angles["joint_angle"].values.copy()
+    frame = int(np.searchsorted(TIME, 4.0)) + 2
+    values[2, :, frame] += 0.7 * (motion[2, :, frame + 1] - motion[2, :, frame])
+    found = measure(angles.assign(joint_angle=(angles["joint_angle"].dims, values)), motion)
+    assert not found["used"].values[2, frame]
+    assert (~found["used"].values).sum() <= 2
+
+
 def test_held_frames_tell_nothing(drawn):
     angles, motion = drawn()
     values = angles["joint_angle"].values.copy()
