@@ -65,6 +65,11 @@ class InferencePriors:
     """The same of noise that lasts longer: 1 is twice as long. Why: windows show it to that."""
     gain_drift_sizes: tuple[float, ...] = (0.003, 0.01, 0.03)
     """The same of the gain of the angles' own sensor. Why: as of a load cell's."""
+    largest_share: float = 0.05
+    """Sd of what a disturbance adds, of the largest motion. Why: what errs more is broken.
+
+    Test: `test_disturbances.py::test_what_asks_for_more_than_a_drift_is_no_drift`.
+    """
     effect_spreads: tuple[float, ...] = (0.03, 0.1, 0.3)
     """Equally likely relative sds of an effect's parameter between trials. Why: a new mounting."""
 

@@ -54,15 +54,6 @@ def choose_components(
     return _choose(look_up, sizes)
 
 
-def is_largest(size: float, sizes: NDArray[np.float64]) -> bool:
-    """Whether a size is at the end of what a component may have.
-
-    >>> is_largest(1.99, np.array([0.5, 1.0])), is_largest(1.5, np.array([0.5, 1.0]))
-    (True, False)
-    """
-    return bool(size >= (1.0 - BUDGET.size_digits) * PRIORS.beyond * max(sizes))
-
-
 def _choose(
     evaluate: Callable[[Mapping[str, float]], float], sizes: Mapping[str, NDArray[np.float64]]
 ) -> tuple[Sizes, Sizes]:
