@@ -117,8 +117,8 @@ WORDS = {
     "lasting_noise": Words(
         "noise_sd",
         lambda s, _: (
-            f"The noise lasts longer than quiet windows show: {s:.2g} times as much of its slow "
-            "waves is missing as if it lasted twice as long."
+            f"The noise lasts longer than quiet windows show: it has {s:.2g} times the slow waves "
+            "that twice the memory would add."
         ),
         fault=False,
     ),
