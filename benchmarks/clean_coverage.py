@@ -1,4 +1,4 @@
-"""How often the 90 % intervals of μ and σ hold the truth, by condition of the measurement.
+"""Coverage of μ and σ by condition of the measurement.
 
 ``python -m benchmarks.clean_coverage FOLDER N`` fits N clean campaigns of each condition of a proof
 (`make concealed-clean` leaves them in results/concealed_clean/seed_1) by the default configuration,
@@ -61,7 +61,10 @@ def tell(condition: str, held: list[np.ndarray]) -> None:
 
 
 def judge(campaign: Path, truth: dict) -> np.ndarray:
-    """Whether each 90 % interval holds the truth: (fit and textbook, μ and σ, number)."""
+    """Whether each 90 % interval holds the truth.
+
+    The result is (fit and textbook, μ and σ, number).
+    """
     config = read_config()
     with tempfile.TemporaryDirectory() as place:
         out = Path(place)

@@ -119,9 +119,9 @@ def fit_disturbances(
 
 
 def measure_sd_array(columns: Array) -> float:
-    """Sd [rad] of what a disturbance of unit size adds, in the joint that it moves most.
+    """Sd [rad] of what a disturbance of unit size adds.
 
-    Columns are (trial, joint, bin · 2, column).
+    It is that of the joint which it moves most. Columns are (trial, joint, bin · 2, column).
 
     >>> round(measure_sd_array(np.ones((1, 2, 6, 4))), 6)
     2.0

@@ -88,7 +88,10 @@ def share_trial(trials: Trials) -> Array:
 
 
 def _move_joints(problem: Problem, shape: Array) -> Array:
-    """Move each joint alone by shapes (trial, joint, node, k), in units of its noise."""
+    """Move each joint alone by shapes.
+
+    They are (trial, joint, node, k), in units of the noise's sd.
+    """
     sd = problem.noise["noise_sd"].values
     columns = np.einsum("tink,ij,j->tinjk", shape, np.eye(len(sd)), sd)
     return columns.reshape(*columns.shape[:3], -1)

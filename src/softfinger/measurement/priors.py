@@ -36,10 +36,7 @@ class MeasurementPriors:
     Test: `test_noise.py::test_noise_of_two_kinds_is_told_from_one`.
     """
     beyond: float = 2.0
-    """How far a size may lie beyond those that are tried. Why: half a step of their grids.
-
-    Test: `test_disturbances.py::test_what_asks_for_more_than_a_drift_is_no_drift`.
-    """
+    """How far a size may lie beyond those that are tried. Why: half a step of their grids."""
     longest_memory: float = 0.9995
     """ρ of the longest noise beside a white share. Why: it lasts ten windows.
 

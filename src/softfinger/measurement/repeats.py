@@ -112,7 +112,7 @@ def find_rounding(angles: xr.Dataset, frames: xr.Dataset) -> NDArray[np.float64]
 
 
 def _find_usual_step(values: NDArray[np.float64]) -> float:
-    """Step of a trial's angles (n,), else the usual one of its blocks."""
+    """Step of a trial's angles (n,), or of most blocks."""
     step = find_step_array(values)
     return step or float(np.median([find_step_array(part) for part in _split_blocks(values)]))
 
@@ -132,7 +132,10 @@ def find_step_array(values: NDArray[np.float64]) -> float:
 
 @compiled
 def _find_step(values: NDArray) -> float:
-    """The smallest gap between values (n,), where all are its multiples; else 0."""
+    """The smallest gap between values (n,).
+
+    It is 0 where not all gaps are its multiples.
+    """
     gaps = np.diff(np.sort(values))
     gaps = gaps[gaps > 1e-12]
     if gaps.size == 0 or gaps.min() <= 1e-9:

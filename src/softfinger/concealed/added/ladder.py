@@ -84,7 +84,7 @@ def fit_ladder(
 
 
 def list_delays(own: float, shortest: float, longest: float) -> list[float]:
-    """List the delays of a ladder on either side of the own one.
+    """List the delays of a ladder about the own one.
 
     >>> list_delays(1.0, 0.1, 20.0)
     [0.25, 4.0, 16.0]

@@ -1,4 +1,7 @@
-"""Angles bent by the optics: by a lens, a picture plane aslant, a cubic, or a free law."""
+"""Angles bent by the optics.
+
+By a lens, a picture plane aslant, a cubic, or a free law.
+"""
 
 import math
 
@@ -141,7 +144,10 @@ def _place_link(
     model: Model, q: NDArray, i: int, beyond: float, aside: float, direction: NDArray,
     place: NDArray,
 ) -> None:  # fmt: skip
-    """Write the direction of link i, and where it begins from the optical centre; 0 is the base."""
+    """Write the direction of link i, and where it begins.
+
+    That is from the optical centre; link 0 is the base.
+    """
     if i == 0:
         place[0, 0], place[0, 1] = -model.centre[0] - beyond, -model.centre[1] - aside
         return
@@ -155,7 +161,10 @@ def _place_link(
 def _turn_place(
     model: Model, i: int, direction: NDArray, place: NDArray
 ) -> tuple[float, float, float, float]:
-    """The middle of link i's markers, along and across it; cosine and sine of its direction."""
+    """The middle of link i's markers, along and across it.
+
+    Also cosine and sine of its direction.
+    """
     cosine, sine = math.cos(direction[i]), math.sin(direction[i])
     along = place[i, 0] * cosine + place[i, 1] * sine + model.middle[i]
     return along, place[i, 1] * cosine - place[i, 0] * sine, cosine, sine
@@ -165,7 +174,7 @@ def _turn_place(
 def slant_picture(
     model: Model, angle: NDArray, by: NDArray, seen: NDArray, gradient: NDArray
 ) -> None:
-    """The turn of each link's line of markers in a picture plane that is aslant.
+    """The turn of markers in a picture plane aslant.
 
     A place p is seen at p / (1 + k·p), and a short line along t turns by −(p·n)(k·t), to first
     order in k; p, t and n as in `bend_picture`.

@@ -242,7 +242,10 @@ def _settle(search: Search, settled: list[Candidate], needed: float) -> Search:
 
 
 def _choose_simplest(candidates: list[Candidate], needed: float) -> Candidate:
-    """The best, or what it adds least to: that must gain more than `needed` nats."""
+    """The best model, or a simpler one that is close.
+
+    What the best has more must gain more than `needed` nats.
+    """
     best = max(candidates, key=lambda c: c.log_evidence)
     for simpler in sorted(candidates, key=lambda c: len(c.model.ids)):
         close = best.log_evidence - simpler.log_evidence <= needed
