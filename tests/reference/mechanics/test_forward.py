@@ -179,6 +179,7 @@ def integrate(parameters, slots, load):
     get = {
         "stiff": 0.0, "stop": 0.0, "sinh": 0.0, "arm": 0.0, "along": 0.0, "across": 0.0,
         "couple": 0.0, "lag": 0.0, "second": 0.0, "friction": 0.0, "held": 0.0,
+        "friction_own": 0.5,
         "spring_law": 0.0, "arm_law": 0.0, "flow_law": 0.0, "stop_law": 0.0, "friction_law": 0.0,
         "damper": 0.0, "damper_law": 0.0, "softer": 0.0, "thinner": 0.0, "play": 0.0,
         "membrane": 0.0, "share": 0.0, "saturation": 0.0, "load_law": 0.0, "payload": 0.0,
@@ -207,11 +208,10 @@ def integrate(parameters, slots, load):
     def statics(q, force, way):
         arm = 1 + get["arm"] * (np.cos(q / 2) + 0.8 * np.sin(q / 2) - 1)
         arm += evaluate_bumpy(q / 2.0) if get["arm_law"] else 0.0
-        passed = np.cumsum(np.abs(q)) - np.abs(q) / 2
-        exponent = get["friction"] * passed
-        exponent += (
-            get["friction_law"] * evaluate_bumpy(passed / 4.0) if get["friction_law"] else 0.0
-        )
+        bend = np.abs(q)
+        wrapped = get["friction"] * bend
+        wrapped += get["friction_law"] * evaluate_bumpy(bend / 2.0) if get["friction_law"] else 0.0
+        exponent = np.cumsum(wrapped) - (1 - get["friction_own"]) * wrapped
         torque = force * np.exp(-way * exponent) * arm
         depth = softplus(q - 0.3, 0.02)
         harder = 1 + (evaluate_bumpy(depth / 1.0) if get["stop_law"] else 0.0)
@@ -299,8 +299,13 @@ PHYSICS = {
         {"stop": 0.5, "stop_law": 1.0},
     ),
     "friction_law": (
-        {"friction_law": 0.2 * BUMPY, "friction_reach": 4.0, "friction_width": 0.05},
-        {"friction_law": 0.2},
+        {
+            "friction_law": 0.2 * BUMPY,
+            "friction_reach": 2.0,
+            "friction_width": 0.05,
+            "friction_own": 0.8,
+        },
+        {"friction_law": 0.2, "friction_own": 0.8},
     ),
     "thinning": ({"damper_power": 0.8, "damper_reference": 0.02}, {"damper": 0.8}),
     "damper_law": ({"damper_law": BUMPY, "damper_reference": 0.1}, {"damper_law": 1.0}),

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from softfinger.inference import posterior
+from softfinger.inference import disturbances, posterior
 from softfinger.inference.disturbances import (
     _group_rows,
     fit_disturbances,
@@ -90,6 +90,16 @@ def test_a_log_that_scatters_is_found_with_its_size(noisy):
     assert list(size) == ["noisy_load"]
     assert size["noisy_load"] == pytest.approx(0.02, rel=0.3)
     assert evidence["noisy_load"] > 30
+
+
+def test_a_disturbance_that_cannot_be_simulated_is_none(pose, monkeypatch):
+    problem, candidate = pose(jitter=0.006)
+    listed = list_disturbances(problem, candidate)
+    listed["load_drift"] = np.full_like(listed["load_drift"], np.nan)
+    monkeypatch.setattr(disturbances, "list_disturbances", lambda *_: listed)
+    size, _, directions = fit_disturbances(problem, candidate)
+    assert list(size) == ["timing_jitter"]
+    assert "load_drift" not in directions
 
 
 def test_frame_times_that_jitter_are_found(pose):

@@ -3,14 +3,15 @@
 Distal joints get less, and loading differs from unloading.
 
 Capstan over the bend (tension · exp(−μ · bend)) up to the middle of the joint that is pulled, or
-over all that the wire wraps, whole bends and guides; a constant loss for each joint passed, a
-Coulomb force, or a free law of the bend. The direction turns over a small motion of the wire (Dahl)
-or with the load.
+over all that the wire wraps, whole bends and guides; a constant loss for each joint passed, or a
+Coulomb force. Free: each joint that is passed adds its guides and any law of its own bend. The
+direction turns over a small motion of the wire (Dahl) or with the load.
 
 Dahl (1968), Aerospace Corp. TOR-0158(3107-18)-1.
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -33,7 +34,9 @@ _BEND, _CONSTANT, _FORCE, _LAW, _REACH, _WIDTH, _DRIVER, _OWN = declare(
     friction_bend=Slot("chain", "1/rad", 0.0, "capstan exponent for each radian of bend"),
     friction_constant=Slot("chain", "1", 0.0, "capstan exponent for each joint passed"),
     friction_force=Slot("chain", "N m", 0.0, "Coulomb loss for each joint passed"),
-    friction_law=Slot("law", "1", 0.0, "added to the capstan exponent, a law of the bend passed"),
+    friction_law=Slot(
+        "law", "1", 0.0, "added to the capstan exponent by each joint passed, a law of its bend"
+    ),
     friction_reach=Slot(
         "chain", "rad", 1.0, "bend at which that law ends", "positive", constant=True
     ),
@@ -46,7 +49,7 @@ _BEND, _CONSTANT, _FORCE, _LAW, _REACH, _WIDTH, _DRIVER, _OWN = declare(
         constant=True,
     ),
     friction_own=Slot(
-        "chain", "1", 0.5, "share of a joint's own bend that its own torque suffers", constant=True
+        "chain", "1", 0.5, "share of a joint's own friction that its own torque suffers"
     ),
 )  # fmt: skip
 _AMPLITUDES = ("friction_bend", "friction_constant", "friction_force", "friction_law")
@@ -58,20 +61,16 @@ def lose_pull(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bo
 
     u e^{−s B} less the Coulomb loss.
 
-    B depends on the bends that the wire has passed; s is the direction of its motion (1 = pulled).
+    B sums over the joints that the wire has passed; s is the direction of its motion (1 = pulled).
     """
-    load, way = nodes.load[i], nodes.direction[i]
+    load, way, own = nodes.load[i], nodes.direction[i], model.chain[_OWN]
     size, sign = abs(load), math.copysign(1.0, load)
-    passed = 0.0  # Σ |q| of the joints before
+    before = 0.0  # B of the joints before
     for j in range(model.joint.shape[0]):
-        angle = nodes.angle[i, j]
-        own = model.chain[_OWN]
-        count, turned = j + own, passed + own * abs(angle)
-        passed += abs(angle)
-        x, law = turned / model.chain[_REACH], model.law[j, _LAW]
-        exponent = model.chain[_BEND] * turned + model.chain[_CONSTANT] * count
-        exponent += combine(law, weigh_value(x))
-        steeper = model.chain[_BEND] + combine(law, weigh_slope(x)) / model.chain[_REACH]
+        count = j + own
+        whole, _ = _wrap(model, j, abs(nodes.angle[i, j]))
+        exponent = before + own * whole
+        before += whole
         kept, drag = math.exp(-way * sign * exponent), model.chain[_FORCE] * count
         held = size / (size + drag) if drag > 0.0 else 1.0
         lost = size * kept  # −d(pull)/d(s B)
@@ -79,14 +78,35 @@ def lose_pull(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bo
         balance.by_load[i, j] = kept - way * (1.0 - held) ** 2 * sign
         balance.by_direction[i, j] = -lost * exponent - drag * held
         for k in range(j + 1):
+            _, steep = _wrap(model, k, abs(nodes.angle[i, k]))
             lean = math.copysign(own if k == j else 1.0, nodes.angle[i, k])
-            balance.by_angle[i, j, k] -= lost * way * steeper * lean
+            balance.by_angle[i, j, k] -= lost * way * steep * lean
         if tangents:
             for c in model.columns[j]:
-                change = turned * model.d_chain[c, _BEND] + count * model.d_chain[c, _CONSTANT]
-                change += combine(model.d_law[c, j, _LAW], weigh_value(x))
-                dragged = way * count * held * held * model.d_chain[c, _FORCE]
-                balance.tangent[i, j, c] = -lost * way * change - dragged
+                d_own = model.d_chain[c, _OWN]
+                change = whole * d_own + _wrap_more(model, nodes, i, j, c)
+                d_drag = count * model.d_chain[c, _FORCE] + model.chain[_FORCE] * d_own
+                balance.tangent[i, j, c] = -lost * way * change - way * held * held * d_drag
+
+
+@compiled
+def _wrap(model: Model, j: int, bend: float) -> tuple[float, float]:
+    """What one joint adds to the exponent, and its slope by the bend."""
+    x, law = bend / model.chain[_REACH], model.law[j, _LAW]
+    whole = model.chain[_BEND] * bend + model.chain[_CONSTANT] + combine(law, weigh_value(x))
+    return whole, model.chain[_BEND] + combine(law, weigh_slope(x)) / model.chain[_REACH]
+
+
+@compiled
+def _wrap_more(model: Model, nodes: Nodes, i: int, j: int, c: int) -> float:
+    """Change of joint j's exponent with a parameter."""
+    change = 0.0
+    for k in range(j + 1):
+        bend = abs(nodes.angle[i, k])
+        more = bend * model.d_chain[c, _BEND] + model.d_chain[c, _CONSTANT]
+        more += combine(model.d_law[c, k, _LAW], weigh_value(bend / model.chain[_REACH]))
+        change += more * (model.chain[_OWN] if k == j else 1.0)
+    return change
 
 
 @compiled
@@ -177,9 +197,20 @@ def _build_forms(setting: Setting) -> list[Form] | str:
     laws = ("bend", "wrap", "constant", "force")
     drivers = ("motion", "load") if setting.reversals else ("load",)
     forms = [_build_form(law, driver, setting) for law in laws for driver in drivers]
-    reach = float(setting.reach.sum())
-    bend = Law("friction_law", "bend_rad", reach, 0.2, terms=4, kind="sum")
-    return [*forms, free_form(bend, {"friction_reach": reach}, forms[0])]
+    return [*forms, _build_free_form(drivers[0], setting)]
+
+
+def _build_free_form(driver: str, setting: Setting) -> Form:
+    """Any law of each joint's bend, guides, and any share of a joint's own."""
+    wrap, reach = _build_form("wrap", driver, setting), float(setting.reach.max())
+    share = Parameter("own_share", 0.75, 0.25, low=0.0, high=1.0)
+
+    def slots(values: Values) -> dict:
+        return wrap.slots(values) | {"friction_own": values["own_share"]}
+
+    any_wrap = replace(wrap, parameters=(*wrap.parameters, share), slots=slots)
+    bend = Law("friction_law", "joint_bend_rad", reach, 0.2, terms=4, kind="sum")
+    return free_form(bend, {"friction_reach": reach}, any_wrap)
 
 
 EFFECT = Effect(
