@@ -1,6 +1,8 @@
 """Angles bent by the optics.
 
-By a lens, a picture plane aslant, a cubic, or a free law.
+By a lens, a picture plane aslant, a cubic, or a free law of the direction or of the place.
+
+Brown (1966), Photogrammetric Eng. 32, 444.
 """
 
 import math
@@ -9,7 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
-from softfinger.mechanics.effects.effect import Effect, Form, Parameter, Setting, Values, signed
+from softfinger.mechanics.effects.effect import (
+    FREE,
+    Effect,
+    Form,
+    Parameter,
+    Setting,
+    Values,
+    signed,
+)
 from softfinger.mechanics.effects.law import Law, free_form
 from softfinger.mechanics.forward.curve import combine, weigh_slope, weigh_value
 from softfinger.mechanics.forward.hooks import Hook
@@ -19,9 +29,18 @@ from softfinger.mechanics.forward.work import Model
 AXES = ("along", "across")
 CENTRE_SD_M = 0.015  # how far from the middle of the straight finger a camera may look
 SLANT_SD_PER_M = 0.5  # of a camera half a metre away that is aslant by a quarter of a radian
+RADIAL_SD_PER_M2 = 10.0
+EDGE_M = 0.1  # where the fifth order of a lens may be as large as its third
 
 
-_CUBIC, _LAW, _REACH, _RADIAL, _ALONG, _ACROSS, _SLANT_ALONG, _SLANT_ACROSS = declare(
+def _declare_picture(what: str, unit: str) -> Slot:
+    return Slot("chain", unit, 0.0, what, needs=("link_length", "marker_middle"))
+
+
+(
+    _CUBIC, _LAW, _REACH, _RADIAL, _FIFTH, _ALONG, _ACROSS, _BESIDE_ALONG, _BESIDE_ACROSS,
+    _SLANT_ALONG, _SLANT_ACROSS,
+) = declare(
     angle_cubic=Slot("joint", "rad^-2", 0.0, "measured angle q + b q³"),
     direction_law=Slot(
         "law", "1", 0.0, "measured direction θ (1 + law) of a link, a law of |θ|: that of joint 1"
@@ -29,26 +48,18 @@ _CUBIC, _LAW, _REACH, _RADIAL, _ALONG, _ACROSS, _SLANT_ALONG, _SLANT_ACROSS = de
     direction_reach=Slot(
         "chain", "rad", 1.0, "direction at which that law ends", "positive", constant=True
     ),
-    lens_radial=Slot(
-        "chain", "m^-2", 0.0, "first radial distortion about the optical centre",
-        needs=("link_length", "marker_middle"),
-    ),
-    lens_along=Slot(
-        "chain", "m", 0.0, "optical centre beyond where it is thought, along",
-        needs=("link_length", "marker_middle"),
-    ),
-    lens_across=Slot(
-        "chain", "m", 0.0, "optical centre beyond where it is thought, across",
-        needs=("link_length", "marker_middle"),
-    ),
-    slant_along=Slot(
-        "chain", "m^-1", 0.0, "loss of scale towards the tip: the picture plane is aslant",
-        needs=("link_length", "marker_middle"),
-    ),
-    slant_across=Slot(
-        "chain", "m^-1", 0.0, "loss of scale across the finger",
-        needs=("link_length", "marker_middle"),
-    ),
+    lens_radial=_declare_picture("first radial distortion about the optical centre", "m^-2"),
+    lens_fifth=_declare_picture("second radial distortion, of the radius's fifth order", "m^-4"),
+    lens_along=_declare_picture("optical centre beyond where it is thought, along", "m"),
+    lens_across=_declare_picture("optical centre beyond where it is thought, across", "m"),
+    decentring_along=_declare_picture("lenses beside each other's axes, along", "m^-1"),
+    decentring_across=_declare_picture("lenses beside each other's axes, across", "m^-1"),
+    slant_along=_declare_picture("loss of scale towards the tip: a picture plane aslant", "m^-1"),
+    slant_across=_declare_picture("loss of scale across the finger", "m^-1"),
+)  # fmt: skip
+_PICTURE = (
+    "lens_radial", "lens_fifth", "lens_along", "lens_across", "decentring_along",
+    "decentring_across", "slant_along", "slant_across",
 )  # fmt: skip
 
 
@@ -97,59 +108,85 @@ def bend_picture(
 ) -> None:
     """The turn of each link's line of markers.
 
-    Δ_j − Δ_{j−1} with Δ_i = 2 κ (p_i·t_i)(p_i·n_i), with t_i along and n_i across link i and p_i
-    the middle of its markers from the optical centre: the turn of a short line under the distortion
-    p (1 + κ p²), to first order in κ.
+    Δ_j − Δ_{j−1}, where Δ_i is the turn of a short line along link i, at p from the optical centre,
+    under the distortion p + κ p r² + κ' p r⁴ + c r² + 2 p (c·p) − p (s·p), to first order in it
+    (Brown 1966; a plane aslant by s). With a and b the parts of p along and across the link,
+
+        Δ = 2 a b (κ + 2 κ' r²) + 2 (a c_across + b c_along) − b s_along.
     """
     joints, frames, columns = gradient.shape
-    turn, by_turn = np.zeros(joints + 1), np.zeros((joints + 1, joints))
-    unit = np.zeros((joints + 1, 3))  # by radial and the centre, along and across
+    direction, place = np.zeros(joints + 1), np.zeros((joints + 1, 2))
+    change, last = np.zeros(columns), np.zeros(columns)
     for frame in range(frames):
-        _fill_turns(model, angle[:, frame].copy(), turn, by_turn, unit)
-        for j in range(joints):
-            seen[j, frame] += turn[j + 1] - turn[j]
+        q, before = angle[:, frame].copy(), 0.0
+        last[:] = 0.0
+        for i in range(joints + 1):
+            _place_link(model, q, i, direction, place)
+            a, b = _turn_place(model, i, direction, place)
+            turn, by_a, by_b, by_turn = _distort(model, a, b, direction[i])
             for c in range(columns):
-                change = (unit[j + 1, 0] - unit[j, 0]) * model.d_chain[c, _RADIAL]
-                change += (unit[j + 1, 1] - unit[j, 1]) * model.d_chain[c, _ALONG]
-                change += (unit[j + 1, 2] - unit[j, 2]) * model.d_chain[c, _ACROSS]
-                for k in range(joints):
-                    change += (by_turn[j + 1, k] - by_turn[j, k]) * by[k, frame, c]
-                gradient[j, frame, c] += change
+                change[c] = _distort_more(model, a, b, by_a, by_b, direction[i], c)
+            for k in range(i):
+                beside, ahead = b, model.middle[i] - a  # how joint k's turn moves a and b
+                for m in range(k + 1, i):  # links carry it
+                    lean = direction[i] - direction[m]
+                    beside += model.link_length[m - 1] * math.sin(lean)
+                    ahead += model.link_length[m - 1] * math.cos(lean)
+                for c in range(columns):
+                    change[c] += (by_a * beside + by_b * ahead + by_turn) * by[k, frame, c]
+            if i > 0:
+                seen[i - 1, frame] += turn - before
+                for c in range(columns):
+                    gradient[i - 1, frame, c] += change[c] - last[c]
+            before = turn
+            last[:] = change
 
 
 @compiled
-def _fill_turns(model: Model, q: NDArray, turn: NDArray, by_turn: NDArray, unit: NDArray) -> None:
-    """Write Δ of base and links, and its derivatives."""
-    radial = model.chain[_RADIAL]
-    direction, place = np.zeros(q.size + 1), np.zeros((q.size + 1, 2))
-    by_turn[:] = 0.0
-    for i in range(q.size + 1):
-        _place_link(model, q, i, model.chain[_ALONG], model.chain[_ACROSS], direction, place)
-        along, across, cosine, sine = _turn_place(model, i, direction, place)
-        unit[i, 0] = 2.0 * along * across
-        unit[i, 1] = 2.0 * radial * (sine * along - cosine * across)
-        unit[i, 2] = -2.0 * radial * (cosine * along + sine * across)
-        turn[i] = radial * unit[i, 0]
-        twist = 2.0 * radial * (across * across - along * (along - model.middle[i]))
-        for k in range(i):
-            by_turn[i, k] += twist
-            for m in range(k + 1, i):  # links carry it sideways
-                lean = direction[i] - direction[m]
-                rise = math.cos(lean) * along + math.sin(lean) * across
-                by_turn[i, k] += 2.0 * radial * model.link_length[m - 1] * rise
+def _distort(
+    model: Model, a: float, b: float, direction: float
+) -> tuple[float, float, float, float]:
+    """Turn of a line; its derivatives by a, b and the direction."""
+    fifth = model.chain[_FIFTH]
+    radial = model.chain[_RADIAL] + 2.0 * fifth * (a * a + b * b)
+    along, across = _split(model.chain[_BESIDE_ALONG], model.chain[_BESIDE_ACROSS], direction)
+    slant, aside = _split(model.chain[_SLANT_ALONG], model.chain[_SLANT_ACROSS], direction)
+    turn = 2.0 * (a * b * radial + a * across + b * along) - b * slant
+    by_a = 2.0 * (b * radial + across) + 8.0 * fifth * a * a * b
+    by_b = 2.0 * (a * radial + along) + 8.0 * fifth * a * b * b - slant
+    return turn, by_a, by_b, 2.0 * (b * across - a * along) - b * aside
 
 
 @compiled
-def _place_link(
-    model: Model, q: NDArray, i: int, beyond: float, aside: float, direction: NDArray,
-    place: NDArray,
-) -> None:  # fmt: skip
+def _distort_more(
+    model: Model, a: float, b: float, by_a: float, by_b: float, direction: float, c: int
+) -> float:
+    """Change of the turn with a parameter, at one place."""
+    d_chain = model.d_chain[c]
+    beyond, aside = _split(d_chain[_ALONG], d_chain[_ACROSS], direction)
+    along, across = _split(d_chain[_BESIDE_ALONG], d_chain[_BESIDE_ACROSS], direction)
+    slant, _ = _split(d_chain[_SLANT_ALONG], d_chain[_SLANT_ACROSS], direction)
+    radial = d_chain[_RADIAL] + 2.0 * d_chain[_FIFTH] * (a * a + b * b)
+    change = 2.0 * (a * b * radial + a * across + b * along) - b * slant
+    return change - by_a * beyond - by_b * aside
+
+
+@compiled
+def _split(along: float, across: float, direction: float) -> tuple[float, float]:
+    """Parts of a vector along and across a direction."""
+    cosine, sine = math.cos(direction), math.sin(direction)
+    return along * cosine + across * sine, across * cosine - along * sine
+
+
+@compiled
+def _place_link(model: Model, q: NDArray, i: int, direction: NDArray, place: NDArray) -> None:
     """Write the direction of link i, and where it begins.
 
     That is from the optical centre; link 0 is the base.
     """
     if i == 0:
-        place[0, 0], place[0, 1] = -model.centre[0] - beyond, -model.centre[1] - aside
+        place[0, 0] = -model.centre[0] - model.chain[_ALONG]
+        place[0, 1] = -model.centre[1] - model.chain[_ACROSS]
         return
     length = model.link_length[i - 2] if i > 1 else 0.0
     direction[i] = direction[i - 1] + q[i - 1]
@@ -158,64 +195,17 @@ def _place_link(
 
 
 @compiled
-def _turn_place(
-    model: Model, i: int, direction: NDArray, place: NDArray
-) -> tuple[float, float, float, float]:
-    """The middle of link i's markers, along and across it.
-
-    Also cosine and sine of its direction.
-    """
-    cosine, sine = math.cos(direction[i]), math.sin(direction[i])
-    along = place[i, 0] * cosine + place[i, 1] * sine + model.middle[i]
-    return along, place[i, 1] * cosine - place[i, 0] * sine, cosine, sine
-
-
-@compiled
-def slant_picture(
-    model: Model, angle: NDArray, by: NDArray, seen: NDArray, gradient: NDArray
-) -> None:
-    """The turn of markers in a picture plane aslant.
-
-    A place p is seen at p / (1 + k·p), and a short line along t turns by −(p·n)(k·t), to first
-    order in k; p, t and n as in `bend_picture`.
-    """
-    joints, frames, columns = gradient.shape
-    a, b = model.chain[_SLANT_ALONG], model.chain[_SLANT_ACROSS]
-    direction, place = np.zeros(joints + 1), np.zeros((joints + 1, 2))
-    change = np.zeros(columns)
-    for frame in range(frames):
-        q = angle[:, frame].copy()
-        last, last_change = 0.0, np.zeros(columns)
-        for i in range(joints + 1):
-            _place_link(model, q, i, 0.0, 0.0, direction, place)
-            along, across, cosine, sine = _turn_place(model, i, direction, place)
-            lean = a * cosine + b * sine
-            turn = -across * lean
-            for c in range(columns):
-                change[c] = -across * (
-                    cosine * model.d_chain[c, _SLANT_ALONG] + sine * model.d_chain[c, _SLANT_ACROSS]
-                )
-            for k in range(i):
-                sideways = model.middle[i] - along
-                for m in range(k + 1, i):  # links carry it
-                    between = direction[i] - direction[m]
-                    sideways += model.link_length[m - 1] * math.cos(between)
-                by_turn = -sideways * lean - across * (b * cosine - a * sine)
-                for c in range(columns):
-                    change[c] += by_turn * by[k, frame, c]
-            if i > 0:
-                seen[i - 1, frame] += turn - last
-                for c in range(columns):
-                    gradient[i - 1, frame, c] += change[c] - last_change[c]
-            last = turn
-            last_change[:] = change
+def _turn_place(model: Model, i: int, direction: NDArray, place: NDArray) -> tuple[float, float]:
+    """The middle of link i's markers, along and across it."""
+    along, across = _split(place[i, 0], place[i, 1], direction[i])
+    return along + model.middle[i], across
 
 
 def _build_forms(setting: Setting) -> list[Form] | str:
     if not setting.camera:
         return "nothing was filmed, and no camera is declared"
     cubic = signed("angle_cubic_per_rad2", 0.1, per="joint", floor=1e-4)
-    radial = signed("lens_radial_per_m2", 10.0, floor=5e-3)
+    radial = signed("lens_radial_per_m2", RADIAL_SD_PER_M2, floor=5e-3)
 
     def bent(values: Values) -> dict:
         return {"angle_cubic": values["angle_cubic_per_rad2"]}
@@ -239,7 +229,23 @@ def _build_forms(setting: Setting) -> list[Form] | str:
         forms.insert(1, Form("radial_off_centre", (radial, *centre), shifted_lens))
         slant = [signed(f"slant_{k}_per_m", SLANT_SD_PER_M, floor=5e-3) for k in AXES]
         forms.insert(2, Form("aslant", tuple(slant), slanted))
+        forms.append(_build_free_place((radial, *slant)))
     return forms
+
+
+def _build_free_place(known: tuple[Parameter, ...]) -> Form:
+    """All that Brown's lens and a plane aslant do, to third order and along a radius to fifth."""
+    fifth = signed("lens_fifth_per_m4", RADIAL_SD_PER_M2 / EDGE_M**2, floor=0.5, term=True)
+    sd = RADIAL_SD_PER_M2 * CENTRE_SD_M
+    beside = [signed(f"decentring_{k}_per_m", sd, floor=1e-4, term=True) for k in AXES]
+
+    def slots(values: Values) -> dict:
+        shifts = {f"decentring_{k}": values[f"decentring_{k}_per_m"] for k in AXES}
+        slants = {f"slant_{k}": values[f"slant_{k}_per_m"] for k in AXES}
+        radii = {"lens_radial": values[known[0].name], "lens_fifth": values[fifth.name]}
+        return radii | shifts | slants
+
+    return Form(f"{FREE}_of_place", (*known, fifth, *beside), slots)
 
 
 EFFECT = Effect(
@@ -249,8 +255,7 @@ EFFECT = Effect(
     _build_forms,
     "lens",
     hooks=(
-        Hook("observe", bend_picture, ("lens_radial", "lens_along", "lens_across")),
-        Hook("observe", slant_picture, ("slant_along", "slant_across")),
+        Hook("observe", bend_picture, _PICTURE),
         Hook("observe", bend_angle, ("angle_cubic",)),
         Hook("observe", bend_direction, ("direction_law",)),
     ),

@@ -47,3 +47,30 @@ def test_a_lens_moves_places_radially():
     by = look(lens_radial=0.1) - look()
     assert np.abs(by).max() > 2e-5
     np.testing.assert_allclose(by, seen - look(), rtol=5e-3, atol=1e-7)
+
+
+def test_a_lens_of_fifth_order_moves_places_radially():
+    def distort(place):
+        return place * (1.0 + 50.0 * (place**2).sum(axis=-1, keepdims=True) ** 2)
+
+    by = look(lens_fifth=50.0) - look()
+    assert np.abs(by).max() > 2e-5
+    np.testing.assert_allclose(by, see(look(), distort) - look(), rtol=5e-3, atol=1e-7)
+
+
+@pytest.mark.parametrize("beside", [(1e-3, 0.0), (0.0, 1e-3), (1e-3, -5e-4)])
+def test_lenses_beside_each_other_decentre_the_picture(beside):
+    def distort(place):
+        square = (place**2).sum(axis=-1, keepdims=True)
+        shift = np.array(beside)
+        return place + shift * square + 2.0 * place * (place @ shift)[..., None]
+
+    by = look(decentring_along=beside[0], decentring_across=beside[1]) - look()
+    assert np.abs(by).max() > 2e-6
+    np.testing.assert_allclose(by, see(look(), distort) - look(), rtol=5e-3, atol=1e-8)
+
+
+def test_a_lens_off_its_centre_is_decentred_to_first_order():
+    shifted = look(lens_radial=10.0, lens_along=1e-5, lens_across=-2e-5) - look(lens_radial=10.0)
+    beside = look(lens_radial=10.0, decentring_along=-1e-4, decentring_across=2e-4)
+    np.testing.assert_allclose(beside - look(lens_radial=10.0), shifted, rtol=1e-2, atol=1e-10)
