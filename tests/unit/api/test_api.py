@@ -12,8 +12,8 @@ from softfinger.provenance import PROJECT
 SIGNATURES = {
     "Effect": "id sentence level build_forms part hooks of_motion place place_in_time",
     "Fault": "said",
-    "Form": "name parameters slots covariate local law kin",
-    "Law": "name argument reach size terms per kind",
+    "Form": "name parameters slots covariate local law kin finer",
+    "Law": "name argument reach size terms per kind smooth",
     "Parameter": "name mean sd per log low high amplitude floor starts report term",
     "Results": "folder",
     "Setting": (

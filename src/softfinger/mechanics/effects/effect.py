@@ -216,6 +216,8 @@ class Form:
         The free law among its parameters.
     kin
         Names a free law that several effects share: what they are is told by its shape.
+    finer
+        The same law with more terms, which a further effect has to beat.
     """
 
     name: str
@@ -225,6 +227,7 @@ class Form:
     local: bool = False
     law: "Law | None" = None
     kin: str = ""
+    finer: "Form | None" = None
 
     @property
     def is_free(self) -> bool:
@@ -253,8 +256,8 @@ class Effect:
         Its physics in the forward model (`forward.hooks`); empty where it moves slots of others.
     of_motion
         Whether its law is of the motion: angle, rate, or torque of the spring. A trial under one
-        load shows such a law as a course in time, and creep may have any course. So its free form
-        needs several loads in a trial, and its textbook forms several trials.
+        load shows such a law as a course in time, and creep may have any course. So it needs
+        several loads, or several trials, each with another motion.
     place
         Names a place in which several effects act: two of them are not claimed together, for one
         freer law is both.
@@ -281,8 +284,6 @@ class Effect:
         """Forms that a campaign allows, or why none."""
         if setting.specimen and self.part:
             return f"the campaign is of a specimen, which has no {self.part}"
-        if not self.of_motion or setting.levels:
-            return self.build_forms(setting)
-        if setting.one_course:
+        if self.of_motion and setting.one_course:
             return "one trial under one load cannot separate a law of the motion from creep in time"
-        return [form for form in self.build_forms(setting) if not form.is_free]
+        return self.build_forms(setting)

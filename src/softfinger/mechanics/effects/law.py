@@ -5,11 +5,13 @@ argument: Chebyshev terms that vanish at x = 0, higher ones shrunk more by their
 
     law(x) = Σ w_k [T_k(2 x − 1) − T_k(−1)],   w_k ~ N(0, (size/k²)²),   x = argument / reach.
 
-The terms are parameters like any other, so fit, evidence and prediction know nothing of it.
+A finer law has more terms, shrunk as size/k: for curves with corners and waves, where the first has
+left something. The terms are parameters like any other, so fit, evidence and prediction know
+nothing of it.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Literal
 
@@ -22,8 +24,9 @@ from softfinger.mechanics.effects.effect import FREE, Form, Parameter, Values, s
 from softfinger.mechanics.forward.curve import KNOTS, build_weights, draw_curve
 
 FLOOR = 2e-3  # of a term's prior sd
+FINER = f"{FREE}_finer"
 MOST_TERMS = KNOTS - 4
-"""That the knots can follow."""
+"""That the knots can follow: those of a finer law."""
 _PLACES = np.linspace(0.0, 1.0, KNOTS)  # of the reach: values there determine a curve
 
 
@@ -48,6 +51,8 @@ class Law:
     kind
         What a reader is shown: the `factor` 1 + law, the `exponential` e^law, or the law itself
         as a `sum`.
+    smooth
+        Power of k by which higher terms are shrunk.
     """
 
     name: str
@@ -57,6 +62,7 @@ class Law:
     terms: int = 7
     per: Literal["chain", "joint", "neighbours"] = "chain"
     kind: Literal["factor", "exponential", "sum"] = "factor"
+    smooth: int = 2
 
     def __post_init__(self) -> None:
         """Refuse a law without a smooth, finite curve."""
@@ -75,7 +81,7 @@ class Law:
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """One parameter for each term."""
-        sizes = [float(self.size / k**2) for k in range(1, self.terms + 1)]
+        sizes = [float(self.size / k**self.smooth) for k in range(1, self.terms + 1)]
         return tuple(
             signed(f"{self.name}_{k}", sd, per=self.per, floor=FLOOR * sd, term=True)
             for k, sd in enumerate(sizes, start=1)
@@ -136,7 +142,7 @@ def build_terms(terms: int) -> NDArray[np.float64]:
 def free_form(
     law: Law, constants: Mapping[str, ArrayLike], form: Form | None = None, *, local: bool = False
 ) -> Form:
-    """Build the free form of an effect.
+    """Build the free form of an effect, and the finer one.
 
     Parameters
     ----------
@@ -149,8 +155,12 @@ def free_form(
     """
     known = () if form is None else form.parameters
 
-    def slots(values: Values) -> dict:
-        rest = {} if form is None else form.slots({p.name: values[p.name] for p in known})
-        return {**rest, **constants, law.name: law.fill(values)}
+    def build(name: str, law: Law, finer: Form | None) -> Form:
+        def slots(values: Values) -> dict:
+            rest = {} if form is None else form.slots({p.name: values[p.name] for p in known})
+            return {**rest, **constants, law.name: law.fill(values)}
 
-    return Form(FREE, (*known, *law.parameters), slots, local=local, law=law)
+        parameters = (*known, *law.parameters)
+        return Form(name, parameters, slots, local=local, law=law, finer=finer)
+
+    return build(FREE, law, build(FINER, replace(law, terms=MOST_TERMS, smooth=1), None))

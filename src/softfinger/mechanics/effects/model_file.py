@@ -237,9 +237,10 @@ def _build_piece(
     if isinstance(forms, str):
         faults.append(f"{place}: these recordings cannot have it: {forms}")
         return None
-    form = next((form for form in forms if form.name == entry.form), None)
+    known = [*forms, *(form.finer for form in forms if form.finer is not None)]
+    form = next((form for form in known if form.name == entry.form), None)
     if form is None:
-        names = ", ".join(form.name for form in forms)
+        names = ", ".join(form.name for form in known)
         faults.append(f"{place}: no form {entry.form!r} here; there are {names}")
         return None
     given = [joint if isinstance(joint, tuple) else (joint,) for joint in entry.joints]

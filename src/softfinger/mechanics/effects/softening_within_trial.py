@@ -1,10 +1,14 @@
-"""Stiffness or viscosity falls within a trial."""
+"""Stiffness or viscosity falls within a trial.
+
+Under one load in each trial that is a course in time, as creep is.
+"""
 
 import math
 
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
+from softfinger.mechanics.effects.creep_spectrum import CREEP
 from softfinger.mechanics.effects.effect import (
     Effect,
     Form,
@@ -108,4 +112,5 @@ EFFECT = Effect(
         Hook("flow", soften_flow, ("softening_flow",)),
     ),
     of_motion=True,
+    place_in_time=CREEP,
 )

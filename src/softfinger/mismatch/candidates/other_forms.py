@@ -41,6 +41,15 @@ def keep_leading(pieces: Iterable[Piece], larger: list[Candidate], best: Candida
     return [piece for piece in pieces if piece.effect.id in chosen]
 
 
+def list_finer(candidate: Candidate) -> list[Piece]:
+    """List the finer laws of a model's effects, where they act."""
+    return [
+        replace(piece, form=piece.form.finer)
+        for piece in candidate.model.pieces
+        if piece.form.finer is not None
+    ]
+
+
 def swap_forms(problem: Problem, candidate: Candidate, pieces: list[Piece]) -> list[Candidate]:
     """Fit a model with one effect's form swapped.
 

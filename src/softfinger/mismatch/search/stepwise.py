@@ -15,7 +15,12 @@ from softfinger.mechanics.effects.model import Piece
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.columns import ScoreColumns, collect_columns
 from softfinger.mismatch.candidates.elsewhere import list_compatible, list_elsewhere
-from softfinger.mismatch.candidates.other_forms import find_other_form, keep_leading, swap_forms
+from softfinger.mismatch.candidates.other_forms import (
+    find_other_form,
+    keep_leading,
+    list_finer,
+    swap_forms,
+)
 from softfinger.mismatch.candidates.pairs import rank_pairs
 from softfinger.mismatch.candidates.rank import (
     Progress,
@@ -26,6 +31,7 @@ from softfinger.mismatch.candidates.rank import (
 )
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.search.eliminate import choose_top, eliminate, fit_without, list_added
+from softfinger.mismatch.search.finer import fit_finer
 from softfinger.mismatch.search.hidden import seek_hidden
 from softfinger.mismatch.search.leading_pairs import fit_leading_pairs
 from softfinger.mismatch.search.shape import Shape, allow_rest, excels, measure_shape
@@ -118,13 +124,21 @@ def search_effects(
                 larger += fit_leading_pairs(problem, singles, asked, progress)
         top = choose_top(larger, best)
         gain = top.log_evidence - best.log_evidence
+        if gain > more and (finer := fit_finer(problem, top, found)):
+            found += finer
+            best = choose_top([best, *finer], best)
+            asked = max(best.log_evidence + more, find_best(larger))
+            leading = keep_leading(pieces, larger, best)
+            larger += _extend(problem, best, leading, progress, asked)
+            top = choose_top(larger, best)
+            gain = top.log_evidence - best.log_evidence
         if gain > more and (shape is None or shape.fit is not best.fit):
             shape = measure_shape(problem, best)
         if gain <= more or gain <= shape.gain:
             break
         found += larger
         larger = []
-        found += swap_forms(problem, top, pieces)
+        found += swap_forms(problem, top, [*pieces, *list_finer(top)])
         if size == 2:
             tried = {rival.model.ids for rival in rivals}
             found += _try_partners(problem, top, tried, pieces, progress)

@@ -55,6 +55,15 @@ def test_under_several_loads_a_law_of_the_rate_stays_what_it_is(named):
     assert share_with_creep(problem, search) is search
 
 
+@pytest.mark.parametrize("levels", [False, True])
+def test_softening_and_creep_are_claimed_together_only_under_several_loads(named, levels):
+    problem = replace(named.problem, setting=replace(named.problem.setting, levels=levels))
+    creep = named.search.best.model
+    assert creep.ids <= set(CREEP)
+    beside = {p.effect.id for p in list_elsewhere(problem, creep, list_pieces(problem.setting)[0])}
+    assert ("softening_within_trial" in beside) == levels
+
+
 def test_creep_stays_what_it_is(named):
     problem = replace(named.problem, setting=replace(named.problem.setting, levels=False))
     assert share_with_creep(problem, named.search) is named.search

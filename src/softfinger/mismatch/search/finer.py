@@ -1,0 +1,24 @@
+"""Finer laws, which a further effect has to beat.
+
+What a free law leaves may be a corner or a wave for which it has too few terms. Before a further
+effect is believed, each smaller set of its effects is tried with finer laws.
+"""
+
+from softfinger.inference.problem import Candidate, Problem
+from softfinger.mismatch.candidates.other_forms import list_finer, swap_forms
+
+
+def fit_finer(problem: Problem, top: Candidate, found: list[Candidate]) -> list[Candidate]:
+    """Fit the parts of a set with finer laws.
+
+    Returns
+    -------
+    list of Candidate
+        Those that gain. A part is the best model found of fewer of the set's effects.
+    """
+    fitted = [c for c in found if c.fit is not None and c.model.ids < top.model.ids]
+    parts = {c.model.ids: c for c in sorted(fitted, key=lambda c: c.log_evidence)}
+    finer = []
+    for part in parts.values():
+        finer += swap_forms(problem, part, list_finer(part))
+    return finer
