@@ -11,7 +11,7 @@ from softfinger.mechanics.effects.law import FLOOR, build_curves
 from softfinger.mechanics.effects.law_curve import LawPlace, list_laws
 from softfinger.mechanics.effects.model import EffectModel, Known
 
-PLACES, DIGITS = 13, 6
+PLACES, DIGITS = 25, 6  # twice as many places as a finer law has terms
 _INSIDE = np.linspace(0.0, 1.0, PLACES)
 
 
