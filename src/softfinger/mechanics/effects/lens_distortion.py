@@ -109,10 +109,12 @@ def bend_picture(
     """The turn of each link's line of markers.
 
     Δ_j − Δ_{j−1}, where Δ_i is the turn of a short line along link i, at p from the optical centre,
-    under the distortion p + κ p r² + κ' p r⁴ + c r² + 2 p (c·p) − p (s·p), to first order in it
-    (Brown 1966; a plane aslant by s). With a and b the parts of p along and across the link,
+    under the distortion p + κ p r² + κ' p r⁴ + c r² + 2 p (c·p) (Brown 1966), and in a plane that
+    is aslant by s (p/(1 + s·p), a perspective). With a and b the parts of p along and across the
+    link, tan Δ = U / (1 + V) with
 
-        Δ = 2 a b (κ + 2 κ' r²) + 2 (a c_across + b c_along) − b s_along.
+        U = 2 a b (κ + 2 κ' r²) + 2 (a c_across + b c_along) − b s_along,
+        V = (3 a² + b²) κ + (5 a² + b²) r² κ' + 6 a c_along + 2 b c_across + b s_across.
     """
     joints, frames, columns = gradient.shape
     direction, place = np.zeros(joints + 1), np.zeros((joints + 1, 2))
@@ -123,9 +125,9 @@ def bend_picture(
         for i in range(joints + 1):
             _place_link(model, q, i, direction, place)
             a, b = _turn_place(model, i, direction, place)
-            turn, by_a, by_b, by_turn = _distort(model, a, b, direction[i])
+            turn, by_a, by_b, by_turn, ratio = _distort(model, a, b, direction[i])
             for c in range(columns):
-                change[c] = _distort_more(model, a, b, by_a, by_b, direction[i], c)
+                change[c] = _distort_more(model, a, b, (by_a, by_b), ratio, direction[i], c)
             for k in range(i):
                 beside, ahead = b, model.middle[i] - a  # how joint k's turn moves a and b
                 for m in range(k + 1, i):  # links carry it
@@ -145,30 +147,46 @@ def bend_picture(
 @compiled
 def _distort(
     model: Model, a: float, b: float, direction: float
-) -> tuple[float, float, float, float]:
-    """Turn of a line; its derivatives by a, b and the direction."""
-    fifth = model.chain[_FIFTH]
-    radial = model.chain[_RADIAL] + 2.0 * fifth * (a * a + b * b)
+) -> tuple[float, float, float, float, tuple[float, float]]:
+    """Turn of a line; its derivatives by a, b, the direction, and by U and V."""
+    radial, fifth, square = model.chain[_RADIAL], model.chain[_FIFTH], a * a + b * b
     along, across = _split(model.chain[_BESIDE_ALONG], model.chain[_BESIDE_ACROSS], direction)
     slant, aside = _split(model.chain[_SLANT_ALONG], model.chain[_SLANT_ACROSS], direction)
-    turn = 2.0 * (a * b * radial + a * across + b * along) - b * slant
-    by_a = 2.0 * (b * radial + across) + 8.0 * fifth * a * a * b
-    by_b = 2.0 * (a * radial + along) + 8.0 * fifth * a * b * b - slant
-    return turn, by_a, by_b, 2.0 * (b * across - a * along) - b * aside
+    aslant = 2.0 * (a * b * (radial + 2.0 * fifth * square) + a * across + b * along) - b * slant
+    longer = 1.0 + (3.0 * a * a + b * b) * radial + (5.0 * a * a + b * b) * square * fifth
+    longer += 6.0 * a * along + 2.0 * b * across + b * aside
+    size = aslant * aslant + longer * longer
+    by_u, by_v = longer / size, -aslant / size
+    u_a = 2.0 * (b * radial + across) + 4.0 * fifth * b * (square + 2.0 * a * a)
+    u_b = 2.0 * (a * radial + along) + 4.0 * fifth * a * (square + 2.0 * b * b) - slant
+    v_a = 6.0 * (a * radial + along) + 4.0 * fifth * a * (3.0 * square + 2.0 * a * a)
+    v_b = 2.0 * (b * radial + across) + 4.0 * fifth * b * (square + 2.0 * a * a) + aside
+    u_turn = 2.0 * (b * across - a * along) - b * aside
+    v_turn = 6.0 * a * across - 2.0 * b * along - b * slant
+    return (
+        math.atan2(aslant, longer),
+        by_u * u_a + by_v * v_a,
+        by_u * u_b + by_v * v_b,
+        by_u * u_turn + by_v * v_turn,
+        (by_u, by_v),
+    )
 
 
 @compiled
 def _distort_more(
-    model: Model, a: float, b: float, by_a: float, by_b: float, direction: float, c: int
-) -> float:
+    model: Model, a: float, b: float, by_place: tuple[float, float], ratio: tuple[float, float],
+    direction: float, c: int,
+) -> float:  # fmt: skip
     """Change of the turn with a parameter, at one place."""
-    d_chain = model.d_chain[c]
-    beyond, aside = _split(d_chain[_ALONG], d_chain[_ACROSS], direction)
+    d_chain, square = model.d_chain[c], a * a + b * b
+    radial, fifth = d_chain[_RADIAL], d_chain[_FIFTH]
+    beyond, beside = _split(d_chain[_ALONG], d_chain[_ACROSS], direction)
     along, across = _split(d_chain[_BESIDE_ALONG], d_chain[_BESIDE_ACROSS], direction)
-    slant, _ = _split(d_chain[_SLANT_ALONG], d_chain[_SLANT_ACROSS], direction)
-    radial = d_chain[_RADIAL] + 2.0 * d_chain[_FIFTH] * (a * a + b * b)
-    change = 2.0 * (a * b * radial + a * across + b * along) - b * slant
-    return change - by_a * beyond - by_b * aside
+    slant, aside = _split(d_chain[_SLANT_ALONG], d_chain[_SLANT_ACROSS], direction)
+    aslant = 2.0 * (a * b * (radial + 2.0 * fifth * square) + a * across + b * along) - b * slant
+    longer = (3.0 * a * a + b * b) * radial + (5.0 * a * a + b * b) * square * fifth
+    longer += 6.0 * a * along + 2.0 * b * across + b * aside
+    return ratio[0] * aslant + ratio[1] * longer - by_place[0] * beyond - by_place[1] * beside
 
 
 @compiled

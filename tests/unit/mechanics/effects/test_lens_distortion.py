@@ -34,31 +34,31 @@ def see(angle, distort):
     return np.diff(np.unwrap(np.arctan2(line[..., 1], line[..., 0]), axis=1), axis=0)
 
 
-@pytest.mark.parametrize("slant", [(0.02, 0.0), (0.0, 0.02), (0.02, -0.01)])
+@pytest.mark.parametrize("slant", [(2.0, 0.0), (0.0, 2.0), (2.0, -1.0)])
 def test_a_picture_plane_aslant_is_a_perspective(slant):
     seen = see(look(), lambda place: place / (1.0 + place @ np.array(slant))[..., None])
     by = look(slant_along=slant[0], slant_across=slant[1]) - look()
-    assert np.abs(by).max() > 2e-5
-    np.testing.assert_allclose(by, seen - look(), rtol=5e-3, atol=1e-7)
+    assert np.abs(by).max() > 2e-3
+    np.testing.assert_allclose(by, seen - look(), rtol=1e-4, atol=1e-8)
 
 
 def test_a_lens_moves_places_radially():
-    seen = see(look(), lambda place: place * (1.0 + 0.1 * (place**2).sum(axis=-1, keepdims=True)))
-    by = look(lens_radial=0.1) - look()
-    assert np.abs(by).max() > 2e-5
-    np.testing.assert_allclose(by, seen - look(), rtol=5e-3, atol=1e-7)
+    seen = see(look(), lambda place: place * (1.0 + 10.0 * (place**2).sum(axis=-1, keepdims=True)))
+    by = look(lens_radial=10.0) - look()
+    assert np.abs(by).max() > 2e-3
+    np.testing.assert_allclose(by, seen - look(), rtol=1e-4, atol=1e-8)
 
 
 def test_a_lens_of_fifth_order_moves_places_radially():
     def distort(place):
-        return place * (1.0 + 50.0 * (place**2).sum(axis=-1, keepdims=True) ** 2)
+        return place * (1.0 + 5000.0 * (place**2).sum(axis=-1, keepdims=True) ** 2)
 
-    by = look(lens_fifth=50.0) - look()
-    assert np.abs(by).max() > 2e-5
-    np.testing.assert_allclose(by, see(look(), distort) - look(), rtol=5e-3, atol=1e-7)
+    by = look(lens_fifth=5000.0) - look()
+    assert np.abs(by).max() > 2e-3
+    np.testing.assert_allclose(by, see(look(), distort) - look(), rtol=1e-4, atol=1e-8)
 
 
-@pytest.mark.parametrize("beside", [(1e-3, 0.0), (0.0, 1e-3), (1e-3, -5e-4)])
+@pytest.mark.parametrize("beside", [(1.0, 0.0), (0.0, 1.0), (1.0, -0.5)])
 def test_lenses_beside_each_other_decentre_the_picture(beside):
     def distort(place):
         square = (place**2).sum(axis=-1, keepdims=True)
@@ -66,8 +66,8 @@ def test_lenses_beside_each_other_decentre_the_picture(beside):
         return place + shift * square + 2.0 * place * (place @ shift)[..., None]
 
     by = look(decentring_along=beside[0], decentring_across=beside[1]) - look()
-    assert np.abs(by).max() > 2e-6
-    np.testing.assert_allclose(by, see(look(), distort) - look(), rtol=5e-3, atol=1e-8)
+    assert np.abs(by).max() > 2e-3
+    np.testing.assert_allclose(by, see(look(), distort) - look(), rtol=1e-4, atol=1e-8)
 
 
 def test_a_lens_off_its_centre_is_decentred_to_first_order():
