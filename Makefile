@@ -7,7 +7,7 @@ CORES ?= 2
 SEED ?= 1
 SNAKEMAKE := $(BIN)/snakemake --cores $(CORES)
 
-.PHONY: help setup run quick figures recovery docs browser demo wheel reproduce manifest fuzz kill-test kills cluster coverage test calibration lint format benchmark benchmark-long proof-real concealed concealed-catalogue concealed-clean concealed-foreign concealed-long concealed-twins lock
+.PHONY: help setup run quick figures recovery docs browser demo wheel reproduce manifest fuzz kill-test kills cluster coverage test calibration lint format benchmark benchmark-long proof-real concealed concealed-catalogue concealed-clean concealed-foreign concealed-long concealed-twins loop lock
 
 help: ## list the commands
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)$$/\1\t\2/' | expand -t 18
@@ -104,6 +104,9 @@ concealed-clean: setup ## clean campaigns over every condition of the measuremen
 concealed-foreign: setup ## foreign laws only, diagnosed blind (hours; SEED=1)
 	$(PROOF) config/concealed_foreign.yaml --config seed=$(SEED)
 	$(BIN)/python -m benchmarks._concealed results/concealed_foreign/seed_$(SEED)/benchmarks.json law_
+
+loop: setup ## concealed effects in the loop, by our plans and by four others (hours; SEED=1, CASES=40)
+	$(BIN)/python -m benchmarks.loop --seed $(SEED) --cases $(or $(CASES),40)
 
 concealed-long: setup ## the proof in full: 200 campaigns (hours; SEED=1)
 	$(PROOF) config/concealed_long.yaml --config seed=$(SEED)

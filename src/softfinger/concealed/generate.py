@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -51,6 +52,31 @@ def generate_campaign(
         raise ValueError(
             f"{truth_path}: the truth would be inside the campaign; put it beside the campaign"
         )
+    written = write_recordings(spec, folder, film)
+    # of a film the oracle is given noisy angles in place of the tracked ones
+    truth = compute_truth(spec, written.setting, written.doses, written.clean, written.sights)
+    truth["aimed_at_nats"] = written.aims
+    truth_path.parent.mkdir(parents=True, exist_ok=True)
+    text = json.dumps(truth, indent=1, sort_keys=True)
+    truth_path.write_text(text + "\n", encoding="utf-8")
+    return json.loads(text)
+
+
+class Written(NamedTuple):
+    """What was concealed in a campaign folder, before any oracle sees it."""
+
+    setting: Setting
+    doses: dict[str, Dose]
+    clean: list[Recording]
+    sights: list[Sight]
+    aims: dict[str, float]
+
+
+def write_recordings(spec: CaseSpec, folder: Path, film: Film | None = None) -> Written:
+    """Write a campaign folder alone.
+
+    Parameters and errors as of `generate_campaign`.
+    """
     if spec.filmed and film is None:
         raise ValueError(f"{folder}: this case is filmed; pass the function that films a trial")
     setting = draw_setting(spec)
@@ -69,13 +95,7 @@ def generate_campaign(
         film=film if spec.filmed else None,
         seed=int(rng.integers(2**31)),
     )
-    # of a film the oracle is given noisy angles in place of the tracked ones
-    truth = compute_truth(spec, setting, doses, clean, sights)
-    truth["aimed_at_nats"] = aims
-    truth_path.parent.mkdir(parents=True, exist_ok=True)
-    text = json.dumps(truth, indent=1, sort_keys=True)
-    truth_path.write_text(text + "\n", encoding="utf-8")
-    return json.loads(text)
+    return Written(setting, doses, clean, sights, aims)
 
 
 def _place_strengths(spec: CaseSpec, setting: Setting) -> tuple[dict[str, float], dict[str, float]]:

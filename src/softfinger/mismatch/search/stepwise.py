@@ -104,7 +104,6 @@ def search_effects(
         single = Search(base, found, [], base, max(first_gain, 0.0), refused, scores)
         return _seek_hidden(problem, single, columns, needed, progress)
     for size in range(2, BUDGET.most_effects + 1):
-        larger = []
         explained = best.log_evidence - base.log_evidence
         if len(best.model.ids - base.model.ids) == BUDGET.most_effects - 1:
             # a last effect that gains more than this is too much for two to leave: unlisted
@@ -123,25 +122,18 @@ def search_effects(
                 asked = max(asked, find_best(larger))
                 larger += fit_leading_pairs(problem, singles, asked, progress)
         top = choose_top(larger, best)
-        gain = top.log_evidence - best.log_evidence
-        if gain > more and (finer := fit_finer(problem, top, found)):
-            found += finer
-            best = choose_top([best, *finer], best)
-            asked = max(best.log_evidence + more, find_best(larger))
-            leading = keep_leading(pieces, larger, best)
-            larger += _extend(problem, best, leading, progress, asked)
+        if top.log_evidence - best.log_evidence > more:
+            best = _face_finer(problem, top, best, found, larger, pieces, progress, more)
             top = choose_top(larger, best)
-            gain = top.log_evidence - best.log_evidence
+        gain = top.log_evidence - best.log_evidence
         if gain > more and (shape is None or shape.fit is not best.fit):
             shape = measure_shape(problem, best)
         if gain <= more or gain <= shape.gain:
             break
-        found += larger
+        found += [*larger, *swap_forms(problem, top, [*pieces, *list_finer(top)])]
         larger = []
-        found += swap_forms(problem, top, [*pieces, *list_finer(top)])
         if size == 2:
-            tried = {rival.model.ids for rival in rivals}
-            found += _try_partners(problem, top, tried, pieces, progress)
+            found += _try_partners(problem, top, {r.model.ids for r in rivals}, pieces, progress)
         best = eliminate(problem, choose_top([top, *found], top), more, found)
     found.sort(key=lambda c: -c.log_evidence)
     return Search(base, found, larger, best, first_gain, refused, scores, shape, alone)
@@ -242,6 +234,30 @@ def _enlarge(
         leading = keep_leading(pieces, larger, best)
         larger += _extend(problem, other, leading, progress, max(asked, find_best(larger)))
     return larger
+
+
+def _face_finer(
+    problem: Problem,
+    top: Candidate,
+    best: Candidate,
+    found: list[Candidate],
+    larger: list[Candidate],
+    pieces: list[Piece],
+    progress: Progress,
+    more: float,
+) -> Candidate:
+    """Let a set face finer laws of its parts, and what leads on top of them.
+
+    They are added to `found` and `larger`; returns the best of fewer effects.
+    """
+    finer = fit_finer(problem, top, found)
+    if not finer:
+        return best
+    found += finer
+    best = choose_top([best, *finer], best)
+    floor = max(best.log_evidence + more, find_best(larger))
+    larger += _extend(problem, best, keep_leading(pieces, larger, best), progress, floor)
+    return best
 
 
 def _extend(
