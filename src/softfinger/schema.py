@@ -24,7 +24,7 @@ from softfinger.virtual_rig.config import VirtualRigConfig
 class Configuration(Settings):
     """Every setting, once."""
 
-    campaign: str | None
+    campaign: str | Annotated[list[str], Field(min_length=2)] | None
     model: str | None
     out: Annotated[str, Field(min_length=1)]
     seed: Annotated[int, Field(ge=0)]

@@ -9,7 +9,12 @@ import numpy as np
 import pytest
 
 from softfinger.artifacts import open_artifact, open_tree
+from softfinger.artifacts.specs import angles as angles_spec
 from softfinger.artifacts.specs import list_specs
+from softfinger.concealed.again import record_again
+from softfinger.concealed.generate import write_recordings
+from softfinger.concealed.protocols import Load
+from softfinger.concealed.suite import CaseSpec
 
 PROJECT = Path(__file__).parents[2]
 SUMMED = {"summarise", "report", "check_artifacts", "all"}
@@ -137,3 +142,20 @@ def test_the_same_seed_gives_the_same_bytes_on_one_core_and_on_two(finished):
 def test_an_unknown_key_of_the_configuration_stops_before_any_work(finished):
     with pytest.raises(AssertionError, match="sede"):
         finished.snakemake("all", "--cores", "1", "--dry-run", "--config", "sede=1")
+
+
+def test_several_campaigns_of_one_finger_are_joined_first(finished):
+    spec = CaseSpec(3, (), (), (), "single_step", 2, "white")
+    write_recordings(spec, finished.root / "monday")
+    again = [Load(np.array([0.0, 1.0, 1.0]), np.array([0.0, 0.0, 4.0]))] * 3
+    record_again(spec, {}, again, 12.0, 1, finished.root / "tuesday")
+    (finished.root / "several.yaml").write_text("campaign: [monday, tuesday]\nout: both\n")
+    finished.snakemake("--cores", "1", "--until", "angles", settings=("several.yaml",))
+    angles = open_artifact(finished.root / "both/angles.nc", angles_spec.SPEC)
+    first, second = (f"s{k}_trial_00" for k in (1, 2))
+    expected = [f"{first}1", f"{first}2", f"{second}1", f"{second}2", f"{second}3"]
+    assert angles["trial"].values.tolist() == expected
+    said = finished.snakemake(
+        "--cores", "1", "--until", "angles", "--dry-run", settings=("several.yaml",)
+    )
+    assert planned_rules(said) == set()

@@ -4,6 +4,7 @@ from pathlib import Path
 from snakemake.exceptions import WorkflowError
 
 from softfinger.campaign import list_tables, read_campaign
+from softfinger.campaign.join import list_joined
 from softfinger.faults import Fault
 from softfinger.provenance import code_hash, environment_hash
 from softfinger.stages.keys import choose_settings
@@ -12,7 +13,19 @@ OUT = Path(config["out"])
 ENVIRONMENT = environment_hash()  # of the libraries; no rule's numbers are without them
 SIMULATED = config["campaign"] is None
 MODEL = {} if config["model"] is None else {"model": config["model"]}
-CAMPAIGN = OUT / "campaign" if SIMULATED else Path(config["campaign"])
+SEVERAL = config["campaign"] if isinstance(config["campaign"], list) else []
+CAMPAIGN = OUT / "campaign" if SIMULATED or SEVERAL else Path(config["campaign"])
+
+
+def read_joined():
+    """Campaigns that are joined; none where the configuration has one, or none."""
+    try:
+        return [read_campaign(Path(folder)) for folder in SEVERAL]
+    except Fault as fault:
+        raise WorkflowError(str(fault))
+
+
+JOINED = read_joined()
 
 
 def list_recordings():
@@ -22,6 +35,8 @@ def list_recordings():
         videos = {name: CAMPAIGN / "video" / f"{name}.avi" for name in names}
         logs = [CAMPAIGN / "load" / f"{name}.csv" for name in names]
         return videos, [CAMPAIGN / "campaign.yaml", CAMPAIGN / "trials.csv", *logs]
+    if JOINED:
+        return {}, list_joined(JOINED, CAMPAIGN)
     try:
         campaign = read_campaign(CAMPAIGN)
     except Fault as fault:

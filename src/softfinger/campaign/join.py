@@ -63,6 +63,22 @@ def join_campaigns(
         YAML().dump(_describe(campaigns), stream)
 
 
+def list_joined(campaigns: Sequence[Campaign], folder: Path) -> list[Path]:
+    """Files of the folder that `join_campaigns` writes."""
+    files = [folder / "campaign.yaml", folder / "trials.csv"]
+    for number, campaign in enumerate(campaigns, start=1):
+        for trial in campaign.trials:
+            name = name_joined(trial, number)
+            files.append(folder / f"angles/{name}.csv")
+            files += [] if trial.load is None else [folder / f"load/{name}.csv"]
+    return files
+
+
+def name_joined(trial: Trial, session: int) -> str:
+    """A trial's name among those of all sessions."""
+    return f"s{session}_{trial.name}"
+
+
 def refuse_unlike(campaigns: Sequence[Campaign]) -> None:
     """Refuse campaigns of different fingers or units."""
     first = campaigns[0]
@@ -85,7 +101,7 @@ def refuse_unlike(campaigns: Sequence[Campaign]) -> None:
 
 
 def _copy_trial(trial: Trial, session: int, table: pd.DataFrame | None, folder: Path) -> dict:
-    name = f"s{session}_{trial.name}"
+    name = name_joined(trial, session)
     seen = f"angles/{name}.csv"
     if table is None:
         shutil.copyfile(trial.recording, folder / seen)

@@ -41,6 +41,26 @@ def join(folders: Sequence[Path], target: Path, settings: Mapping[str, Any]) -> 
     return target
 
 
+def join_recordings(
+    *,
+    tables: Sequence[str],
+    videos: Sequence[str],
+    folders: Sequence[str],
+    target: str,
+    config: Mapping[str, Any],
+) -> None:
+    """Join campaigns for the workflow.
+
+    Parameters
+    ----------
+    tables, videos
+        All files that the campaigns name; they are read through the folders.
+    config
+        Block `tracking`, and `trials_per_job`.
+    """
+    join([Path(folder) for folder in folders], Path(target), config)
+
+
 def _track(campaign: Campaign, out: Path, settings: Mapping[str, Any]) -> dict[str, pd.DataFrame]:
     """Angles of a campaign's trials that are not tables already."""
     if all(trial.level == "angles" for trial in campaign.trials):
