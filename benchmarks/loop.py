@@ -37,10 +37,10 @@ OUT = PROJECT / "results/loop"
 VISIBLE_NATS = 15.0
 TRIALS, ROUNDS, FIRST = 10, 2, 20
 PATIENCE_S = 1800.0
-DURATION_S = 40.0
+DURATION_S, REST_S = 40.0, 30.0
 
 Planner = Callable[[Path, Path, Path, int], None]
-"""Writes PLAN.json: (results of the round before, round 0's campaign, plan, round)."""
+"""Writes a plan: (results of the round before, round 0's campaign, plan.yaml, round)."""
 
 
 def draw_cases(seed: int, n: int) -> list[CaseSpec]:
@@ -134,11 +134,18 @@ def _hold(when: np.ndarray, level: np.ndarray) -> np.ndarray:
 
 
 def _write_loads(plan: Path, loads: list[np.ndarray]) -> None:
-    said: dict[str, Any] = {
-        "n_trials": TRIALS, "duration_s": DURATION_S,
-        "loads": [{"time_s": t.tolist(), "load": u.tolist()} for t, u in loads],
-    }  # fmt: skip
-    plan.with_suffix(".json").write_text(json.dumps(said), encoding="utf-8")
+    """A plan of the rig, of as many trials as the others have."""
+    drawn = [loads[k % len(loads)].tolist() for k in range(TRIALS)]
+    profiles = [{"time_s": _end(time), "tension_n": _end(load)} for time, load in drawn]
+    for profile in profiles:
+        profile["time_s"][-1] = DURATION_S
+    content = {"profiles": profiles, "recording": {"repeats": 1, "rest_s": REST_S}}
+    plan.write_text(json.dumps(content), encoding="utf-8")  # JSON is YAML
+
+
+def _end(values: list[float]) -> list[float]:
+    """Hold the last value."""
+    return [*values, values[-1]]
 
 
 def run_case(spec: CaseSpec, planners: list[str], out: Path) -> None:
@@ -148,7 +155,8 @@ def run_case(spec: CaseSpec, planners: list[str], out: Path) -> None:
         doses = write_recordings(spec, campaign).doses
         strengths = {name: dose.strength for name, dose in doses.items()}
         seen = find_visible(spec, strengths[spec.effects[0]])
-        told = {"case": spec.to_json(), "strengths": strengths, "visible_nats": seen}
+        effects = [{"name": name, "strength": strength} for name, strength in strengths.items()]
+        told = {"case": spec.to_json(), "effects": effects, "visible_nats": seen}
         truth.write_text(json.dumps(told), encoding="utf-8")
     if json.loads(truth.read_text())["visible_nats"] < VISIBLE_NATS:
         return
@@ -168,12 +176,12 @@ def _run_round(
     """Plan, record, join and diagnose once."""
     here.mkdir(parents=True, exist_ok=True)
     plan, recordings = here / "plan.yaml", here / "recordings"
-    if not plan.with_suffix(".json").is_file():
+    if not plan.is_file():
         begin = time.monotonic()
         planner(results, sources[0], plan, number)
         (here / "seconds.txt").write_text(f"{time.monotonic() - begin:.2f}\n")
     if not (recordings / "trials.csv").is_file():
-        rig = [sys.executable, "-m", "softfinger.concealed.again", truth, plan, recordings, number]
+        rig = [sys.executable, "-m", "softfinger.concealed.answer", truth, plan, recordings, number]
         subprocess.run([str(word) for word in rig], check=True)
     sources = [*sources, recordings]
     if not (here / "joined/campaign.yaml").is_file():
@@ -201,7 +209,8 @@ def tell_case(out: Path, planner: str) -> dict[str, Any] | None:
     named = {effect.id for effect in last.effects}
     foreseen = []
     for before, verdict in zip(rounds[1:], verdicts[1:], strict=True):
-        asked = json.loads((before.parent / "plan.json").read_text(encoding="utf-8"))
+        said = before.parent / "plan.json"
+        asked = json.loads(said.read_text(encoding="utf-8")) if said.is_file() else {}
         if asked.get("probability_sure") is not None:
             foreseen.append((asked["probability_sure"], verdict.decision == "named"))
     seconds = [float(one.read_text()) for one in (out / planner).glob("round_*/seconds.txt")]

@@ -11,9 +11,7 @@ import pytest
 from softfinger.artifacts import open_artifact, open_tree
 from softfinger.artifacts.specs import angles as angles_spec
 from softfinger.artifacts.specs import list_specs
-from softfinger.concealed.again import record_again
 from softfinger.concealed.generate import write_recordings
-from softfinger.concealed.protocols import Load
 from softfinger.concealed.suite import CaseSpec
 
 PROJECT = Path(__file__).parents[2]
@@ -145,10 +143,10 @@ def test_an_unknown_key_of_the_configuration_stops_before_any_work(finished):
 
 
 def test_several_campaigns_of_one_finger_are_joined_first(finished):
-    spec = CaseSpec(3, (), (), (), "single_step", 2, "white")
-    write_recordings(spec, finished.root / "monday")
-    again = [Load(np.array([0.0, 1.0, 1.0]), np.array([0.0, 0.0, 4.0]))] * 3
-    record_again(spec, {}, again, 12.0, 1, finished.root / "tuesday")
+    for name, protocol, trials in (("monday", "single_step", 2), ("tuesday", "levels", 3)):
+        write_recordings(
+            CaseSpec(3, (), (), (), protocol, trials, "white"), finished.root / name
+        )  # a seed's finger is drawn before its loads
     (finished.root / "several.yaml").write_text("campaign: [monday, tuesday]\nout: both\n")
     finished.snakemake("--cores", "1", "--until", "angles", settings=("several.yaml",))
     angles = open_artifact(finished.root / "both/angles.nc", angles_spec.SPEC)

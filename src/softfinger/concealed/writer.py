@@ -27,7 +27,6 @@ def write_campaign(
     declares_noise: bool,
     film: Film | None = None,
     seed: int = 0,
-    day: int = 0,
 ) -> None:
     """Write all files of a campaign folder.
 
@@ -41,8 +40,6 @@ def write_campaign(
         Makes a trial's video; without it angles are written.
     seed
         Root of the films' camera noise.
-    day
-        Since the first campaign of this finger.
     """
     folder.mkdir(parents=True)
     (folder / "campaign.yaml").write_text(
@@ -52,7 +49,7 @@ def write_campaign(
     kind, suffix = ("video", "avi") if film else ("angles", "csv")
     (folder / kind).mkdir()
     (folder / "load").mkdir()
-    rows, clock = [], START + timedelta(days=day)
+    rows, clock = [], START
     for k, recording in enumerate(recordings):
         name, trial = f"trial_{k + 1:03d}", recording.trial
         clock += timedelta(seconds=trial.rest if k else 0.0)

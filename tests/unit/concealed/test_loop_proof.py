@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from benchmarks import loop
 
-from softfinger.concealed.again import read_loads
+from softfinger.concealed.answer import read_loads
 
 
 @pytest.fixture
@@ -21,12 +21,12 @@ def campaign(tmp_path):
 @pytest.mark.parametrize("name", ["again", "staircase", "random"])
 def test_rivals_ask_for_as_many_trials_and_no_larger_load(campaign, name):
     loop.PLANNERS[name](campaign, campaign, campaign / "plan.yaml", 1)
-    loads, duration = read_loads(campaign / "plan.yaml")
-    assert (len(loads), duration) == (loop.TRIALS, loop.DURATION_S)
+    loads, _ = read_loads(campaign / "plan.yaml")
+    assert len(loads) == loop.TRIALS
     for load in loads:
         assert 0.0 <= load.tension.min() <= load.tension.max() <= 7.0
         assert np.all(np.diff(load.time) >= 0.0)
-        assert load.time[-1] <= duration
+        assert load.time[-1] == loop.DURATION_S
     if name == "again":
         assert loads[3].tension.max() == pytest.approx(6.7)
 
