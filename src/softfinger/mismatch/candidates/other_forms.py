@@ -41,13 +41,18 @@ def keep_leading(pieces: Iterable[Piece], larger: list[Candidate], best: Candida
     return [piece for piece in pieces if piece.effect.id in chosen]
 
 
-def list_finer(candidate: Candidate) -> list[Piece]:
-    """List the finer laws of a model's effects, where they act."""
-    return [
-        replace(piece, form=piece.form.finer)
-        for piece in candidate.model.pieces
-        if piece.form.finer is not None
-    ]
+def list_finer(candidate: Candidate, pieces: Iterable[Piece]) -> list[Piece]:
+    """List the finer laws of a model's effects, where they act.
+
+    A textbook form may lead an effect's free law, and yet leave what the finer one explains.
+    """
+    finer = {}
+    for one in pieces:
+        for mine in candidate.model.pieces:
+            alike = one.effect.id == mine.effect.id and bool(one.places) == bool(mine.places)
+            if alike and one.form.finer is not None:
+                finer[one.effect.id] = replace(one, form=one.form.finer, places=mine.places)
+    return list(finer.values())
 
 
 def swap_forms(problem: Problem, candidate: Candidate, pieces: list[Piece]) -> list[Candidate]:

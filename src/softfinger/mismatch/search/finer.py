@@ -4,12 +4,22 @@ What a free law leaves may be a corner or a wave for which it has too few terms.
 effect is believed, each smaller set of its effects is tried with finer laws.
 """
 
+from collections.abc import Iterable
+
 from softfinger.inference.problem import Candidate, Problem
+from softfinger.mechanics.effects.model import Piece
 from softfinger.mismatch.candidates.other_forms import list_finer, swap_forms
 
 
-def fit_finer(problem: Problem, top: Candidate, found: list[Candidate]) -> list[Candidate]:
+def fit_finer(
+    problem: Problem, top: Candidate, found: list[Candidate], pieces: Iterable[Piece]
+) -> list[Candidate]:
     """Fit the parts of a set with finer laws.
+
+    Parameters
+    ----------
+    pieces
+        The catalogue.
 
     Returns
     -------
@@ -20,5 +30,5 @@ def fit_finer(problem: Problem, top: Candidate, found: list[Candidate]) -> list[
     parts = {c.model.ids: c for c in sorted(fitted, key=lambda c: c.log_evidence)}
     finer = []
     for part in parts.values():
-        finer += swap_forms(problem, part, list_finer(part))
+        finer += swap_forms(problem, part, list_finer(part, pieces))
     return finer

@@ -130,7 +130,7 @@ def search_effects(
             shape = measure_shape(problem, best)
         if gain <= more or gain <= shape.gain:
             break
-        found += [*larger, *swap_forms(problem, top, [*pieces, *list_finer(top)])]
+        found += [*larger, *swap_forms(problem, top, [*pieces, *list_finer(top, pieces)])]
         larger = []
         if size == 2:
             found += _try_partners(problem, top, {r.model.ids for r in rivals}, pieces, progress)
@@ -250,7 +250,7 @@ def _face_finer(
 
     They are added to `found` and `larger`; returns the best of fewer effects.
     """
-    finer = fit_finer(problem, top, found)
+    finer = fit_finer(problem, top, found, pieces)
     if not finer:
         return best
     found += finer

@@ -2,6 +2,12 @@
 
 from types import SimpleNamespace
 
+import pytest
+
+from softfinger.mechanics.effects import list_effects
+from softfinger.mechanics.effects.model import Piece
+from softfinger.mismatch.candidates.other_forms import list_finer
+from softfinger.mismatch.candidates.rank import list_pieces
 from softfinger.mismatch.search import finer
 
 
@@ -18,7 +24,19 @@ def test_the_best_of_each_part_is_tried_with_finer_laws(monkeypatch):
         one.model.ids = frozenset(one.model.ids)
     top = fitted(110.0)
     top.model.ids = frozenset({"moment_arm", "contact_stop"})
-    monkeypatch.setattr(finer, "list_finer", lambda part: part)
+    monkeypatch.setattr(finer, "list_finer", lambda part, _: part)
     monkeypatch.setattr(finer, "swap_forms", lambda _, part, __: [(part, "finer")])
-    found = finer.fit_finer(None, top, [arm, worse, stop, lens, unfitted])
+    found = finer.fit_finer(None, top, [arm, worse, stop, lens, unfitted], [])
     assert sorted(part.log_evidence for part, _ in found) == [50.0, 80.0]
+
+
+@pytest.mark.parametrize("form", ["square_in_elastic_angle", "free"])
+def test_a_law_is_finer_where_the_effect_acts_whatever_form_leads(clean, form):
+    setting = clean.problem.setting
+    effect = list_effects()["strain_stiffening"]
+    chosen = next(one for one in effect.list_forms(setting) if one.name == form)
+    model = clean.problem.base.extend(Piece(effect, chosen, ((0,),)))
+    candidate = clean.search.base._replace(model=model)
+    (found,) = list_finer(candidate, list_pieces(setting)[0])
+    assert (found.effect.id, found.form.name) == ("strain_stiffening", "free_finer")
+    assert found.places == ((0,),)
