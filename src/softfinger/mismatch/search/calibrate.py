@@ -2,13 +2,10 @@
 
 The bootstrap is parametric.
 
-Campaigns are drawn from the fitted base model, on the campaign's own loads and frames, but only in
-the whitened reduced space: of a trial z* = A b + e nothing is needed but Cᵀz*, which is normal with
-covariance CᵀC + (CᵀA) Ω (AᵀC). Each replicate is fitted anew (Ω and μ); every form's gain is its
-one-step score: the log evidence of the linear model with the form's amplitudes.
+Each replicate (`replicates`) is fitted anew (Ω and μ); every form's gain is its one-step score: the
+log evidence of the linear model with the form's amplitudes.
 """
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -24,12 +21,11 @@ from softfinger.inference.mixed_effects import (
     solve_gram,
 )
 from softfinger.inference.problem import Candidate, Problem
-from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.columns import ScoreColumns
 from softfinger.mismatch.decisions import DECISIONS
+from softfinger.mismatch.search.replicates import draw_products, set_apart
 
 ROUNDS, SLIGHT = 3, 0.1  # of EM, and the nats at which it stops: a score errs by more
-RIDGE = 1e-10  # of a column's square: far below what a score shows
 
 
 class FalseAlarms(NamedTuple):
@@ -80,12 +76,12 @@ def calibrate_false_alarms(
     The replicates are drawn from the base model.
     """
     d = len(base.fit.omega)
-    whole = _set_apart(columns.bare)
+    whole = set_apart(columns.bare)
     prior = problem.build_prior(base.model)
     away = prior.mean[:d] - base.fit.mean  # only differences keep their digits
     prior = prior._replace(mean=away, precision=prior.precision[:d])
     largest = np.empty(replicates)
-    for k, product in enumerate(_draw_products(whole, base, rng, replicates)):
+    for k, product in enumerate(draw_products(whole, base, prior, rng, replicates)):
         gains, alone = score_columns_array(columns, whole, product, prior, base.fit.omega)
         gains = np.where(np.isfinite(gains), gains, -np.inf)
         largest[k] = gains.max(initial=0.0)
@@ -97,21 +93,6 @@ def calibrate_false_alarms(
                 continue
             largest[k] = max(largest[k], again)
     return FalseAlarms(largest)
-
-
-def _draw_products(
-    whole: NDArray, base: Candidate, rng: np.random.Generator, replicates: int
-) -> Iterator[NDArray]:
-    """Draw Cᵀz (trial, d + c) about μ from the base model."""
-    trials, d = base.fit.own.shape
-    factor = np.stack([_root(gram) for gram in whole])
-    own_factor = np.linalg.cholesky(base.fit.omega)
-    for begin in range(0, replicates, BUDGET.replicates):
-        some = min(BUDGET.replicates, replicates - begin)
-        own = rng.standard_normal((some, trials, d)) @ own_factor.T
-        noise = rng.standard_normal((trials, whole.shape[2], some))
-        product = factor @ noise + whole[:, :, :d] @ own.transpose(1, 2, 0)
-        yield from np.ascontiguousarray(product.transpose(2, 0, 1))
 
 
 def _refit(
@@ -161,26 +142,6 @@ def score_columns_array(
     cut = np.where(columns.positive, inside, 0.0)
     add = np.add.reduceat(cut, columns.first) if len(columns.first) else np.zeros(0)
     return gain + add, alone
-
-
-def _set_apart(gram: NDArray) -> NDArray:
-    """Give each column a hair of its own.
-
-    Gram matrices are (trial, …) or one. Columns hide in each other: what is left of one then is
-    rounding, and no root exists. Draws from another matrix than the one that scores them would
-    gain without bound.
-    """
-    apart = gram.copy()
-    diagonal = np.einsum("...ii->...i", apart)
-    diagonal *= 1.0 + RIDGE
-    diagonal += np.finfo(float).tiny  # of a column that moves nothing
-    return apart
-
-
-def _root(gram: NDArray) -> NDArray:
-    """Root R of a Gram matrix G = RRᵀ, in scaled columns."""
-    size = np.sqrt(np.diag(gram))
-    return np.linalg.cholesky(gram / np.outer(size, size)) * size[:, None]
 
 
 @compiled

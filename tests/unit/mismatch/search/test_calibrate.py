@@ -1,6 +1,7 @@
 """Draws of the bootstrap, where columns hide in each other."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,8 @@ from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.columns import collect_columns
 from softfinger.mismatch.candidates.rank import list_pieces
 from softfinger.mismatch.search import calibrate as module
-from softfinger.mismatch.search.calibrate import _root, _set_apart
+from softfinger.mismatch.search import replicates
+from softfinger.mismatch.search.replicates import _root, draw_products, set_apart
 
 
 @pytest.fixture
@@ -24,23 +26,23 @@ def gram():
 
 
 def test_a_root_gives_the_gram_matrix_again(gram):
-    root = _root(_set_apart(gram))
+    root = _root(set_apart(gram))
     size = np.sqrt(np.diag(gram))
     np.testing.assert_allclose(
-        root @ root.T / np.outer(size, size), gram / np.outer(size, size), atol=2 * module.RIDGE
+        root @ root.T / np.outer(size, size), gram / np.outer(size, size), atol=2 * replicates.RIDGE
     )
 
 
 def test_rounding_hardly_moves_a_root(gram):
     size = np.sqrt(np.diag(gram))
     wobble = 1.0 + 1e-15 * np.random.default_rng(2).normal(size=gram.shape)
-    moved = _root(_set_apart(gram * 0.5 * (wobble + wobble.T))) - _root(_set_apart(gram))
+    moved = _root(set_apart(gram * 0.5 * (wobble + wobble.T))) - _root(set_apart(gram))
     assert np.abs(moved / size[:, None]).max() < 1e-4
 
 
 def test_chance_gains_no_more_where_columns_hide_in_each_other(gram):
     """Ten columns explain ten squares of noise, however precise the recordings."""
-    apart = _set_apart(1e14 * gram)
+    apart = set_apart(1e14 * gram)
     drawn = _root(apart) @ np.random.default_rng(3).standard_normal((10, 4000))
     size = np.sqrt(np.diag(apart))
     scaled = drawn / size[:, None]
@@ -68,9 +70,10 @@ def test_as_many_replicates_are_drawn_as_are_asked_for(draw_campaign, monkeypatc
     problem, fit = pose_problem(draw_campaign(2, 0.0))
     base = Candidate(problem.base, fit, fit.log_evidence)
     pieces = [p for p in list_pieces(problem.setting)[0] if p.effect.id == "second_retardation"]
-    whole = _set_apart(collect_columns(problem, base, pieces).bare)
-    monkeypatch.setattr(module, "BUDGET", replace(BUDGET, replicates=4))
-    drawn = list(module._draw_products(whole, base, np.random.default_rng(1), 9))
+    whole = set_apart(collect_columns(problem, base, pieces).bare)
+    prior = problem.build_prior(base.model)
+    monkeypatch.setattr(replicates, "BUDGET", replace(BUDGET, replicates=4))
+    drawn = list(draw_products(whole, base, prior, np.random.default_rng(1), 9))
     assert len(drawn) == 9
     assert all(product.shape == whole.shape[:2] for product in drawn)
 
@@ -80,8 +83,9 @@ def test_what_is_drawn_has_the_covariance_of_the_base_model(draw_campaign):
     problem, fit = pose_problem(draw_campaign(2, 0.0))
     base = Candidate(problem.base, fit, fit.log_evidence)
     pieces = [p for p in list_pieces(problem.setting)[0] if p.effect.id == "second_retardation"]
-    whole = _set_apart(collect_columns(problem, base, pieces).bare)
-    drawn = np.stack(list(module._draw_products(whole, base, np.random.default_rng(1), 4000)))
+    whole = set_apart(collect_columns(problem, base, pieces).bare)
+    prior = problem.build_prior(base.model)
+    drawn = np.stack(list(draw_products(whole, base, prior, np.random.default_rng(1), 4000)))
     d = len(fit.omega)
     own = whole[0, :, :d]
     expected = whole[0] + own @ fit.omega @ own.T
@@ -90,3 +94,21 @@ def test_what_is_drawn_has_the_covariance_of_the_base_model(draw_campaign):
     np.testing.assert_allclose(drawn[:, 0].mean(axis=0) / size, 0.0, atol=0.1)
     seen = np.cov(drawn[:, 0] / size, rowvar=False)
     np.testing.assert_allclose(seen, expected / np.outer(size, size), atol=0.1)
+
+
+def test_what_joints_have_in_common_is_drawn_with_them():
+    """Ω is diagonal, and ten precise trials move two joints alike: so does a replicate."""
+    rng, trials = np.random.default_rng(2), 10
+    own = np.repeat(rng.standard_normal((trials, 1)), 2, axis=1)
+    nothing = 1e-12 * np.eye(2)
+    fit = SimpleNamespace(
+        own=own, mean=own.mean(axis=0), own_covariance=np.stack([nothing] * trials),
+        mean_covariance=nothing, omega=np.eye(2),
+    )  # fmt: skip
+    prior = SimpleNamespace(spread=np.ones(2), weight=2.0)
+    whole = np.zeros((trials, 3, 3))
+    drawn = replicates._draw_own(whole, SimpleNamespace(fit=fit), prior, rng, 400)
+    together = np.corrcoef(drawn.reshape(-1, 2), rowvar=False)[0, 1]
+    assert together == pytest.approx(10 / 12, abs=0.1)
+    assert np.mean(drawn**2) == pytest.approx(1.0, abs=0.3)
+    assert abs(np.mean(drawn)) < 0.1
