@@ -64,7 +64,7 @@ def draw_cases(seed: int, n: int) -> list[CaseSpec]:
 
 
 def find_visible(spec: CaseSpec, strength: float) -> float:
-    """Evidence [nats] to expect of a case's effect under our best plain protocol."""
+    """Evidence [nats] to expect under the best plain protocol."""
     others = (replace(spec, protocol=protocol) for protocol in PROTOCOLS)
     return max(expect_effect_gain(spec.effects[0], strength, draw_setting(s)) for s in others)
 
@@ -75,7 +75,10 @@ def plan_ours(results: Path, campaign: Path, plan: Path, number: int) -> None:
 
 
 def plan_d_optimal(results: Path, campaign: Path, plan: Path, number: int) -> None:
-    """Plan by what narrows the base model's parameters most: the mean fall of their log sds."""
+    """Plan by what narrows the base model's parameters most.
+
+    It is the mean fall of their log sds.
+    """
     _plan(results, campaign, plan, number, ("k_v", "c_v", "c_p", "q_ini"))
 
 
@@ -196,7 +199,7 @@ def _diagnose(campaign: Path, results: Path) -> Path:
 
 
 def tell_case(out: Path, planner: str) -> dict[str, Any] | None:
-    """How one case ended by one planner: named, false, sure, trials; what was foreseen."""
+    """How one case ended by one planner."""
     sealed = json.loads((out / "truth.json").read_text(encoding="utf-8"))
     if sealed["visible_nats"] < VISIBLE_NATS or not (out / "round_0/verdict.json").is_file():
         return None

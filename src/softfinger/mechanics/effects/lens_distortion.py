@@ -148,7 +148,10 @@ def bend_picture(
 def _distort(
     model: Model, a: float, b: float, direction: float
 ) -> tuple[float, float, float, float, tuple[float, float]]:
-    """Turn of a line; its derivatives by a, b, the direction, and by U and V."""
+    """Turn of a line, and its derivatives.
+
+    They are by a, b and the direction, and by U and V.
+    """
     radial, fifth, square = model.chain[_RADIAL], model.chain[_FIFTH], a * a + b * b
     along, across = _split(model.chain[_BESIDE_ALONG], model.chain[_BESIDE_ACROSS], direction)
     slant, aside = _split(model.chain[_SLANT_ALONG], model.chain[_SLANT_ACROSS], direction)
@@ -252,7 +255,10 @@ def _build_forms(setting: Setting) -> list[Form] | str:
 
 
 def _build_free_place(known: tuple[Parameter, ...]) -> Form:
-    """All that Brown's lens and a plane aslant do, to third order and along a radius to fifth."""
+    """Build the free form by place.
+
+    It is all that Brown's lens to fifth order and a plane aslant do.
+    """
     fifth = signed("lens_fifth_per_m4", RADIAL_SD_PER_M2 / EDGE_M**2, floor=0.5, term=True)
     sd = RADIAL_SD_PER_M2 * CENTRE_SD_M
     beside = [signed(f"decentring_{k}_per_m", sd, floor=1e-4, term=True) for k in AXES]

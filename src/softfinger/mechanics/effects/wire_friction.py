@@ -91,7 +91,7 @@ def lose_pull(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bo
 
 @compiled
 def _wrap(model: Model, j: int, bend: float) -> tuple[float, float]:
-    """What one joint adds to the exponent, and its slope by the bend."""
+    """A joint's part of the exponent, and its slope."""
     x, law = bend / model.chain[_REACH], model.law[j, _LAW]
     whole = model.chain[_BEND] * bend + model.chain[_CONSTANT] + combine(law, weigh_value(x))
     return whole, model.chain[_BEND] + combine(law, weigh_slope(x)) / model.chain[_REACH]
@@ -201,7 +201,10 @@ def _build_forms(setting: Setting) -> list[Form] | str:
 
 
 def _build_free_form(driver: str, setting: Setting) -> Form:
-    """Any law of each joint's bend, guides, and any share of a joint's own."""
+    """Build the free form.
+
+    It has guides, any law of each joint's bend, and any share of a joint's own.
+    """
     wrap, reach = _build_form("wrap", driver, setting), float(setting.reach.max())
     share = Parameter("own_share", 0.75, 0.25, low=0.0, high=1.0)
 

@@ -246,9 +246,10 @@ def _face_finer(
     progress: Progress,
     more: float,
 ) -> Candidate:
-    """Let a set face finer laws of its parts, and what leads on top of them.
+    """Let a set face finer laws of its parts.
 
-    They are added to `found` and `larger`; returns the best of fewer effects.
+    They, and what leads on top of them, are added to `found` and `larger`; returns the best of
+    fewer effects.
     """
     finer = fit_finer(problem, top, found, pieces)
     if not finer:
