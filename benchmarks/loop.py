@@ -1,4 +1,6 @@
-"""Concealed effects in the loop, by our plan and by four others: python -m benchmarks.loop.
+"""Concealed effects in the loop: python -m benchmarks.loop.
+
+Planned by ours and by four others.
 
 Round 0 is a plain campaign of 20 trials. Then at most two rounds of 10 trials are planned,
 recorded by a process that alone knows the truth, joined with what there is, and diagnosed, until
@@ -9,7 +11,7 @@ from __future__ import annotations
 
 import argparse
 import json
-import subprocess
+import shlex
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -29,8 +31,8 @@ from softfinger.concealed.setting import draw_setting
 from softfinger.concealed.strength import expect_effect_gain
 from softfinger.concealed.suite import CaseSpec, draw_joints, take_turns
 from softfinger.mismatch.verdict.schema import read_verdict
-from softfinger.provenance import PROJECT
-from softfinger.stages.loop import is_settled
+from softfinger.provenance import PROJECT, derive_seed
+from softfinger.stages.loop import is_settled, record
 from softfinger.stages.next import Asked, next_experiment
 
 OUT = PROJECT / "results/loop"
@@ -97,7 +99,7 @@ def plan_again(results: Path, campaign: Path, plan: Path, number: int) -> None:
 
 
 def plan_staircase(results: Path, campaign: Path, plan: Path, number: int) -> None:
-    """The best fixed protocol of ours: levels up and down."""
+    """A fixed protocol: levels up and down."""
     share = np.array([0.35, 0.75, 0.5, 1.0, 0.6, 0.25])
     orders = (share, share[[1, 0, 3, 2, 5, 4]], share[[0, 2, 1, 4, 3, 5]])
     peak = find_peak(campaign)
@@ -106,7 +108,7 @@ def plan_staircase(results: Path, campaign: Path, plan: Path, number: int) -> No
 
 def plan_random(results: Path, campaign: Path, plan: Path, number: int) -> None:
     """Random levels at random times."""
-    rng = np.random.default_rng([number, 8])
+    rng = np.random.default_rng(derive_seed(number, campaign.parent.name))  # of each case
     peak, loads = find_peak(campaign), []
     for _ in range(TRIALS):
         when = np.cumsum(rng.exponential(4.0, 20))
@@ -137,7 +139,7 @@ def _hold(when: np.ndarray, level: np.ndarray) -> np.ndarray:
 
 
 def _write_loads(plan: Path, loads: list[np.ndarray]) -> None:
-    """A plan of the rig, of as many trials as the others have."""
+    """Write a plan of the rig, as long as the others."""
     drawn = [loads[k % len(loads)].tolist() for k in range(TRIALS)]
     profiles = [{"time_s": _end(time), "tension_n": _end(load)} for time, load in drawn]
     for profile in profiles:
@@ -184,8 +186,8 @@ def _run_round(
         planner(results, sources[0], plan, number)
         (here / "seconds.txt").write_text(f"{time.monotonic() - begin:.2f}\n")
     if not (recordings / "trials.csv").is_file():
-        rig = [sys.executable, "-m", "softfinger.concealed.answer", truth, plan, recordings, number]
-        subprocess.run([str(word) for word in rig], check=True)
+        answer = shlex.join([sys.executable, "-m", "softfinger.concealed.answer", str(truth)])
+        record(f"{answer} {{plan}} {{out}} {{round}}", plan, recordings, number)
     sources = [*sources, recordings]
     if not (here / "joined/campaign.yaml").is_file():
         write_joined(sources, here / "joined", None)
@@ -257,7 +259,10 @@ def summarise(out: Path, planners: list[str]) -> dict[str, float]:
 
 
 def _count(one: dict[str, Any]) -> int:
-    """Trials to a sure answer; one round more than allowed where there was none."""
+    """Trials to a sure answer.
+
+    They are of one round more than allowed where there was none.
+    """
     return one["trials"] if one["sure"] else TRIALS * (ROUNDS + 1)
 
 
@@ -298,10 +303,11 @@ def main() -> None:
     parser.add_argument("--part", type=int, default=0, help="number of this process")
     parser.add_argument("--of", type=int, default=1, help="processes")
     options = parser.parse_args()
+    planners = list(dict.fromkeys(["ours", *options.planners]))  # others are compared with it
     for spec, place in list_waiting(options):
         place.mkdir(parents=True, exist_ok=True)
-        run_case(spec, options.planners, place)
-    figures = summarise(options.out / f"seed_{options.seed}", options.planners)
+        run_case(spec, planners, place)
+    figures = summarise(options.out / f"seed_{options.seed}", planners)
     for key, value in figures.items():
         print(f"  {key}: {value:.6g}")
     merge_figures(figures, without=("loop_",))

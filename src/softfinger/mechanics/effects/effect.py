@@ -177,12 +177,18 @@ class Setting:
 
     @property
     def shortest(self) -> float:
-        """The shortest time [s] that the frames resolve: less than usual where they come denser."""
+        """The shortest time [s] that the frames resolve.
+
+        It is less than usual where they come denser.
+        """
         return min(self.interval, self.first_seen or self.interval)
 
     @property
     def one_course(self) -> bool:
-        """Whether there is one trial under one load: all that moves is a function of time."""
+        """Whether there is one trial under one load.
+
+        Then all that moves is a function of time.
+        """
         return self.trials == 1 and not self.levels
 
     @property
@@ -277,7 +283,7 @@ class Effect:
     place_in_time: str = ""
 
     def find_place(self, setting: Setting) -> str:
-        """Where it acts, among the places that several effects share; else its id."""
+        """The place that it shares with others; else its id."""
         return self.place or (not setting.levels and self.place_in_time) or self.id
 
     def list_forms(self, setting: Setting) -> list[Form] | str:

@@ -81,7 +81,10 @@ def bend_angle(model: Model, angle: NDArray, by: NDArray, seen: NDArray, gradien
 def bend_direction(
     model: Model, angle: NDArray, by: NDArray, seen: NDArray, gradient: NDArray
 ) -> None:
-    """The turn of each link, θ_j times a law of |θ_j|, with θ_j the sum of the angles up to j."""
+    """The turn of each link, by a law of its direction.
+
+    It is θ_j times a law of |θ_j|, with θ_j the sum of the angles up to j.
+    """
     joints, frames, columns = gradient.shape
     law, reach = model.law[0, _LAW], model.chain[_REACH]
     for frame in range(frames):

@@ -97,7 +97,10 @@ def _list_swaps(candidate: Candidate, pieces: list[Piece]) -> Iterator[Start]:
 def list_starts_beside(
     candidate: Candidate, model: EffectModel, number: int
 ) -> list[NDArray[np.float64]]:
-    """List starts (p,) of a model of which one piece is new, the rest as it was fitted."""
+    """List starts (p,) of a model of which one piece is new.
+
+    The rest is as it was fitted.
+    """
     known = dict(zip(_name_entries(candidate.model), candidate.fit.shared, strict=True))
     names = _name_entries(model)
     starts = {}
