@@ -42,8 +42,8 @@ def _draw_own(
     ones as its prior counts. So each draw is a permutation of these.
     """
     fit, (trials, d) = base.fit, base.fit.own.shape
-    doubt = np.linalg.cholesky(fit.own_covariance)
-    common = fit.own_covariance @ whole[:, :d, :d] @ np.linalg.cholesky(fit.mean_covariance)
+    doubt = _root_of_covariance(fit.own_covariance)
+    common = fit.own_covariance @ whole[:, :d, :d] @ _root_of_covariance(fit.mean_covariance)
     drawn = np.empty((count, trials, d))
     for one in drawn:
         known = fit.own - fit.mean + common @ rng.standard_normal(d)
@@ -72,3 +72,13 @@ def _root(gram: NDArray) -> NDArray:
     """Root R of a Gram matrix G = RRᵀ, in scaled columns."""
     size = np.sqrt(np.diag(gram))
     return np.linalg.cholesky(gram / np.outer(size, size)) * size[:, None]
+
+
+def _root_of_covariance(covariance: NDArray) -> NDArray:
+    """Root R of a covariance C = RRᵀ, singular or not.
+
+    Precise recordings leave differences of parameters no variance but rounding, of either sign.
+    """
+    size = np.sqrt(np.einsum("...ii->...i", covariance))[..., None]
+    value, vector = np.linalg.eigh(covariance / (size * size.swapaxes(-1, -2)))
+    return size * vector * np.sqrt(np.maximum(value, 0.0))[..., None, :]

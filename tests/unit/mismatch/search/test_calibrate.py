@@ -112,3 +112,12 @@ def test_what_joints_have_in_common_is_drawn_with_them():
     assert together == pytest.approx(10 / 12, abs=0.1)
     assert np.mean(drawn**2) == pytest.approx(1.0, abs=0.3)
     assert abs(np.mean(drawn)) < 0.1
+
+
+def test_a_covariance_that_rounding_made_singular_has_a_root():
+    one = np.array([[4.0, 2.0], [2.0, 1.0 - 1e-15]])  # no Cholesky factor
+    with pytest.raises(np.linalg.LinAlgError):
+        np.linalg.cholesky(one)
+    root = replicates._root_of_covariance(np.stack([one, np.diag([9.0, 1e-20])]))
+    expected = np.stack([one, np.diag([9.0, 1e-20])])
+    np.testing.assert_allclose(root @ root.swapaxes(1, 2), expected, rtol=1e-7, atol=1e-30)
