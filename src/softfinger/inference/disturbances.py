@@ -26,7 +26,6 @@ from softfinger.inference.reduce import reduce_trials
 from softfinger.inference.spreads import list_spreads
 from softfinger.inference.walks import list_walks, list_waves, share_trial, turn_picture, walk_array
 from softfinger.measurement.components import choose_components
-from softfinger.measurement.trials import Trials
 
 Array = NDArray[np.float64]
 
@@ -44,6 +43,7 @@ SIZES: Mapping[str, Array] = {
 DRIFTS = ("drift", "gain_drift", "picture_turn", "lasting_noise")  # those that wander slowly
 STEP_SHARE = 0.01  # of a row's load by which the model is moved
 STEP_S = 0.002
+JITTER_S = 0.005  # over which a frame with a wrong time moves: as much as clocks jitter
 
 
 def list_disturbances(
@@ -58,7 +58,7 @@ def list_disturbances(
     speed = _measure_speed(problem, candidate)
     time = problem.trials.node.reshape(len(speed), 1, -1)
     made: dict[str, Callable[[], Array]] = {
-        "timing_jitter": lambda: _spread_jitter(problem.trials, speed),
+        "timing_jitter": lambda: _spread_jitter(problem, candidate, speed),
         "drift": lambda: list_walks(problem),
         "gain_drift": lambda: _drift_gain(problem, candidate),
         "picture_turn": lambda: turn_picture(problem),
@@ -180,11 +180,15 @@ def _measure_speed(problem: Problem, candidate: Candidate) -> Array:
     return (after - before) / (2 * STEP_S)
 
 
-def _spread_jitter(trials: Trials, speed: Array) -> Array:
+def _spread_jitter(problem: Problem, candidate: Candidate, speed: Array) -> Array:
     """One column for each bin with fast motion.
 
     The frames of such a bin err alone.
     """
+    trials, soon = problem.trials, problem.trials.node + JITTER_S
+    still, later = (_simulate(problem, candidate, node=node) for node in (trials.node, soon))
+    after = (later - still) / JITTER_S  # a frame just before a kick may have been taken after it
+    speed = np.where(np.abs(after) > 2.0 * np.abs(speed), after, speed)
     count, joints, nodes = speed.shape
     mean = speed.reshape(count, joints, -1, 2).mean(axis=3)
     frames = np.ones((count, nodes // 2))
@@ -220,7 +224,7 @@ def _move_rows(problem: Problem, candidate: Candidate) -> Array:
     Every row of the log has a relative error.
     """
     trials = problem.trials
-    rows = [_group_rows(*load) for load in zip(trials.load_time, trials.load_torque, strict=True)]
+    rows = [_group_rows(torque) for torque in trials.load_torque]
     count = max(int(row.max(initial=-1)) + 1 for row, _ in rows)
     label, sd = (np.stack(part) for part in zip(*rows, strict=True))
     still = _simulate(problem, candidate)
@@ -249,22 +253,20 @@ def _drift_load(problem: Problem, candidate: Candidate) -> Array:
     return np.stack([(angle - still) / STEP_SHARE for angle in moved], axis=-1)
 
 
-def _group_rows(time: Array, torque: Array) -> tuple[NDArray[np.int64], Array]:
+def _group_rows(torque: Array) -> tuple[NDArray[np.int64], Array]:
     """Which knots err together (knot,), with which sd.
 
     −1 where there is no load.
 
-    A jump has two knots; the first of them repeats the row before.
+    A plateau is one reading: what rests does not scatter from row to row.
 
-    >>> _group_rows(np.array([0.0, 4.0, 4.0, 9.0]), np.array([2.0, 2.0, 1.0, 1.0]))[0]
-    array([0, 0, 1, 2])
+    >>> _group_rows(np.array([2.0, 2.0, 1.0, 1.0, 1.5]))[0]
+    array([0, 0, 1, 1, 2])
     """
-    after = np.append(time[1:] == time[:-1], False)
-    repeats = np.append(False, torque[1:] == torque[:-1])
-    same = repeats & (after | np.append(False, time[1:] == time[:-1]))
+    same = np.append(False, torque[1:] == torque[:-1])
     row = np.cumsum(~same) - 1
     loaded = torque != 0.0
     _, row[loaded] = np.unique(row[loaded], return_inverse=True)
     number = int(row[loaded].max(initial=-1)) + 1
     together = max(1, -(-number // DECISIONS.load_rows))
-    return np.where(loaded, row // together, -1), np.full(len(time), together**-0.5)
+    return np.where(loaded, row // together, -1), np.full(len(torque), together**-0.5)

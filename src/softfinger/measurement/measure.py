@@ -20,7 +20,7 @@ from softfinger.measurement.outliers import find_outliers, find_time_error, list
 from softfinger.measurement.presence import list_components
 from softfinger.measurement.priors import PRIORS
 from softfinger.measurement.reml import LEAST_SD, profile_windows
-from softfinger.measurement.repeats import find_repeated_frames, find_rounding
+from softfinger.measurement.repeats import ROUND_STEP, find_repeated_frames, find_rounding
 from softfinger.measurement.saturation import find_saturated_frames
 from softfinger.measurement.scales import Scales, WindowVariances, fit_scales
 
@@ -186,7 +186,8 @@ def _find_outliers(
     angles: xr.Dataset, frames: xr.Dataset, noise: xr.Dataset | None, passed: Array | None = None
 ) -> Array:
     scale = frames["frame_scale"].values[:, None] * frames["noise_factor"].values
-    passed = None if passed is None else passed / scale
+    step = ROUND_STEP * frames["rounding_sd"].values[:, None]  # no error that rounding makes is gross
+    passed = (np.stack([-step, step])[:, None] + (0.0 if passed is None else passed)) / scale
     return find_outliers(angles["joint_angle"].values / scale, angles, frames, noise, passed)
 
 
@@ -231,7 +232,8 @@ def _list_variances(
             np.add.reduceat(part[trial, joint, frame], begin) / np.diff(windows.start)
             for part in (moved, factor**2)
         )
-        value = np.maximum(own * rss / freedom, LEAST_SD**2) / max(usual, LEAST_SD**2)
+        least = max(LEAST_SD, float(frames["rounding_sd"][joint])) ** 2
+        value = np.maximum(own * rss / freedom, least) / max(usual, least)
         freedom = freedom / (1.0 + 0.5 * _measure_tail(residual, windows.start))
         parts.append(np.column_stack([value, freedom, trial[begin], 0 * value + joint, away]))
     value, freedom, trial, joint, away = np.concatenate(parts).T
@@ -256,10 +258,13 @@ def _complete(
     angles: xr.Dataset, frames: xr.Dataset, fit: NoiseFit, found: dict[str, tuple[float, float]]
 ) -> xr.Dataset:
     noise = complete_noise(fit.noise, angles, frames)
+    least = (frames["rounding_sd"] / noise["noise_sd"]).values[:, None]
+    factor = np.maximum(frames["noise_factor"].transpose(*LAYOUT).values, least)
     size, evidence = np.array(list(found.values()), float).reshape(-1, 2).T
     return frames.assign(
         {name: noise[name] for name in noise.data_vars}
         | {
+            "noise_factor": (LAYOUT, factor),
             "noise_per_rad": ((), 0.0),
             "component_size": ("component", size),
             "component_evidence": ("component", evidence),

@@ -16,6 +16,8 @@ from softfinger.compiled import compiled
 from softfinger.measurement.budget import BUDGET
 from softfinger.measurement.decisions import DECISIONS
 
+ROUND_STEP = np.sqrt(12.0)  # a step over the sd of its rounding
+
 
 def find_repeated_frames(angles: xr.Dataset, frames: xr.Dataset) -> NDArray[np.bool_]:
     """Find the used frames that repeat the one before.
@@ -108,7 +110,7 @@ def find_rounding(angles: xr.Dataset, frames: xr.Dataset) -> NDArray[np.float64]
     used = frames["used"].values
     steps = [[_find_usual_step(row[u & np.isfinite(row)])
               for row, u in zip(rows, used, strict=True)] for rows in angle]  # fmt: skip
-    return np.median(steps, axis=1) / np.sqrt(12.0)
+    return np.median(steps, axis=1) / ROUND_STEP
 
 
 def _find_usual_step(values: NDArray[np.float64]) -> float:

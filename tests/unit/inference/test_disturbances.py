@@ -252,10 +252,10 @@ def test_a_known_disturbance_is_admitted_with_its_size(noisy):
 
 def test_rows_of_a_log_err_alone_unless_there_are_very_many():
     """Two rows of 0.5 s that err as one made a noisy log of 31 rows look like wire friction."""
-    few, sd = _group_rows(np.arange(31.0), np.full(31, 0.04))
+    few, sd = _group_rows(0.04 + 1e-4 * np.arange(31))
     np.testing.assert_array_equal(few, np.arange(31))
     assert (sd == 1.0).all()
-    many, sd = _group_rows(np.arange(600) / 30, np.full(600, 0.04))
+    many, sd = _group_rows(0.04 + 1e-5 * np.arange(600))
     assert 30 < many.max() < 64
     np.testing.assert_allclose(sd, np.bincount(many)[0] ** -0.5)
 

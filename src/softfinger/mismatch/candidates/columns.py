@@ -145,10 +145,7 @@ def collect_columns(problem: Problem, origin: Candidate, pieces: Iterable[Piece]
         new = np.flatnonzero(model.amplitudes & (np.arange(len(model.entries)) >= len(known)))
         for start in model.list_starts(len(origin.model.pieces)):
             shared = np.concatenate([known, model.place_start(len(origin.model.pieces), start)])
-            try:
-                column = problem.simulate(model, own, shared, only=new)[1]
-            except (ArithmeticError, Fault):
-                continue
+            column = _slope_at_null(problem, model, own, shared, new)
             if np.isfinite(column).all():
                 slopes.append(column.astype(np.float32))
                 place = total + np.arange(len(new))
@@ -164,3 +161,25 @@ def collect_columns(problem: Problem, origin: Candidate, pieces: Iterable[Piece]
         np.concatenate([np.zeros(0), *sd]),
         np.concatenate([np.zeros(0, bool), *positive]),
     )
+
+
+def _slope_at_null(
+    problem: Problem,
+    model: EffectModel,
+    own: NDArray[np.float64],
+    shared: NDArray[np.float64],
+    new: NDArray[np.int64],
+) -> NDArray[np.float64]:
+    """Slopes (trial, joint, bin · 2, a) by amplitudes, where they are absent.
+
+    Only there does what alters trials' parameters alone look exactly as they do. Where a form has
+    no slope at its null, that of its start, all but absent; NaN where neither can be simulated.
+    """
+    for at in (np.where(np.isin(np.arange(len(shared)), new), 0.0, shared), shared):
+        try:
+            slope = problem.simulate(model, own, at, only=new)[1]
+        except (ArithmeticError, Fault):
+            continue
+        if np.isfinite(slope).all() and slope.any(axis=(0, 1, 2)).all():
+            return slope
+    return np.full(1, np.nan)

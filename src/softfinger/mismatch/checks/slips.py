@@ -24,6 +24,7 @@ from softfinger.inference.disturbed import locate_disturbances
 from softfinger.inference.problem import LAYOUT, Candidate, Problem, simulate_frames
 from softfinger.measurement.memory import correlate_frames, list_memories, whiten_neighbours
 from softfinger.measurement.quiet import find_quiet_array
+from softfinger.measurement.repeats import ROUND_STEP
 from softfinger.mechanics import OWN
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.priors import PRIORS
@@ -43,7 +44,8 @@ class Series(NamedTuple):
     """One joint in one trial.
 
     rows (n, OWN + 1) of [∂F/∂η | residual]; weight, carried (n,): row i is weight · (x_i −
-    carried · x_{i−1}); pull (OWN,) = Ω⁻¹(μ − η) and precision Ω⁻¹ of η; quiet (n,).
+    carried · x_{i−1}); pull (OWN,) = Ω⁻¹(μ − η) and precision Ω⁻¹ of η; quiet (n,); step to which
+    angles are rounded, over the noise.
     """
 
     rows: Array
@@ -52,6 +54,7 @@ class Series(NamedTuple):
     pull: Array
     precision: Array
     quiet: NDArray[np.bool_]
+    step: float = 0.0
 
 
 def find_slips(problem: Problem, candidate: Candidate, angles: xr.Dataset) -> Slips:
@@ -98,13 +101,16 @@ def project_outliers(series: Series) -> list[tuple[Array, Array]]:
 
 
 def weigh_shapes(series: Series, product: Array, square: Array, sizes: Array) -> float:
-    """Evidence [nats] of a shape, over moments, sizes."""
+    """Evidence [nats] of a shape, over moments, sizes.
+
+    Rounded angles leap by a step where the truth creeps: a shape has what it has more.
+    """
     own, left = series.rows[:, :-1], series.rows[:, -1]
     cross, pull = product[series.quiet, :-1], product[series.quiet, -1]
     inner = np.linalg.inv(series.precision + own.T @ own)
     adapted = inner @ (own.T @ left + series.pull)  # where η would go without the shape
     norm = np.maximum(square[series.quiet] - np.einsum("sa,ab,sb->s", cross, inner, cross), 0.0)
-    pull = pull - cross @ adapted
+    pull = np.maximum(np.abs(pull - cross @ adapted) - series.step * norm, 0.0)
     each = [0.5 * (pull**2 / (norm + s**-2.0) - np.log1p(norm * s**2)) for s in sizes]
     return float(np.logaddexp.reduce(np.ravel(each)) - np.log(np.size(each)))
 
@@ -152,6 +158,7 @@ def _list_series(
                 precision @ (fit.mean[own] - fit.own[i, own]),
                 precision,
                 quiet,
+                ROUND_STEP * float(problem.noise["rounding_sd"][j]) / sd,
             )
             found.append((i, int(j), series, float(sd)))
     return found

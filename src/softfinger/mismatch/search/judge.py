@@ -143,8 +143,9 @@ def judge_finalists(
     for other in judged:
         same = other.problem is best.problem
         again = other.candidate if same else fit_again(best.problem, other.candidate, search.base)
-        if again is not None:
-            settled.append(again._replace(log_evidence=other.evidence - level))
+        if again is not None:  # at its best, be that with the measurement of the other
+            evidence = max(other.evidence - level, again.log_evidence)
+            settled.append(again._replace(log_evidence=evidence))
     return best.problem, _settle(search, settled, needed)
 
 
