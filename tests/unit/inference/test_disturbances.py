@@ -108,6 +108,20 @@ def test_frame_times_that_jitter_are_found(pose):
     assert size["timing_jitter"] == pytest.approx(0.006, rel=0.4)
 
 
+def test_a_frame_before_a_kick_may_have_been_taken_after_it(pose):
+    """One that had moved already, 1 ms before a step, was taken for a lag and a delay."""
+    problem, candidate = pose()
+    before = int(np.flatnonzero(TIME < 4.0)[-1])
+    bin_ = int(np.searchsorted(problem.trials.starts[0], before, side="right")) - 1
+    node = problem.trials.node.copy()
+    node[:, bin_] = 4.0 - 0.001
+    problem = replace(problem, trials=problem.trials._replace(node=node))
+    columns = list_disturbances(problem, candidate, ("timing_jitter",))["timing_jitter"]
+    speed = np.abs(columns[:, :, 2 * bin_]).max(axis=2)
+    after = np.abs(columns[:, :, 2 * bin_ + 2]).max(axis=2)
+    assert (speed > 0.3 * after).all()
+
+
 def test_a_long_drift_of_one_trial_leaves_nothing_that_lasts():
     """A walk of four times the noise, as a rheometer's; five shapes would leave a quarter of it."""
     rng = np.random.default_rng(3)
@@ -255,6 +269,8 @@ def test_rows_of_a_log_err_alone_unless_there_are_very_many():
     few, sd = _group_rows(0.04 + 1e-4 * np.arange(31))
     np.testing.assert_array_equal(few, np.arange(31))
     assert (sd == 1.0).all()
+    rest, _ = _group_rows(np.array([2.0, 2.0, 0.0, 3.0, 3.0, 3.0]))  # a plateau is one reading
+    assert rest.tolist() == [0, 0, -1, 1, 1, 1]
     many, sd = _group_rows(0.04 + 1e-5 * np.arange(600))
     assert 30 < many.max() < 64
     np.testing.assert_allclose(sd, np.bincount(many)[0] ** -0.5)

@@ -158,6 +158,24 @@ def test_rounded_angles_err_by_their_rounding(drawn):
     found = measure(angles.assign(joint_angle=(angles["joint_angle"].dims, values)), motion)
     assert not found["repeated"].any()
     assert (found["noise_sd"] >= step / np.sqrt(12) * 0.999).all()
+    sd = found["noise_factor"] * found["noise_sd"]
+    assert (sd >= step / np.sqrt(12) * 0.999).all()  # in every frame
+
+
+def test_an_angle_that_flips_between_two_steps_is_no_gross_error(drawn):
+    """Four steps in a hundred were left out as outliers where a step is four sds of the noise."""
+    angles, motion = drawn(sd=0.001)
+    step = 0.004
+    values = np.round(angles["joint_angle"].values / step) * step
+    wrong = values.copy()
+    wrong[2, 1, 40] += 12 * step
+    rounded, spoilt = (
+        measure(angles.assign(joint_angle=(angles["joint_angle"].dims, some)), motion)
+        for some in (values, wrong)
+    )
+    assert (rounded["outlier_distance"] == 0.0).all()
+    assert np.argwhere(spoilt["outlier_distance"].values > 0.0).tolist() == [[2, 40]]
+    assert list_found(rounded).keys() <= {"heavy_tails"}
 
 
 def test_numbers_of_few_digits_repeat_themselves_without_holding(drawn):

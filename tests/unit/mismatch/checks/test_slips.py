@@ -3,7 +3,13 @@ import pytest
 
 from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.measurement.memory import Memory, whiten_array
-from softfinger.mismatch.checks.slips import Series, find_slips, project_outliers, project_steps
+from softfinger.mismatch.checks.slips import (
+    Series,
+    find_slips,
+    project_outliers,
+    project_steps,
+    weigh_shapes,
+)
 
 
 def look(angles):
@@ -72,3 +78,20 @@ def test_projections_are_those_of_whitened_columns():
         white, _ = whiten_array(shapes, gap, Memory(rho))
         np.testing.assert_allclose(product, white.T @ rows, atol=1e-10)
         np.testing.assert_allclose(square, (white**2).sum(axis=0), atol=1e-10)
+
+
+def test_a_leap_of_one_step_of_rounding_is_no_slip():
+    rng = np.random.default_rng(2)
+    n, step = 200, 4.0
+    left = 0.1 * rng.normal(size=n)
+    left[120:] += step
+    rows = np.column_stack([np.zeros((n, 4)), left])
+    none = np.zeros(n)
+    series = Series(rows, 1.0 + none, none, np.zeros(4), np.eye(4), np.ones(n, bool))
+    sizes = np.array([5.0])
+    shape = project_steps(series)
+    assert weigh_shapes(series, *shape, sizes) > 100.0
+    rounded = series._replace(step=step)
+    assert weigh_shapes(rounded, *shape, sizes) < 0.0
+    rows[120:, -1] += step  # twice as far as rounding takes it
+    assert weigh_shapes(rounded, *project_steps(rounded), sizes) > 100.0

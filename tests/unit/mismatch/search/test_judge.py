@@ -48,11 +48,33 @@ def test_the_measurement_is_that_of_the_model_that_leads(monkeypatch, gain, lead
 
     monkeypatch.setattr(module, "judge", judge)
     monkeypatch.setattr(module, "measure_again", lambda problem, *_: problem)
-    monkeypatch.setattr(module, "fit_again", lambda _problem, candidate, _base: candidate)
+    no_better = {"log_evidence": -9.0}  # with the measurement of the other
+    monkeypatch.setattr(module, "fit_again", lambda _problem, c, _base: c._replace(**no_better))
     found = Search(BASE, [BEST], [], BEST, 500.0, {}, [])
     problem, search = judge_finalists(problems["effect"], problems["effect"], found, [], None, 5.0)
     assert problem is problems[leads]
     assert search.best.model.ids == (BEST if leads == "effect" else BASE).model.ids
+
+
+def test_a_model_is_at_its_best_with_the_measurement_of_another(monkeypatch):
+    """A base model whose own measurement was not the best lost to an effect by 10 nats."""
+    problems = {"base": object(), "effect": object()}
+
+    def judge(_problem, candidate, _fitted, _base, _worth):
+        own = problems["effect" if candidate.model.ids else "base"]
+        gain = 10.0 if candidate.model.ids else 0.0
+        return Judged(own, candidate._replace(log_evidence=gain), gain)
+
+    monkeypatch.setattr(module, "judge", judge)
+    monkeypatch.setattr(module, "measure_again", lambda problem, *_: problem)
+    monkeypatch.setattr(
+        module, "fit_again", lambda _problem, candidate, _base: candidate._replace(log_evidence=8.0)
+    )
+    found = Search(BASE, [BEST], [], BEST, 10.0, {}, [])
+    problem, search = judge_finalists(problems["base"], problems["base"], found, [], None, 5.0)
+    assert problem is problems["effect"]
+    assert search.best is search.base
+    assert search.candidates[0].log_evidence - search.base.log_evidence == pytest.approx(2.0)
 
 
 def test_the_best_sets_of_a_search_are_beside_its_base():
