@@ -30,6 +30,7 @@ def reduce_trials(
         trials.protocol,
         trials.band,
         trials.first,
+        trials.trust,
         trials.soft,
     )
 
@@ -45,6 +46,7 @@ def _reduce(
     protocol: NDArray,
     band: NDArray,
     first: NDArray,
+    trust: NDArray,
     soft: NDArray,
 ) -> NDArray:
     trials, columns = angle.shape[0], slope.shape[3]
@@ -52,7 +54,7 @@ def _reduce(
     for i in prange(trials):
         kind = protocol[i]
         rows = _collect_rows(angle[i], slope[i], seen[i], bins[i], present[i], scale[i])
-        white = _soften(_whiten_band(band[kind], first[kind], rows), soft[i])
+        white = _soften(_whiten_band(band[kind], first[kind], rows, trust[i]), soft[i])
         gram[i] = white.T @ white
     return gram
 
@@ -82,11 +84,11 @@ def _collect_rows(
 
 
 @compiled
-def _whiten_band(band: NDArray, first: NDArray, rows: NDArray) -> NDArray:
+def _whiten_band(band: NDArray, first: NDArray, rows: NDArray, trust: NDArray) -> NDArray:
     white = np.zeros_like(rows)
     for i in range(rows.shape[0]):
         for a in range(first[i], i + 1):
-            weight = band[i, a - first[i]]
+            weight = trust[i] * band[i, a - first[i]]
             for c in range(rows.shape[1]):
                 white[i, c] += weight * rows[a, c]
     return white
@@ -110,7 +112,8 @@ def whiten_slope(trials: Trials, slope: NDArray[np.float64], trial: int) -> NDAr
     nothing = np.zeros(slope.shape[1:3])
     slope, seen = np.ascontiguousarray(slope[trial]), np.zeros_like(trials.angle[trial])
     rows = _collect_rows(nothing, slope, seen, trials.bins[trial], present, trials.scale[trial])
-    return _whiten_band(trials.band[kind], trials.first[kind], rows)[:, :-1]
+    band, first = trials.band[kind], trials.first[kind]
+    return _whiten_band(band, first, rows, trials.trust[trial])[:, :-1]
 
 
 def whiten_residual(trials: Trials, angle: NDArray[np.float64], trial: int) -> NDArray[np.float64]:
@@ -120,6 +123,6 @@ def whiten_residual(trials: Trials, angle: NDArray[np.float64], trial: int) -> N
     seen, scale = trials.angle[trial], trials.scale[trial]
     rows = _collect_rows(angle[trial], empty, seen, trials.bins[trial], present, scale)
     white = np.full((trials.bins[trial], trials.joints), np.nan)
-    rows = _soften(_whiten_band(trials.band[kind], trials.first[kind], rows), trials.soft[trial])
-    white[:, present] = rows.reshape(-1, present.sum())
+    rows = _whiten_band(trials.band[kind], trials.first[kind], rows, trials.trust[trial])
+    white[:, present] = _soften(rows, trials.soft[trial]).reshape(-1, present.sum())
     return white

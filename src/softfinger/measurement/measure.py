@@ -186,7 +186,7 @@ def _find_outliers(
     angles: xr.Dataset, frames: xr.Dataset, noise: xr.Dataset | None, passed: Array | None = None
 ) -> Array:
     scale = frames["frame_scale"].values[:, None] * frames["noise_factor"].values
-    step = ROUND_STEP * frames["rounding_sd"].values[:, None]  # no error that rounding makes is gross
+    step = ROUND_STEP * frames["rounding_sd"].values[:, None]  # what rounding does is not gross
     passed = (np.stack([-step, step])[:, None] + (0.0 if passed is None else passed)) / scale
     return find_outliers(angles["joint_angle"].values / scale, angles, frames, noise, passed)
 

@@ -54,6 +54,10 @@ class Trials(NamedTuple):
         a row is one present joint of one bin, joints fastest.
     logdet
         (trial,) log|Σ|.
+    trust
+        (trial, row) factor on a white row, at most 1: less where heavy tails explain it.
+    tails
+        (trial,) what they add to the log evidence [nats].
     soft
         (trial, row, k) D of directions in which the noise is larger: white rows x, with Σ white,
         become x − D Dᵀ x.
@@ -76,6 +80,8 @@ class Trials(NamedTuple):
     first: NDArray[np.int64]
     size: NDArray[np.int64]
     logdet: NDArray[np.float64]
+    trust: NDArray[np.float64]
+    tails: NDArray[np.float64]
     soft: NDArray[np.float64]
 
     @property
@@ -155,6 +161,8 @@ def _stack_trials(head: tuple, middle: tuple, parts: list[tuple], kinds: list[Wh
         first,
         size,
         np.array(volumes),
+        np.ones((len(parts), size.max())),
+        np.zeros(len(parts)),
         np.zeros((len(parts), size.max(), 0)),
     )
 

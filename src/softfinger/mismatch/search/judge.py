@@ -18,6 +18,7 @@ from softfinger.inference.budget import BUDGET as INFERENCE
 from softfinger.inference.disturbances import SIZES, fit_disturbances
 from softfinger.inference.disturbed import admit_disturbances
 from softfinger.inference.problem import Candidate, Problem, predict_frames
+from softfinger.inference.tails import weigh_tails
 from softfinger.measurement.measure import add_components, measure
 from softfinger.measurement.trials import prepare_trials
 from softfinger.mismatch.budget import BUDGET
@@ -74,12 +75,13 @@ def settle_measurement(
     Returns
     -------
     problem, base
-        With that measurement; as they are where it has no disturbance.
+        With that measurement; as they are where it has no disturbance: tails alone change no
+        leader, and are weighed at the end.
     """
     leaders = list_leaders(base, singles, needed)
     judging = (judge(plain, c, plain, base) for c in (base, *leaders))
     best = max((j for j in judging if j is not None), key=lambda j: j.evidence, default=None)
-    if best is None or best.problem is plain:
+    if best is None or not best.problem.disturbed:
         return plain, base
     if best.candidate.model is base.model:
         return best.problem, best.candidate
@@ -156,7 +158,7 @@ def judge(
     base: Candidate,
     worth: float = -np.inf,
 ) -> Judged | None:
-    """Fit a model with its residual's disturbances.
+    """Fit a model with its residual's disturbances and tails.
 
     None where that fails, or where it would not reach what is worth reaching.
 
@@ -171,17 +173,25 @@ def judge(
     worth
         Evidence [nats] that is worth reaching.
     """
-    size, evidence, directions = fit_disturbances(plain, candidate)
-    problem = plain
-    if size:
-        noise = add_components(plain.noise, size, evidence)
-        problem = replace(admit_disturbances(plain, size, directions), noise=noise)
+    problem, size = _soften(plain, candidate)
+    tailed = weigh_tails(plain, candidate, problem)
+    if tailed is not plain:
+        problem, size = _soften(tailed, candidate)
     more = _measure_level(problem) - PRIORS.component_nats * len(size)
     rival = worth - more
     again = candidate if problem is fitted else fit_again(problem, candidate, base, rival)
     if again is None:
         return None
     return Judged(problem, again, again.log_evidence + more)
+
+
+def _soften(plain: Problem, candidate: Candidate) -> tuple[Problem, dict[str, float]]:
+    """Admit the disturbances that a model's residual shows."""
+    size, evidence, directions = fit_disturbances(plain, candidate)
+    if not size:
+        return plain, size
+    noise = add_components(plain.noise, size, evidence)
+    return replace(admit_disturbances(plain, size, directions), noise=noise), size
 
 
 def list_best(search: Search) -> list[Candidate]:
@@ -257,7 +267,7 @@ def _choose_simplest(candidates: list[Candidate], needed: float) -> Candidate:
 
 def _measure_level(problem: Problem) -> float:
     """The noise's part of a log evidence [nats]."""
-    return -0.5 * float(problem.trials.logdet.sum())
+    return float(problem.trials.tails.sum() - 0.5 * problem.trials.logdet.sum())
 
 
 def fit_again(
