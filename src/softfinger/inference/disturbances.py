@@ -26,6 +26,7 @@ from softfinger.inference.reduce import reduce_trials
 from softfinger.inference.spreads import list_spreads
 from softfinger.inference.walks import list_walks, list_waves, share_trial, turn_picture, walk_array
 from softfinger.measurement.components import choose_components
+from softfinger.measurement.decisions import DECISIONS as MEASURING
 
 Array = NDArray[np.float64]
 
@@ -73,9 +74,11 @@ def list_disturbances(
 
 
 def fit_disturbances(
-    problem: Problem, candidate: Candidate
+    problem: Problem, candidate: Candidate, least: float = MEASURING.present_nats
 ) -> tuple[dict[str, float], dict[str, float], dict[str, Array]]:
     """Find which disturbances a fitted model's residual shows.
+
+    Those with `least` nats of evidence.
 
     Returns
     -------
@@ -109,7 +112,7 @@ def fit_disturbances(
     sizes = {name: SIZES.get(name, np.array(PRIORS.effect_spreads)) for name in seen}
     largest = PRIORS.largest_share * float(np.abs(angle - angle[:, :, :1]).max())
     while True:
-        size, evidence = choose_components(evaluate, sizes)
+        size, evidence = choose_components(evaluate, sizes, least)
         beyond = {
             name
             for name in set(size) & set(SIZES)

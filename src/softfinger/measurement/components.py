@@ -17,12 +17,14 @@ Sizes = dict[str, float]
 
 
 def choose_components(
-    evaluate: Callable[[Mapping[str, float]], float], sizes: Mapping[str, NDArray[np.float64]]
+    evaluate: Callable[[Mapping[str, float]], float],
+    sizes: Mapping[str, NDArray[np.float64]],
+    least: float = DECISIONS.present_nats,
 ) -> tuple[Sizes, Sizes]:
     """Choose components and their sizes.
 
     A component's evidence is averaged over its possible sizes; the best one joins while it gains
-    `present_nats`, and then the sizes of all are sought.
+    `least`, and then the sizes of all are sought.
 
     Parameters
     ----------
@@ -30,6 +32,8 @@ def choose_components(
         Component → size, to the log evidence [nats]; components not named are absent.
     sizes
         Component → the sizes (n,) that it may have.
+    least
+        Evidence [nats] from which a component is there.
 
     Returns
     -------
@@ -51,18 +55,20 @@ def choose_components(
             known[key] = evaluate(size)
         return known[key]
 
-    return _choose(look_up, sizes)
+    return _choose(look_up, sizes, least)
 
 
 def _choose(
-    evaluate: Callable[[Mapping[str, float]], float], sizes: Mapping[str, NDArray[np.float64]]
+    evaluate: Callable[[Mapping[str, float]], float],
+    sizes: Mapping[str, NDArray[np.float64]],
+    least: float,
 ) -> tuple[Sizes, Sizes]:
     size: Sizes = {}
     absent = list(sizes)
     while absent:
         gain = {name: _weigh(evaluate, size, name, sizes[name]) for name in absent}
         name = max(gain, key=lambda name: gain[name])
-        if gain[name] < DECISIONS.present_nats:
+        if gain[name] < least:
             break
         # beside another, none gains that did not gain without it
         absent = [other for other in absent if other != name and gain[other] > 0.0]

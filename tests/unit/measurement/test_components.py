@@ -13,3 +13,9 @@ def test_a_component_is_at_most_twice_as_large_as_it_may_be():
 
     size, _ = choose_components(evaluate, {"timing_jitter": np.array([0.001, 0.008])})
     assert 0.012 < size["timing_jitter"] <= 0.016 * (1 + 1e-9)
+
+
+def test_what_is_there_depends_on_the_evidence_that_is_asked_for():
+    sizes = {"drift": np.ones(1)}
+    assert choose_components(lambda size: 4.0 * len(size), sizes)[0] == {}
+    assert set(choose_components(lambda size: 4.0 * len(size), sizes, 3.0)[0]) == {"drift"}

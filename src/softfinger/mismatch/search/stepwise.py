@@ -91,7 +91,7 @@ def search_effects(
     columns
         Of the catalogue, on top of the base model.
     needed
-        Gain [nats] that chance exceeds in 1 % of campaigns, over the whole catalogue. Where one
+        Gain [nats] that chance seldom exceeds, over the whole catalogue. Where one
         effect gains far more and leaves what a spline finds, linear scores of pairs err: those of
         the leading effects are fitted whatever their score.
     ranked

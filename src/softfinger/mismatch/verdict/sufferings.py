@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 
 from softfinger.inference.spreads import is_spread
+from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.words import WORDS, scale_trials
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.verdict.schema import Suffering, Warned
@@ -12,7 +13,7 @@ from softfinger.mismatch.verdict.schema import Suffering, Warned
 def describe_measurement(measurement: xr.Dataset) -> list[Suffering]:
     """Describe every component, the most evident first.
 
-    Parameters of effects that differ between trials are the effects', not the measurement's; and
+    Those with the evidence that a claim needs. Parameters of effects that differ between trials are the effects', not the measurement's; and
     how long the noise lasts is no fault.
     """
     names = measurement["component"].values.astype(str).tolist()
@@ -20,7 +21,8 @@ def describe_measurement(measurement: xr.Dataset) -> list[Suffering]:
     evidence = measurement["component_evidence"].values.tolist()
     found = []
     for name, size, nats in zip(names, sizes, evidence, strict=True):
-        if is_spread(name) or not WORDS[name].fault:
+        slight = nats < MEASURING.present_nats
+        if slight or is_spread(name) or not WORDS[name].fault:
             continue
         words = WORDS[name]
         found.append(

@@ -24,13 +24,17 @@ def build_measurement(found):
 
 
 def test_every_component_has_a_sentence_and_the_strongest_comes_first():
-    found = {name: (0.005, float(k)) for k, name in enumerate(WORDS)}
+    found = {name: (0.005, 10.0 + k) for k, name in enumerate(WORDS)}
     told = describe_measurement(build_measurement(found))
     faults = {name: words for name, words in WORDS.items() if words.fault}
     assert len(told) == len(faults) == len(WORDS) - 1
     assert [one.evidence for one in told] == sorted((one.evidence for one in told), reverse=True)
     assert all(one.statement.endswith(".") for one in told)
     assert {one.id for one in told} == {words.id or name for name, words in faults.items()}
+
+
+def test_what_only_keeps_an_effect_from_being_claimed_is_not_claimed_itself():
+    assert describe_measurement(build_measurement({"drift": (1.0, 4.0)})) == []
 
 
 def test_how_long_the_noise_lasts_is_no_fault():
