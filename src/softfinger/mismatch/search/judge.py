@@ -190,9 +190,7 @@ def judge(
     return Judged(problem, again, again.log_evidence + more)
 
 
-def _soften(
-    plain: Problem, candidate: Candidate, least: float
-) -> tuple[Problem, dict[str, float]]:
+def _soften(plain: Problem, candidate: Candidate, least: float) -> tuple[Problem, dict[str, float]]:
     """Admit the disturbances that a model's residual shows."""
     size, evidence, directions = fit_disturbances(plain, candidate, least)
     if not size:

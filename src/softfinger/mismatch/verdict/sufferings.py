@@ -13,8 +13,8 @@ from softfinger.mismatch.verdict.schema import Suffering, Warned
 def describe_measurement(measurement: xr.Dataset) -> list[Suffering]:
     """Describe every component, the most evident first.
 
-    Those with the evidence that a claim needs. Parameters of effects that differ between trials are the effects', not the measurement's; and
-    how long the noise lasts is no fault.
+    Those with the evidence that a claim needs. Parameters of effects that differ between trials are
+    the effects', not the measurement's; and how long the noise lasts is no fault.
     """
     names = measurement["component"].values.astype(str).tolist()
     sizes = measurement["component_size"].values.tolist()
