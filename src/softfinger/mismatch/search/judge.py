@@ -19,7 +19,6 @@ from softfinger.inference.disturbances import SIZES, fit_disturbances
 from softfinger.inference.disturbed import admit_disturbances
 from softfinger.inference.problem import Candidate, Problem, predict_frames
 from softfinger.inference.tails import weigh_tails
-from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.measure import add_components, measure
 from softfinger.measurement.trials import prepare_trials
 from softfinger.mismatch.budget import BUDGET
@@ -133,7 +132,7 @@ def judge_finalists(
         worth = -np.inf
         if best is not None:
             worth = best.evidence - reaching_nats(best.evidence - judged[0].evidence)
-        one = judge(measured, candidate, fitted, search.base, worth, PRIORS.component_nats)
+        one = judge(measured, candidate, fitted, search.base, worth)
         judged += [] if one is None else [one]
         best = max(judged, key=lambda j: j.evidence, default=None)
     if best is None or (best.problem is plain and plain is problem and _agree(judged, plain)):
@@ -158,7 +157,6 @@ def judge(
     fitted: Problem | None,
     base: Candidate,
     worth: float = -np.inf,
-    least: float = MEASURING.present_nats,
 ) -> Judged | None:
     """Fit a model with its residual's disturbances and tails.
 
@@ -174,14 +172,11 @@ def judge(
         From which its gain counts.
     worth
         Evidence [nats] that is worth reaching.
-    least
-        Evidence [nats] from which a disturbance is there: to be claimed it needs more than to take
-        an effect's place.
     """
-    problem, size = _soften(plain, candidate, least)
+    problem, size = _soften(plain, candidate)
     tailed = weigh_tails(plain, candidate, problem)
     if tailed is not plain:
-        problem, size = _soften(tailed, candidate, least)
+        problem, size = _soften(tailed, candidate)
     more = _measure_level(problem) - PRIORS.component_nats * len(size)
     rival = worth - more
     again = candidate if problem is fitted else fit_again(problem, candidate, base, rival)
@@ -190,9 +185,12 @@ def judge(
     return Judged(problem, again, again.log_evidence + more)
 
 
-def _soften(plain: Problem, candidate: Candidate, least: float) -> tuple[Problem, dict[str, float]]:
-    """Admit the disturbances that a model's residual shows."""
-    size, evidence, directions = fit_disturbances(plain, candidate, least)
+def _soften(plain: Problem, candidate: Candidate) -> tuple[Problem, dict[str, float]]:
+    """Admit the disturbances that a model's residual shows.
+
+    From the evidence that one costs: to be claimed it needs more.
+    """
+    size, evidence, directions = fit_disturbances(plain, candidate, PRIORS.component_nats)
     if not size:
         return plain, size
     noise = add_components(plain.noise, size, evidence)

@@ -22,7 +22,7 @@ SEARCH = Search(BASE, [BEST, THIRD], [], BEST, 500.0, {}, [])
 def test_the_base_model_is_never_given_up_and_no_other_goes_on_far_behind(monkeypatch):
     asked = {}
 
-    def judge(problem, candidate, _fitted, _base, worth, _least):
+    def judge(problem, candidate, _fitted, _base, worth):
         asked[candidate.model.ids] = worth
         return Judged(problem, candidate, candidate.log_evidence)
 
@@ -42,7 +42,7 @@ def test_the_measurement_is_that_of_the_model_that_leads(monkeypatch, gain, lead
     """A noisy log was forgotten, for an effect without it had 0.4 nats more."""
     problems = {"base": object(), "effect": object()}
 
-    def judge(_problem, candidate, _fitted, _base, _worth, _least):
+    def judge(_problem, candidate, _fitted, _base, _worth):
         own = problems["effect" if candidate.model.ids else "base"]
         return Judged(own, candidate, gain if candidate.model.ids else 0.0)
 
@@ -60,7 +60,7 @@ def test_a_model_is_at_its_best_with_the_measurement_of_another(monkeypatch):
     """A base model whose own measurement was not the best lost to an effect by 10 nats."""
     problems = {"base": object(), "effect": object()}
 
-    def judge(_problem, candidate, _fitted, _base, _worth, _least):
+    def judge(_problem, candidate, _fitted, _base, _worth):
         own = problems["effect" if candidate.model.ids else "base"]
         gain = 10.0 if candidate.model.ids else 0.0
         return Judged(own, candidate._replace(log_evidence=gain), gain)
