@@ -44,7 +44,6 @@ SIZES: Mapping[str, Array] = {
 DRIFTS = ("drift", "gain_drift", "picture_turn", "lasting_noise")  # those that wander slowly
 STEP_SHARE = 0.01  # of a row's load by which the model is moved
 STEP_S = 0.002
-JITTER_S = 0.005  # over which a frame with a wrong time moves: as much as clocks jitter
 
 
 def list_disturbances(
@@ -188,9 +187,11 @@ def _spread_jitter(problem: Problem, candidate: Candidate, speed: Array) -> Arra
 
     The frames of such a bin err alone.
     """
-    trials, soon = problem.trials, problem.trials.node + JITTER_S
+    trials, soon = problem.trials, problem.trials.node + PRIORS.before_kick_s
     still, later = (_simulate(problem, candidate, node=node) for node in (trials.node, soon))
-    after = (later - still) / JITTER_S  # a frame just before a kick may have been taken after it
+    after = (
+        later - still
+    ) / PRIORS.before_kick_s  # a frame just before a kick may have been taken after it
     speed = np.where(np.abs(after) > 2.0 * np.abs(speed), after, speed)
     count, joints, nodes = speed.shape
     mean = speed.reshape(count, joints, -1, 2).mean(axis=3)

@@ -55,6 +55,10 @@ class InferencePriors:
     """The same of its gain's drift at the end. Why: a warming cell, up to a bad one."""
     jitter_sizes_s: tuple[float, ...] = (0.0005, 0.001, 0.002, 0.004, 0.008)
     """[s] The same of a frame's time. Why: up to a quarter of a frame."""
+    before_kick_s: float = 0.005
+    """[s] How long before a kick a frame may be that was taken after it. Why: clocks jitter so.
+    Test: `test_disturbances.py::test_a_frame_before_a_kick_may_have_been_taken_after_it`.
+    """
     offset_sizes_s: tuple[float, ...] = (0.001, 0.003, 0.01, 0.03)
     """[s] The same of a trial's clock. Why: up to a frame."""
     rate_sizes: tuple[float, ...] = (1e-4, 3e-4, 1e-3, 3e-3)

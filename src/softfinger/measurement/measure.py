@@ -20,7 +20,7 @@ from softfinger.measurement.outliers import find_outliers, find_time_error, list
 from softfinger.measurement.presence import list_components
 from softfinger.measurement.priors import PRIORS
 from softfinger.measurement.reml import LEAST_SD, profile_windows
-from softfinger.measurement.repeats import ROUND_STEP, find_repeated_frames, find_rounding
+from softfinger.measurement.repeats import compute_step, find_repeated_frames, find_rounding
 from softfinger.measurement.saturation import find_saturated_frames
 from softfinger.measurement.scales import Scales, WindowVariances, fit_scales
 
@@ -186,7 +186,7 @@ def _find_outliers(
     angles: xr.Dataset, frames: xr.Dataset, noise: xr.Dataset | None, passed: Array | None = None
 ) -> Array:
     scale = frames["frame_scale"].values[:, None] * frames["noise_factor"].values
-    step = ROUND_STEP * frames["rounding_sd"].values[:, None]  # what rounding does is not gross
+    step = compute_step(frames["rounding_sd"].values[:, None])  # what rounding does is not gross
     passed = (np.stack([-step, step])[:, None] + (0.0 if passed is None else passed)) / scale
     return find_outliers(angles["joint_angle"].values / scale, angles, frames, noise, passed)
 

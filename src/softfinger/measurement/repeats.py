@@ -16,8 +16,6 @@ from softfinger.compiled import compiled
 from softfinger.measurement.budget import BUDGET
 from softfinger.measurement.decisions import DECISIONS
 
-ROUND_STEP = np.sqrt(12.0)  # a step over the sd of its rounding
-
 
 def find_repeated_frames(angles: xr.Dataset, frames: xr.Dataset) -> NDArray[np.bool_]:
     """Find the used frames that repeat the one before.
@@ -110,7 +108,18 @@ def find_rounding(angles: xr.Dataset, frames: xr.Dataset) -> NDArray[np.float64]
     used = frames["used"].values
     steps = [[_find_usual_step(row[u & np.isfinite(row)])
               for row, u in zip(rows, used, strict=True)] for rows in angle]  # fmt: skip
-    return np.median(steps, axis=1) / ROUND_STEP
+    return np.median(steps, axis=1) / compute_step(1.0)
+
+
+def compute_step[Sd: (float, NDArray[np.float64])](sd: Sd) -> Sd:
+    """Step whose rounding has an sd: the width of an even spread.
+
+    In the unit of the sd (…).
+
+    >>> round(compute_step(1.0) ** 2, 9)
+    12.0
+    """
+    return np.sqrt(12.0) * sd
 
 
 def _find_usual_step(values: NDArray[np.float64]) -> float:

@@ -24,7 +24,7 @@ from softfinger.inference.disturbed import locate_disturbances
 from softfinger.inference.problem import LAYOUT, Candidate, Problem, simulate_frames
 from softfinger.measurement.memory import correlate_frames, list_memories, whiten_neighbours
 from softfinger.measurement.quiet import find_quiet_array
-from softfinger.measurement.repeats import ROUND_STEP
+from softfinger.measurement.repeats import compute_step
 from softfinger.mechanics import OWN
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.priors import PRIORS
@@ -158,7 +158,7 @@ def _list_series(
                 precision @ (fit.mean[own] - fit.own[i, own]),
                 precision,
                 quiet,
-                ROUND_STEP * float(problem.noise["rounding_sd"][j]) / sd,
+                compute_step(float(problem.noise["rounding_sd"][j])) / sd,
             )
             found.append((i, int(j), series, float(sd)))
     return found
