@@ -116,7 +116,7 @@ def compute_step[Sd: (float, NDArray[np.float64])](sd: Sd) -> Sd:
 
     In the unit of the sd (…).
 
-    >>> round(compute_step(1.0) ** 2, 9)
+    >>> float(round(compute_step(1.0) ** 2, 9))
     12.0
     """
     return np.sqrt(12.0) * sd
