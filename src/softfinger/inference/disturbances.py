@@ -189,9 +189,8 @@ def _spread_jitter(problem: Problem, candidate: Candidate, speed: Array) -> Arra
     """
     trials, soon = problem.trials, problem.trials.node + PRIORS.before_kick_s
     still, later = (_simulate(problem, candidate, node=node) for node in (trials.node, soon))
-    after = (
-        later - still
-    ) / PRIORS.before_kick_s  # a frame just before a kick may have been taken after it
+    # a frame just before a kick may have been taken after it
+    after = (later - still) / PRIORS.before_kick_s
     speed = np.where(np.abs(after) > 2.0 * np.abs(speed), after, speed)
     count, joints, nodes = speed.shape
     mean = speed.reshape(count, joints, -1, 2).mean(axis=3)

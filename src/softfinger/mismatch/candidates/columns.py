@@ -170,10 +170,11 @@ def _slope_at_null(
     shared: NDArray[np.float64],
     new: NDArray[np.int64],
 ) -> NDArray[np.float64]:
-    """Slopes (trial, joint, bin · 2, a) by amplitudes, where they are absent.
+    """Slopes by a form's amplitudes at their null.
 
-    Only there does what alters trials' parameters alone look exactly as they do. Where a form has
-    no slope at its null, that of its start, all but absent; NaN where neither can be simulated.
+    They are (trial, joint, bin · 2, a). Only there does what alters trials' parameters alone look
+    exactly as they do. Where a form has no slope at its null, that of its start, all but absent;
+    NaN where neither can be simulated.
     """
     for at in (np.where(np.isin(np.arange(len(shared)), new), 0.0, shared), shared):
         try:
