@@ -133,7 +133,7 @@ def prepare_candidate(angles: xr.Dataset, problem: Problem, candidate: Candidate
         candidate.fit,
         problem.build_prior(candidate.model),
         size[kind],
-        problem.trials.logdet[kind],
+        problem.trials.logdet,
     )
     given = Given(
         expansion,

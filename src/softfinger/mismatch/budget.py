@@ -22,6 +22,11 @@ class DiagnosisBudget:
     """[nats] behind the best fit that goes on. Why: what `first_steps` may lack."""
     reach_share: float = 0.5
     """The same as a share of the best gain. Why: as `near_share`, after some steps."""
+    resize_nats: float = 0.5
+    """[nats] that another size of a law gains, where it is fitted anew. Why: that costs a second.
+
+    Test: `test_law_size.py::test_a_slight_law_has_a_small_size`.
+    """
     hopeless_nats: float = -2.0
     """[nats] No form with a lower linearised gain is fitted. Why: its prior alone costs that."""
     most_effects: int = 3

@@ -22,6 +22,11 @@ class DiagnosisPriors:
 
     Test: `test_decisions.py::test_noise_of_another_size_is_no_excess_and_what_lasts_is`.
     """
+    law_sizes: tuple[float, ...] = (1.0, 0.25, 0.0625)
+    """Prior sizes of a free law that are as likely, over its form's. Why: half an arm to 3 % of it.
+
+    Test: `test_law_size.py::test_a_slight_law_has_a_small_size`.
+    """
     knots: int = 9
     """Coefficients of a cubic spline. Why: it turns up to eight times, more than any law."""
     shape_sizes_rad: tuple[float, ...] = (0.001, 0.004, 0.016, 0.064)

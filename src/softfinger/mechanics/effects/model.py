@@ -20,12 +20,14 @@ LONGEST_STEP = 1.0  # of a parameter's prior sd, in one linearisation
 class Piece:
     """One effect in one form, at some places.
 
-    Places are joints (j,) or pairs (j, k), 0-based.
+    Places are joints (j,) or pairs (j, k), 0-based. The prior sds of a law's terms are `size` times
+    those of the form.
     """
 
     effect: Effect
     form: Form
     places: tuple[tuple[int, ...], ...]
+    size: float = 1.0
 
     @property
     def label(self) -> str:
@@ -141,7 +143,12 @@ class EffectModel:
     @property
     def shared_prior(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Prior mean and sd of φ, internal."""
-        usual = np.stack([self._gather("mean"), self._gather("sd")])
+        pieces = [self.pieces[entry.piece] for entry in self.entries]
+        sizes = [
+            piece.size if piece.form.law and entry.parameter.term else 1.0
+            for piece, entry in zip(pieces, self.entries, strict=True)
+        ]
+        usual = np.stack([self._gather("mean"), self._gather("sd") * np.array(sizes)])
         for k, entry in enumerate(self.entries):
             key = self.pieces[entry.piece].effect.id, entry.name
             usual[:, k] = self.known.get(key, usual[:, k])

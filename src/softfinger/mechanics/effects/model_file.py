@@ -12,7 +12,7 @@ same recordings right by it, and leaves other ones as they are.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -28,6 +28,7 @@ from softfinger.mechanics.effects.effect import Setting
 from softfinger.mechanics.effects.law_file import LawEntry, describe_laws, read_laws
 from softfinger.mechanics.effects.measurement_file import MeasurementEntry
 from softfinger.mechanics.effects.model import EffectModel, Entry, Known, Piece
+from softfinger.mechanics.effects.places import describe_places
 from softfinger.mechanics.effects.prior_file import (
     LogNormalPrior,
     NormalPrior,
@@ -37,6 +38,7 @@ from softfinger.mechanics.effects.prior_file import (
 )
 
 DIGITS = 7
+LAWLESS = {"law": None, "law_size": 1.0}  # not written
 Joint = Annotated[int, Field(ge=1)]
 
 
@@ -45,13 +47,14 @@ class EffectEntry(Part):
 
     A form of pairs of joints names them as [[2, 1]]: 2 moved by 1.
 
-    A free form has its `law`: one curve, or one for each of its joints.
+    A free form has its `law`: one curve, or one for each of its joints, `law_size` of the usual.
     """
 
     id: str
     form: str
     joints: list[Joint | tuple[Joint, Joint]] = Field(default_factory=list)
     law: LawEntry | list[LawEntry] | None = None
+    law_size: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0
     priors: dict[str, Prior] = Field(default_factory=dict)
 
 
@@ -128,13 +131,12 @@ def write_model_file(content: ModelFile, path: Path | str) -> None:
     """Write a model file; read again, its bytes stay."""
     yaml = YAML()
     yaml.width = 200
-    document = content.model_dump(mode="json")
+    unused = {"measurement"} if content.measurement is None else None
+    document = content.model_dump(mode="json", exclude=unused)
     document["effects"] = [
-        {key: value for key, value in effect.items() if key != "law" or value is not None}
+        {key: v for key, v in effect.items() if key not in LAWLESS or v != LAWLESS[key]}
         for effect in document["effects"]
     ]
-    if content.measurement is None:
-        del document["measurement"]
     with Path(path).open("w", encoding="utf-8", newline="\n") as stream:
         yaml.dump(document, stream)
 
@@ -214,6 +216,7 @@ def describe_model(
                 form=piece.form.name,
                 joints=joints,
                 law=describe_laws(model, number, mean, covariance),
+                law_size=piece.size,
                 priors=priors,
             )
         )
@@ -245,33 +248,13 @@ def _build_piece(
         return None
     given = [joint if isinstance(joint, tuple) else (joint,) for joint in entry.joints]
     kinds = {parameter.per for parameter in form.parameters}
-    words, right = _describe_places(kinds, single=form.local)
+    words, right = describe_places(kinds, single=form.local)
     whole = all(max(g) <= setting.joints for g in given) and len(set(given)) == len(given)
     if not whole or not right(given):
         faults.append(f"{place}: joints are {entry.joints}; expected {words} of {setting.joints}")
         return None
-    return Piece(effects[entry.id], form, tuple(tuple(j - 1 for j in g) for g in given))
-
-
-Places = list[tuple[int, ...]]
-
-
-def _describe_places(kinds: set[str], *, single: bool) -> tuple[str, Callable[[Places], bool]]:
-    """Which joints a form is for: words, test."""
-
-    def is_joints(places: Places) -> bool:
-        return len(places) > 0 and all(len(place) == 1 for place in places)
-
-    def is_pairs(places: Places) -> bool:
-        return len(places) > 0 and all(len(p) == 2 and abs(p[0] - p[1]) == 1 for p in places)
-
-    if kinds & {"pair", "neighbours"}:
-        return "different pairs of neighbouring joints, as [[2, 1]],", is_pairs
-    if "joint" in kinds:
-        return "different joints", is_joints
-    if single:
-        return "no joints, [], or a single one", lambda p: not p or (is_joints(p) and len(p) == 1)
-    return "no joints, [],", lambda p: not p
+    places = tuple(tuple(j - 1 for j in g) for g in given)
+    return Piece(effects[entry.id], form, places, entry.law_size)
 
 
 def _read_priors(entry: EffectEntry, model: EffectModel, place: str, faults: list[str]) -> Known:

@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mechanics.effects.model import EffectModel, Piece
 from softfinger.mismatch.budget import BUDGET
+from softfinger.mismatch.candidates.law_size import resize_laws
+from softfinger.mismatch.candidates.linearised import Linearised
 from softfinger.mismatch.candidates.rank import go_on, prune
 
 Start = tuple[EffectModel, NDArray[np.float64]]
@@ -51,7 +53,8 @@ def list_finer(candidate: Candidate, pieces: Iterable[Piece]) -> list[Piece]:
         for mine in candidate.model.pieces:
             alike = one.effect.id == mine.effect.id and bool(one.places) == bool(mine.places)
             if alike and one.form.finer is not None:
-                finer[one.effect.id] = replace(one, form=one.form.finer, places=mine.places)
+                new = replace(one, form=one.form.finer, places=mine.places, size=mine.size)
+                finer[one.effect.id] = new
     return list(finer.values())
 
 
@@ -87,7 +90,7 @@ def _list_swaps(candidate: Candidate, pieces: list[Piece]) -> Iterator[Start]:
             same = new.effect.id == old.effect.id and new.places == old.places
             if same and new.form.name != old.form.name:
                 kept = list(candidate.model.pieces)
-                kept[number] = new
+                kept[number] = replace(new, size=old.size)
                 model = replace(candidate.model, pieces=tuple(kept))
                 yield from (
                     (model, shared) for shared in list_starts_beside(candidate, model, number)
@@ -120,6 +123,12 @@ def _fit_near(problem: Problem, best: Candidate, start: Start) -> Candidate | No
     model, shared = start
     before = best.fit.own, shared, best.fit.omega
     fit = problem.fit(model, before, steps=BUDGET.first_steps, first=best.fit.first)
+    if fit is not None:
+        there = Linearised(fit.gram, fit.own, fit.shared, fit.omega)
+        sized = resize_laws(problem, model, there)
+        if sized is not model:
+            model, before = sized, (fit.own, fit.shared, fit.omega)
+            fit = problem.fit(model, before, steps=BUDGET.first_steps, first=best.fit.first)
     if fit is None or fit.log_evidence < best.log_evidence - BUDGET.reach_nats:
         return None
     fit = go_on(problem, model, fit)

@@ -11,13 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.inference.mixed_effects_laplace import Fit
-from softfinger.inference.mixed_effects_linearised import solve_linearised
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.effect import Setting
 from softfinger.mechanics.effects.model import EffectModel, Piece
+from softfinger.mechanics.effects.places import list_places
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.columns import Block, ScoreColumns
+from softfinger.mismatch.candidates.law_size import list_sizes, resize_laws
+from softfinger.mismatch.candidates.linearised import Linearised, drop_places, evaluate_linearised
 from softfinger.mismatch.decisions import DECISIONS
 
 Progress = Callable[[Iterable, str], Iterable]
@@ -57,20 +59,10 @@ def list_pieces(setting: Setting) -> tuple[list[Piece], dict[str, str]]:
         for form in forms:
             if form.kin in shared:
                 continue
-            pieces.append(Piece(effect, form, _places(form.parameters, setting)))
+            pieces.append(Piece(effect, form, list_places(form.parameters, setting)))
             if form.local and setting.joints > 1:
                 pieces += [Piece(effect, form, ((j,),)) for j in range(setting.joints)]
     return pieces, refused
-
-
-def _places(parameters: Iterable, setting: Setting) -> tuple[tuple[int, ...], ...]:
-    kinds = {parameter.per for parameter in parameters}
-    joints = range(setting.joints)
-    if "pair" in kinds:
-        return tuple((j, k) for j in joints for k in (j - 1, j + 1) if 0 <= k < setting.joints)
-    if "neighbours" in kinds:
-        return tuple((j, j + 1) for j in joints[:-1])
-    return tuple((j,) for j in joints) if "joint" in kinds else ()
 
 
 def score_pieces(problem: Problem, origin: Candidate, columns: ScoreColumns) -> list[Score]:
@@ -92,98 +84,35 @@ def score_pieces(problem: Problem, origin: Candidate, columns: ScoreColumns) -> 
 def choose_starts(
     problem: Problem, origin: Candidate, columns: ScoreColumns
 ) -> list[tuple[float, Block]]:
-    """Choose each form's best start, gain [nats], block."""
-    best: dict[Piece, tuple[float, Block]] = {}
+    """Choose each form's best start and size: gain [nats], block."""
+    best: dict[str, tuple[float, Block]] = {}
     for block in columns.blocks:
-        gain = score_block(problem, origin, columns, block)
-        piece = block.model.pieces[-1]
-        if piece not in best or gain > best[piece][0]:
-            best[piece] = gain, block
+        label = block.model.pieces[-1].label
+        for model in list_sizes(block.model, len(block.model.pieces) - 1):
+            sized = block._replace(model=model)
+            gain = score_block(problem, origin, columns, sized)
+            if label not in best or gain > best[label][0]:
+                best[label] = gain, sized
     return list(best.values())
 
 
 def score_block(problem: Problem, origin: Candidate, columns: ScoreColumns, block: Block) -> float:
     """Linearised gain [nats] of all places over the fit."""
     there = _stand(origin, columns, block)
-    return _evaluate(problem, block.model, there, 0) - origin.log_evidence
+    return evaluate_linearised(problem, block.model, there, rounds=0) - origin.log_evidence
 
 
-def _stand(origin: Candidate, columns: ScoreColumns, block: Block) -> "Linearised":
+def _stand(origin: Candidate, columns: ScoreColumns, block: Block) -> Linearised:
     gram = columns.linearise(block)
     return Linearised(gram, origin.fit.own, block.shared, origin.fit.omega)
 
 
-class Linearised(NamedTuple):
-    """A model linearised at (η, φ).
-
-    Gram matrices of [∂F/∂η | ∂F/∂φ | residual], and Ω.
-    """
-
-    gram: NDArray[np.float64]
-    own: NDArray[np.float64]
-    shared: NDArray[np.float64]
-    omega: NDArray[np.float64]
-
-
-def drop_places(
-    problem: Problem, model: EffectModel, there: Linearised, *, rounds: int
-) -> tuple[EffectModel, float]:
-    """Drop the last piece's places while evidence rises."""
-    now, evidence = model, _evaluate(problem, model, there, rounds)
-    while True:
-        last = len(now.pieces) - 1
-        smaller = [
-            now.without(e)
-            for e in now.entries
-            if e.parameter.amplitude
-            and e.place
-            and e.piece == last
-            and len(now.pieces[last].places) > 1
-        ]
-        values = [evaluate_without(problem, model, there, other, rounds) for other in smaller]
-        if not values or max(values) <= evidence:
-            return now, evidence
-        now, evidence = smaller[int(np.argmax(values))], max(values)
-
-
-def evaluate_without(
-    problem: Problem, model: EffectModel, there: Linearised, smaller: EffectModel, rounds: int
-) -> float:
-    """Log evidence of a model with a smaller φ.
-
-    It is linearised where the larger one is.
-    """
-    d = len(there.omega)
-    kept = model.match(smaller)
-    absent = np.setdiff1d(np.flatnonzero(model.amplitudes), kept)
-    shift = np.eye(there.gram.shape[1])  # the residual without what the absent amplitudes add
-    shift[d + absent, -1] = there.shared[absent]
-    columns = np.concatenate([np.arange(d), d + kept, [len(shift) - 1]])
-    gram = (shift.T @ there.gram @ shift)[:, columns[:, None], columns]
-    there = there._replace(gram=gram, shared=there.shared[kept])
-    return _evaluate(problem, smaller, there, rounds)
-
-
-def _evaluate(problem: Problem, model: EffectModel, there: Linearised, rounds: int) -> float:
-    """Log evidence; −∞ where the linear model cannot be solved."""
-    try:
-        return solve_linearised(
-            there.gram,
-            problem.build_prior(model),
-            problem.build_bounds(model),
-            (there.own, there.shared),
-            there.omega,
-            rounds=rounds,
-        )[1]
-    except np.linalg.LinAlgError:  # as of a fit: numbers that leave the range have no evidence
-        return -np.inf
-
-
 def prune(problem: Problem, candidate: Candidate) -> Candidate:
-    """Drop needless places, and fit what is left."""
+    """Choose laws' sizes, drop needless places, and fit again."""
     fit = candidate.fit
     there = Linearised(fit.gram, fit.own, fit.shared, fit.omega)
-    model, _ = drop_places(problem, candidate.model, there, rounds=5)
+    sized = resize_laws(problem, candidate.model, there)
+    model, _ = drop_places(problem, sized, there, rounds=5)
     if model is candidate.model:
         return candidate
     start = fit.own, fit.shared[candidate.model.match(model)], fit.omega

@@ -199,7 +199,8 @@ def measure_largest_angle(
             by_own=False,
             tolerance=INFERENCE.angle_error,
         )
-        largest = max(largest, float(np.nanmax(np.abs(angle))))
+        known = angle[np.isfinite(angle)]  # a trial drawn far off may have no motion
+        largest = max(largest, float(np.abs(known).max(initial=0.0)))
     return largest
 
 

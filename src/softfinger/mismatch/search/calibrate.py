@@ -23,6 +23,7 @@ from softfinger.inference.mixed_effects import (
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mismatch.candidates.columns import ScoreColumns
 from softfinger.mismatch.decisions import DECISIONS
+from softfinger.mismatch.priors import PRIORS
 from softfinger.mismatch.search.replicates import draw_products, set_apart
 
 ROUNDS, SLIGHT = 3, 0.1  # of EM, and the nats at which it stops: a score errs by more
@@ -82,13 +83,14 @@ def calibrate_false_alarms(
     prior = prior._replace(mean=away, precision=prior.precision[:d])
     largest = np.empty(replicates)
     for k, product in enumerate(draw_products(whole, base, prior, rng, replicates)):
-        gains, alone = score_columns_array(columns, whole, product, prior, base.fit.omega)
+        gains, sizes, alone = score_columns_array(columns, whole, product, prior, base.fit.omega)
         gains = np.where(np.isfinite(gains), gains, -np.inf)
         largest[k] = gains.max(initial=0.0)
         if gains.size:  # the best form by its score gains what a fit of it does
             try:
                 form = int(gains.argmax())
-                again = _refit(columns, whole, product, prior, base.fit.omega, form) - alone
+                sized = form, float(sizes[form])
+                again = _refit(columns, whole, product, prior, base.fit.omega, sized) - alone
             except np.linalg.LinAlgError:  # numbers beyond their range: its score is what is known
                 continue
             largest[k] = max(largest[k], again)
@@ -101,16 +103,18 @@ def _refit(
     product: NDArray,
     prior: Prior,
     omega: NDArray,
-    form: int,
+    sized: tuple[int, float],
 ) -> float:
-    """Log evidence [nats] of one form, Ω fitted anew.
+    """Log evidence [nats] of one form at a size, Ω fitted anew.
 
     What differs between trials may shrink.
     """
-    d, more = len(omega), columns.first[form] + np.arange(columns.count[form])
+    d, (form, size) = len(omega), sized
+    more = columns.first[form] + np.arange(columns.count[form])
+    sd = columns.sd[more] * np.where(columns.law[more], size, 1.0)
     wider = prior._replace(
         mean=np.append(prior.mean, np.zeros(len(more))),
-        precision=np.append(prior.precision, columns.sd[more] ** -2.0),
+        precision=np.append(prior.precision, sd**-2.0),
     )
     kept = np.append(np.arange(d), d + more)
     gram = np.zeros((len(product), len(kept) + 1, len(kept) + 1))
@@ -125,39 +129,43 @@ def score_columns_array(
     product: NDArray[np.float64],
     prior: Prior,
     omega: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], float]:
-    """Gain [nats] of each form (form,), and evidence of none.
+) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+    """Gain [nats] and size of each form (form,); evidence of none.
 
-    Ω is fitted under the base model.
+    Ω is fitted under the base model. A law has the size with which it gains most.
 
     Parameters
     ----------
     gram, product
         CᵀC (trial, d + c, d + c) of the columns alone, and Cᵀz (trial, d + c).
     """
-    gain, mean, sd, alone = _score(
-        gram, product, columns.first, columns.count, columns.sd, prior, omega
+    forms = columns.first, columns.count
+    sizes = np.array(PRIORS.law_sizes)
+    gain, size, mean, sd, alone = _score(
+        gram, product, forms, columns.sd, columns.law, sizes, prior, omega
     )
     inside = norm.logcdf(mean / sd) + np.log(2.0)
     cut = np.where(columns.positive, inside, 0.0)
     add = np.add.reduceat(cut, columns.first) if len(columns.first) else np.zeros(0)
-    return gain + add, alone
+    return gain + add, size, alone
 
 
 @compiled
 def _score(
     gram: NDArray,
     product: NDArray,
-    first: NDArray,
-    count: NDArray,
+    forms: tuple[NDArray, NDArray],
     amplitude_sd: NDArray,
+    law: NDArray,
+    sizes: NDArray,
     prior: Prior,
     omega: NDArray,
-) -> tuple[NDArray, NDArray, NDArray, float]:
-    """Gain of each form, its amplitudes, and the evidence without any.
+) -> tuple[NDArray, NDArray, NDArray, NDArray, float]:
+    """Gain and size of each form, its amplitudes, and the evidence without any.
 
     Mean and sd of each amplitude: one Ω, one inverse for each trial.
     """
+    first, count = forms
     trials, d = gram.shape[0], omega.shape[0]
     own = np.zeros((trials, d + 1, d + 1))
     own[:, :d, :d] = gram[:, :d, :d]
@@ -167,21 +175,25 @@ def _score(
     shared, covariance, _, _, _, alone, _ = solve_gram(own, prior, omega)
     cross, direct, square = _take_up(gram, product, own, first, count, omega)
     direct -= cross @ shared
-    gain = np.empty(first.size)
+    gain, chosen = np.full(first.size, -np.inf), np.ones(first.size)
     location, sd = np.zeros(amplitude_sd.size), np.ones(amplitude_sd.size)
     for form in range(first.size):
         p, begin = count[form], first[form]
         part = slice(begin, begin + p)
-        hessian = np.diag(amplitude_sd[part] ** -2.0) + square[part, :p]
-        hessian -= cross[part] @ covariance @ cross[part].T
-        inside = np.linalg.inv(hessian)
-        place = inside @ direct[part]
-        location[part] = place
-        for a in range(p):
-            sd[begin + a] = np.sqrt(inside[a, a])
-        volume = np.linalg.slogdet(hessian)[1] + 2.0 * np.sum(np.log(amplitude_sd[part]))
-        gain[form] = 0.5 * (place @ direct[part] - volume)
-    return gain, location, sd, alone
+        seen = square[part, :p] - cross[part] @ covariance @ cross[part].T
+        for size in sizes if law[part].any() else sizes[:1]:
+            wide = np.where(law[part], size * amplitude_sd[part], amplitude_sd[part])
+            hessian = np.diag(wide**-2.0) + seen
+            inside = np.linalg.inv(hessian)
+            place = inside @ direct[part]
+            volume = np.linalg.slogdet(hessian)[1] + 2.0 * np.sum(np.log(wide))
+            now = 0.5 * (place @ direct[part] - volume)
+            if not now > gain[form]:
+                continue
+            gain[form], chosen[form], location[part] = now, size, place
+            for a in range(p):
+                sd[begin + a] = np.sqrt(inside[a, a])
+    return gain, chosen, location, sd, alone
 
 
 @compiled

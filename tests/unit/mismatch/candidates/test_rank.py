@@ -10,6 +10,7 @@ from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.mechanics.effects.model import EffectModel
 from softfinger.mismatch.candidates import rank
 from softfinger.mismatch.candidates.columns import collect_columns
+from softfinger.mismatch.candidates.linearised import Linearised, evaluate_linearised
 from softfinger.mismatch.candidates.rank import (
     Score,
     fit_scored,
@@ -152,5 +153,5 @@ def test_a_linear_model_that_cannot_be_solved_has_no_evidence():
         build_prior=lambda _: Prior(np.zeros(2), np.ones(2), np.ones(1), 2.0, 1),
         build_bounds=lambda _: SharedBounds(np.full(1, -1.0), np.ones(1), np.ones(1)),
     )
-    there = rank.Linearised(np.full((2, 3, 3), np.nan), np.zeros((2, 1)), np.zeros(1), np.eye(1))
-    assert rank._evaluate(problem, model, there, 0) == -np.inf
+    there = Linearised(np.full((2, 3, 3), np.nan), np.zeros((2, 1)), np.zeros(1), np.eye(1))
+    assert evaluate_linearised(problem, model, there, 0) == -np.inf
