@@ -25,6 +25,7 @@ from softfinger.mismatch.config import MismatchSettings
 from softfinger.mismatch.experiment.masking import list_invisible, tabulate_masking
 from softfinger.mismatch.search.calibrate import FalseAlarms, calibrate_false_alarms
 from softfinger.mismatch.search.eliminate import fit_less
+from softfinger.mismatch.search.extend import Task
 from softfinger.mismatch.search.judge import (
     find_leader,
     judge_finalists,
@@ -80,11 +81,12 @@ class Survey(NamedTuple):
     needed: float
     ranked: tuple[list[Candidate], list[Score]]
 
-    def search(self, problem: Problem, base: Candidate, progress: Progress) -> Search:
-        """Search for the effects that act together."""
-        return search_effects(
-            problem, base, self.catalogue, self.columns, self.needed, progress, self.ranked
-        )
+    def search(
+        self, problem: Problem, base: Candidate, progress: Progress, rival: float = 0.0
+    ) -> Search:
+        """Search for the effects that act together, beside a rival's gain [nats]."""
+        found = *self.catalogue, self.columns, *self.ranked
+        return search_effects(Task(problem, base, *found, progress), self.needed, rival)
 
 
 class Posed(NamedTuple):
@@ -168,13 +170,14 @@ def search_jointly(
     """Search with the measurement that leads, and without any disturbance.
 
     A disturbance that one effect needs may be what a second effect does. So what the search finds
-    without it is judged beside what it finds with it.
+    without it is judged beside what it finds with it, where it comes near what the disturbance
+    gains.
     """
     right, plain, base, found, _, _ = posed
-    problem, start = settle_measurement(plain, base, found.ranked[0], found.needed)
+    problem, start, gain = settle_measurement(plain, base, found.ranked[0], found.needed)
     rivals: list[Candidate] = []
     if problem is not plain:
-        rivals = list_best(found.search(plain, base, patience))
+        rivals = list_best(found.search(plain, base, patience, gain))
         found = survey(problem, start)
     search = found.search(problem, start, patience)
     if search.best is not search.base or rivals:

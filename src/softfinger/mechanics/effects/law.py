@@ -6,8 +6,8 @@ argument: Chebyshev terms that vanish at x = 0, higher ones shrunk more by their
     law(x) = Σ w_k [T_k(2 x − 1) − T_k(−1)],   w_k ~ N(0, (size/k²)²),   x = argument / reach.
 
 A finer law has more terms, shrunk as size/k: for curves with corners and waves, where the first has
-left something. The terms are parameters like any other, so fit, evidence and prediction know
-nothing of it.
+left something. The size is the form's, or a part of it that the evidence chooses (`Piece.size`).
+The terms are parameters like any other, so fit, evidence and prediction know nothing of it.
 """
 
 from collections.abc import Mapping

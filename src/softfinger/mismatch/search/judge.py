@@ -58,7 +58,7 @@ def list_leaders(base: Candidate, singles: list[Candidate], needed: float) -> li
 
 def settle_measurement(
     plain: Problem, base: Candidate, singles: list[Candidate], needed: float
-) -> tuple[Problem, Candidate]:
+) -> tuple[Problem, Candidate, float]:
     """Take the measurement of whichever leads.
 
     The base model leads, or one of the best effects.
@@ -77,16 +77,19 @@ def settle_measurement(
     problem, base
         With that measurement; as they are where it has no disturbance: tails alone change no
         leader, and are weighed at the end.
+    gain
+        What the leader then has more [nats] than the base model without disturbances.
     """
     leaders = list_leaders(base, singles, needed)
     judging = (judge(plain, c, plain, base) for c in (base, *leaders))
     best = max((j for j in judging if j is not None), key=lambda j: j.evidence, default=None)
     if best is None or not best.problem.disturbed:
-        return plain, base
+        return plain, base, 0.0
+    gain = best.evidence - _measure_level(plain) - base.log_evidence
     if best.candidate.model is base.model:
-        return best.problem, best.candidate
+        return best.problem, best.candidate, gain
     again = fit_again(best.problem, base, base)
-    return (plain, base) if again is None else (best.problem, again)
+    return (plain, base, 0.0) if again is None else (best.problem, again, gain)
 
 
 def judge_finalists(

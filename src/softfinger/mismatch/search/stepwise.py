@@ -5,7 +5,6 @@ of its textbook form. So a further effect has a free-form term on top of the eff
 rival. It is believed where its few numbers gain more than a spline in time, load or angle does.
 """
 
-from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -13,8 +12,6 @@ import numpy as np
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mechanics.effects.model import Piece
 from softfinger.mismatch.budget import BUDGET
-from softfinger.mismatch.candidates.columns import ScoreColumns, collect_columns
-from softfinger.mismatch.candidates.elsewhere import list_compatible, list_elsewhere
 from softfinger.mismatch.candidates.other_forms import (
     find_other_form,
     keep_leading,
@@ -23,14 +20,14 @@ from softfinger.mismatch.candidates.other_forms import (
 )
 from softfinger.mismatch.candidates.pairs import rank_pairs
 from softfinger.mismatch.candidates.rank import (
-    Progress,
     Score,
     competing_nats,
     find_best,
-    rank_pieces,
+    reaching_nats,
 )
 from softfinger.mismatch.decisions import DECISIONS
-from softfinger.mismatch.search.eliminate import choose_top, eliminate, fit_without, list_added
+from softfinger.mismatch.search.eliminate import choose_top, eliminate
+from softfinger.mismatch.search.extend import Task, extend, try_partners
 from softfinger.mismatch.search.finer import fit_finer
 from softfinger.mismatch.search.hidden import seek_hidden
 from softfinger.mismatch.search.leading_pairs import fit_leading_pairs
@@ -73,36 +70,26 @@ class Search(NamedTuple):
     alone: Shape | None = None
 
 
-def search_effects(
-    problem: Problem,
-    base: Candidate,
-    catalogue: tuple[list[Piece], dict[str, str]],
-    columns: ScoreColumns,
-    needed: float,
-    progress: Progress,
-    ranked: tuple[list[Candidate], list[Score]],
-) -> Search:
+def search_effects(task: Task, needed: float, rival: float = 0.0) -> Search:
     """Add effects while one gains `needed` nats, then eliminate.
 
     Parameters
     ----------
-    catalogue
-        Every form that the campaign allows, and why it refuses the other effects.
-    columns
-        Of the catalogue, on top of the base model.
     needed
         Gain [nats] that chance seldom exceeds, over the whole catalogue. Where one
         effect gains far more and leaves what a spline finds, linear scores of pairs err: those of
         the leading effects are fitted whatever their score.
-    ranked
-        What `rank_pieces` gives for the catalogue on top of the base model.
+    rival
+        Gain [nats] of what effects are judged beside: sets that do not come near are not sought.
     """
-    (pieces, refused), (singles, scores) = catalogue, ranked
-    found, larger, shape, alone = list(singles), [], None, None
-    first_gain = (best := choose_top(singles, base)).log_evidence - base.log_evidence
+    problem, base = task.problem, task.base
+    worth = max(rival - reaching_nats(rival), 0.0)
+    found, larger, shape, alone = list(task.singles), [], None, None
+    first_gain = (best := choose_top(found, base)).log_evidence - base.log_evidence
     if first_gain <= needed:
-        single = Search(base, found, [], base, max(first_gain, 0.0), refused, scores)
-        return _seek_hidden(problem, single, columns, needed, progress)
+        gain = max(first_gain, 0.0)
+        single = Search(base, found, [], base, gain, task.refused, task.scores)
+        return _seek_hidden(task, single, max(needed, worth))
     for size in range(2, BUDGET.most_effects + 1):
         explained = best.log_evidence - base.log_evidence
         if len(best.model.ids - base.model.ids) == BUDGET.most_effects - 1:
@@ -111,41 +98,53 @@ def search_effects(
             shape, alone = measure_shape(problem, best), measure_shape(problem, base)
             if shape.gain > most or excels(alone, explained + most):
                 break
-        more = require_gain(needed, explained, pieces, best)
-        asked = best.log_evidence + more
+        more = require_gain(needed, explained, task.pieces, best)
+        asked = max(best.log_evidence + more, base.log_evidence + worth)
         rivals = _list_rivals(base, found, len(best.model.ids))
-        larger = _enlarge(problem, rivals, best, found, pieces, progress, asked, size)
+        larger = _enlarge(task, rivals, best, found, asked, size)
         if size == 2:
-            larger += rank_pairs(problem, base, columns, larger, asked, progress)
-            shape = measure_shape(problem, best) if explained >= BUDGET.far_nats else None
-            if shape is not None and shape.gain > more:
-                asked = max(asked, find_best(larger))
-                larger += fit_leading_pairs(problem, singles, asked, progress)
+            pairs, shape = _pair_up(task, best, larger, asked, more)
+            larger += pairs
         top = choose_top(larger, best)
         if top.log_evidence - best.log_evidence > more:
-            best = _face_finer(problem, top, best, found, larger, pieces, progress, more)
+            best = _face_finer(task, top, best, found, larger, more)
             top = choose_top(larger, best)
         gain = top.log_evidence - best.log_evidence
         if gain > more and (shape is None or shape.fit is not best.fit):
             shape = measure_shape(problem, best)
-        if gain <= more or gain <= shape.gain:
+        if gain <= more or gain <= shape.gain or top.log_evidence < base.log_evidence + worth:
             break
-        found += [*larger, *swap_forms(problem, top, [*pieces, *list_finer(top, pieces)])]
+        found += [*larger, *swap_forms(problem, top, [*task.pieces, *list_finer(top, task.pieces)])]
         larger = []
         if size == 2:
-            found += _try_partners(problem, top, {r.model.ids for r in rivals}, pieces, progress)
+            found += try_partners(task, top, {r.model.ids for r in rivals})
         best = eliminate(problem, choose_top([top, *found], top), more, found)
     found.sort(key=lambda c: -c.log_evidence)
-    return Search(base, found, larger, best, first_gain, refused, scores, shape, alone)
+    return Search(base, found, larger, best, first_gain, task.refused, task.scores, shape, alone)
 
 
-def _seek_hidden(
-    problem: Problem, search: Search, columns: ScoreColumns, needed: float, progress: Progress
-) -> Search:
+def _pair_up(
+    task: Task, best: Candidate, larger: list[Candidate], asked: float, more: float
+) -> tuple[list[Candidate], Shape | None]:
+    """Fit the pairs that score best; far from the base also those of what leads.
+
+    Returns them, and what the best leaves where it is far from the base.
+    """
+    pairs = rank_pairs(task.problem, task.base, task.columns, larger, asked, task.progress)
+    if best.log_evidence - task.base.log_evidence < BUDGET.far_nats:
+        return pairs, None
+    shape = measure_shape(task.problem, best)
+    if shape.gain > more:
+        asked = max(asked, find_best([*larger, *pairs]))
+        pairs += fit_leading_pairs(task.problem, task.singles, asked, task.progress)
+    return pairs, shape
+
+
+def _seek_hidden(task: Task, search: Search, needed: float) -> Search:
     """Take hidden sets where they explain more than a shape."""
-    base = search.base
+    problem, base, columns = task.problem, task.base, task.columns
     needed += float(np.log(max(len(set(columns.label)), 1)))  # as `require_gain` asks
-    hidden = seek_hidden(problem, base, columns, needed, progress)
+    hidden = seek_hidden(problem, base, columns, needed, task.progress)
     top = choose_top(hidden, base)
     if top is base or top.log_evidence - base.log_evidence <= measure_shape(problem, base).gain:
         return search
@@ -212,12 +211,10 @@ def _can_lead(rival: Candidate, best: Candidate, larger: list[Candidate]) -> boo
 
 
 def _enlarge(
-    problem: Problem,
+    task: Task,
     rivals: list[Candidate],
     best: Candidate,
     found: list[Candidate],
-    pieces: list[Piece],
-    progress: Progress,
     asked: float,
     size: int,
 ) -> list[Candidate]:
@@ -228,22 +225,20 @@ def _enlarge(
     larger: list[Candidate] = []
     for rival in rivals:
         if size == 2 or _can_lead(rival, best, larger):
-            larger += _extend(problem, rival, pieces, progress, max(asked, find_best(larger)))
+            larger += extend(task, rival, task.pieces, max(asked, find_best(larger)))
     other = find_other_form(found, best)
     if other is not None and (size == 2 or _can_lead(other, best, larger)):
-        leading = keep_leading(pieces, larger, best)
-        larger += _extend(problem, other, leading, progress, max(asked, find_best(larger)))
+        leading = keep_leading(task.pieces, larger, best)
+        larger += extend(task, other, leading, max(asked, find_best(larger)))
     return larger
 
 
 def _face_finer(
-    problem: Problem,
+    task: Task,
     top: Candidate,
     best: Candidate,
     found: list[Candidate],
     larger: list[Candidate],
-    pieces: list[Piece],
-    progress: Progress,
     more: float,
 ) -> Candidate:
     """Let a set face finer laws of its parts.
@@ -251,47 +246,11 @@ def _face_finer(
     They, and what leads on top of them, are added to `found` and `larger`; returns the best of
     fewer effects.
     """
-    finer = fit_finer(problem, top, found, pieces)
+    finer = fit_finer(task.problem, top, found, task.pieces)
     if not finer:
         return best
     found += finer
     best = choose_top([best, *finer], best)
     floor = max(best.log_evidence + more, find_best(larger))
-    larger += _extend(problem, best, keep_leading(pieces, larger, best), progress, floor)
+    larger += extend(task, best, keep_leading(task.pieces, larger, best), floor)
     return best
-
-
-def _extend(
-    problem: Problem,
-    rival: Candidate,
-    pieces: Iterable[Piece],
-    progress: Progress,
-    floor: float,
-) -> list[Candidate]:
-    """Rank every further effect; `floor` as in `fit_scored`."""
-    more = list_compatible(rival, list_elsewhere(problem, rival.model, pieces))
-    columns = collect_columns(problem, rival, progress(more, "trying effects"))
-    return rank_pieces(problem, rival, columns, progress, floor)[0]
-
-
-def _try_partners(
-    problem: Problem,
-    pair: Candidate,
-    tried: set[frozenset[str]],
-    pieces: list[Piece],
-    progress: Progress,
-) -> list[Candidate]:
-    """Rank every partner of either effect of a pair.
-
-    Those `tried` with all others are left out. One that gains little alone is met
-    through the other only, which need not be its true partner
-    (floating search: Pudil, Novovičová and Kittler 1994, Pattern Recognit. Lett. 15, 1119).
-    """
-    found = []
-    for piece in list_added(problem, pair):
-        if pair.model.ids - {piece.effect.id} in tried:
-            continue
-        alone = fit_without(problem, pair, piece)
-        if alone is not None:
-            found += _extend(problem, alone, pieces, progress, pair.log_evidence)
-    return found

@@ -10,6 +10,7 @@ from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.columns import collect_columns
 from softfinger.mismatch.candidates.rank import list_pieces
 from softfinger.mismatch.search import stepwise
+from softfinger.mismatch.search.extend import Task
 from softfinger.mismatch.search.leading_pairs import fit_leading_pairs
 from softfinger.mismatch.search.shape import Shape
 
@@ -58,7 +59,6 @@ def test_pairs_are_fitted_where_much_is_left_out(ranked, monkeypatch, far, left,
     shape = Shape(singles[0].fit, SimpleNamespace(gain=left, fit=None), 0.0)
     monkeypatch.setattr(stepwise, "measure_shape", lambda *_: shape)
     monkeypatch.setattr(stepwise, "BUDGET", replace(BUDGET, far_nats=gain + far))
-    stepwise.search_effects(
-        problem, base, (pieces, {}), columns, 3.0, lambda items, _: items, (singles, [])
-    )
+    given = problem, base, pieces, {}, columns, singles, [], lambda items, _: items
+    stepwise.search_effects(Task(*given), 3.0)
     assert bool(asked) is fitted

@@ -12,8 +12,9 @@ from softfinger.mechanics.effects.model import Piece
 from softfinger.mismatch.candidates.columns import collect_columns
 from softfinger.mismatch.candidates.elsewhere import list_compatible
 from softfinger.mismatch.candidates.rank import list_pieces
+from softfinger.mismatch.search import extend as module
 from softfinger.mismatch.search import hidden
-from softfinger.mismatch.search import stepwise as module
+from softfinger.mismatch.search.extend import Task
 from softfinger.mismatch.search.shape import Shape, allow_rest
 from softfinger.mismatch.search.stepwise import hold_against_shape, search_effects
 
@@ -62,8 +63,9 @@ def test_the_partner_of_a_pair_that_was_not_tried_with_others_is(named, tried, m
     pair = best._replace(model=model, fit=fit, log_evidence=fit.log_evidence)
     assert pair.model.ids == {"second_retardation", "strain_stiffening"}
     led = []
-    monkeypatch.setattr(module, "_extend", lambda _, alone, *__: led.append(alone) or [alone])
-    found = module._try_partners(problem, pair, {frozenset({tried})}, [], None)
+    monkeypatch.setattr(module, "extend", lambda _, alone, *__: led.append(alone) or [alone])
+    task = Task(problem, named.search.base, [], {}, None, [], [], None)
+    found = module.try_partners(task, pair, {frozenset({tried})})
     assert [c.model.ids for c in led] == [pair.model.ids - {tried}]
     assert found == led
     assert led[0].fit.converged
@@ -86,12 +88,13 @@ def test_where_no_single_effect_competes_pairs_are_tried_and_the_needless_droppe
     wanted = ("second_retardation", "lens_distortion", "strain_stiffening")
     pieces = [p for p in list_pieces(problem.setting)[0] if p.effect.id in wanted]
     columns = collect_columns(problem, base, pieces)
-    found = search_effects(
-        problem, base, (pieces, {}), columns, 5.0, lambda items, _: items, ([], [])
-    )
+    task = Task(problem, base, pieces, {}, columns, [], [], lambda items, _: items)
+    found = search_effects(task, 5.0)
     assert found.best.model.ids == {"second_retardation"}
     assert found.first_gain > 15.0
     assert any(len(c.model.ids) == 2 for c in found.candidates)
+    beside = search_effects(task, 5.0, rival=1e4)
+    assert beside.candidates == []  # far behind what is known already
 
 
 def test_nothing_is_sought_behind_a_base_model_that_leaves_noise(monkeypatch):
