@@ -18,7 +18,7 @@ from softfinger.mismatch.candidates.other_forms import (
     list_finer,
     swap_forms,
 )
-from softfinger.mismatch.candidates.pairs import rank_pairs
+from softfinger.mismatch.candidates.pairs import rank_pairs, score_best_pair
 from softfinger.mismatch.candidates.rank import (
     Score,
     competing_nats,
@@ -80,16 +80,18 @@ def search_effects(task: Task, needed: float, rival: float = 0.0) -> Search:
         effect gains far more and leaves what a spline finds, linear scores of pairs err: those of
         the leading effects are fitted whatever their score.
     rival
-        Gain [nats] of what effects are judged beside: sets that do not come near are not sought.
+        Gain [nats] of what effects are judged beside: sets that do not come near are not sought,
+        and nothing beyond single effects where neither they nor any pair's score comes near.
     """
     problem, base = task.problem, task.base
     worth = max(rival - reaching_nats(rival), 0.0)
     found, larger, shape, alone = list(task.singles), [], None, None
     first_gain = (best := choose_top(found, base)).log_evidence - base.log_evidence
+    single = Search(base, found, [], best, max(first_gain, 0.0), task.refused, task.scores)
     if first_gain <= needed:
-        gain = max(first_gain, 0.0)
-        single = Search(base, found, [], base, gain, task.refused, task.scores)
-        return _seek_hidden(task, single, max(needed, worth))
+        return _seek_hidden(task, single._replace(best=base), max(needed, worth))
+    if first_gain < worth and score_best_pair(problem, base, task.columns) < worth:
+        return single
     for size in range(2, BUDGET.most_effects + 1):
         explained = best.log_evidence - base.log_evidence
         if len(best.model.ids - base.model.ids) == BUDGET.most_effects - 1:
