@@ -15,6 +15,7 @@ from softfinger.faults import Fault
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.inference.reduce import reduce_trials
 from softfinger.mechanics.effects.model import EffectModel, Piece
+from softfinger.mismatch.candidates.linearised import evaluate_linearised, place_fit
 
 
 class Block(NamedTuple):
@@ -73,6 +74,9 @@ class ScoreColumns(NamedTuple):
         (c,) amplitudes that cannot be negative.
     law
         (c,) terms of free laws, whose size is chosen.
+    level
+        Log evidence [nats] of the fitted model, linearised as the forms are: what it still promises
+        where its fit has not come to rest is no form's gain.
     """
 
     blocks: list[Block]
@@ -81,6 +85,7 @@ class ScoreColumns(NamedTuple):
     sd: NDArray[np.float64]
     positive: NDArray[np.bool_]
     law: NDArray[np.bool_]
+    level: float
 
     @property
     def bare(self) -> NDArray[np.float64]:
@@ -165,6 +170,7 @@ def collect_columns(problem: Problem, origin: Candidate, pieces: Iterable[Piece]
         np.concatenate([np.zeros(0), *sd]),
         np.concatenate([np.zeros(0, bool), *positive]),
         np.concatenate([np.zeros(0, bool), *law]),
+        evaluate_linearised(problem, origin.model, place_fit(origin.fit), rounds=0),
     )
 
 

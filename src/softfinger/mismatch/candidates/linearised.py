@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from softfinger.inference.mixed_effects_laplace import Fit
 from softfinger.inference.mixed_effects_linearised import solve_linearised
 from softfinger.inference.problem import Problem
 from softfinger.mechanics.effects.model import EffectModel
@@ -20,6 +21,11 @@ class Linearised(NamedTuple):
     own: NDArray[np.float64]
     shared: NDArray[np.float64]
     omega: NDArray[np.float64]
+
+
+def place_fit(fit: Fit) -> Linearised:
+    """Linearise a model where it was fitted."""
+    return Linearised(fit.gram, fit.own, fit.shared, fit.omega)
 
 
 def drop_places(

@@ -15,7 +15,7 @@ from softfinger.inference.problem import Candidate, Problem
 from softfinger.mechanics.effects.model import EffectModel, Piece
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.law_size import resize_laws
-from softfinger.mismatch.candidates.linearised import Linearised
+from softfinger.mismatch.candidates.linearised import place_fit
 from softfinger.mismatch.candidates.rank import go_on, prune
 
 Start = tuple[EffectModel, NDArray[np.float64]]
@@ -124,8 +124,7 @@ def _fit_near(problem: Problem, best: Candidate, start: Start) -> Candidate | No
     before = best.fit.own, shared, best.fit.omega
     fit = problem.fit(model, before, steps=BUDGET.first_steps, first=best.fit.first)
     if fit is not None:
-        there = Linearised(fit.gram, fit.own, fit.shared, fit.omega)
-        sized = resize_laws(problem, model, there)
+        sized = resize_laws(problem, model, place_fit(fit))
         if sized is not model:
             model, before = sized, (fit.own, fit.shared, fit.omega)
             fit = problem.fit(model, before, steps=BUDGET.first_steps, first=best.fit.first)

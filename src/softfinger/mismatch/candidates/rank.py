@@ -19,7 +19,12 @@ from softfinger.mechanics.effects.places import list_places
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.columns import Block, ScoreColumns
 from softfinger.mismatch.candidates.law_size import list_sizes, resize_laws
-from softfinger.mismatch.candidates.linearised import Linearised, drop_places, evaluate_linearised
+from softfinger.mismatch.candidates.linearised import (
+    Linearised,
+    drop_places,
+    evaluate_linearised,
+    place_fit,
+)
 from softfinger.mismatch.decisions import DECISIONS
 
 Progress = Callable[[Iterable, str], Iterable]
@@ -77,7 +82,7 @@ def score_pieces(problem: Problem, origin: Candidate, columns: ScoreColumns) -> 
         there = _stand(origin, columns, block)
         smaller, evidence = drop_places(problem, block.model, there, rounds=0)
         shared = block.shared[block.model.match(smaller)]
-        scores.append(Score(smaller, evidence - origin.log_evidence, shared))
+        scores.append(Score(smaller, evidence - columns.level, shared))
     return sorted(scores, key=lambda score: -score.gain)
 
 
@@ -99,7 +104,7 @@ def choose_starts(
 def score_block(problem: Problem, origin: Candidate, columns: ScoreColumns, block: Block) -> float:
     """Linearised gain [nats] of all places over the fit."""
     there = _stand(origin, columns, block)
-    return evaluate_linearised(problem, block.model, there, rounds=0) - origin.log_evidence
+    return evaluate_linearised(problem, block.model, there, rounds=0) - columns.level
 
 
 def _stand(origin: Candidate, columns: ScoreColumns, block: Block) -> Linearised:
@@ -110,7 +115,7 @@ def _stand(origin: Candidate, columns: ScoreColumns, block: Block) -> Linearised
 def prune(problem: Problem, candidate: Candidate) -> Candidate:
     """Choose laws' sizes, drop needless places, and fit again."""
     fit = candidate.fit
-    there = Linearised(fit.gram, fit.own, fit.shared, fit.omega)
+    there = place_fit(fit)
     sized = resize_laws(problem, candidate.model, there)
     model, _ = drop_places(problem, sized, there, rounds=5)
     if model is candidate.model:

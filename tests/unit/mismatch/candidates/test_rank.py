@@ -56,6 +56,18 @@ def test_the_true_effect_scores_best(posed):
     assert gains == sorted(gains, reverse=True)
 
 
+def test_what_an_unfinished_fit_promises_is_no_gain_of_a_form(draw_campaign):
+    problem, fit = pose_problem(draw_campaign(1, 0.0))
+    away = fit.own + 0.2 * np.sin(np.arange(fit.own.size).reshape(fit.own.shape))
+    begun = problem.fit(problem.base, (away, fit.shared, fit.omega), steps=1)
+    assert begun.log_evidence < fit.log_evidence - 10.0
+    origin = Candidate(problem.base, begun, begun.log_evidence)
+    scores = score_pieces(
+        problem, origin, collect_columns(problem, origin, list_pieces(problem.setting)[0])
+    )
+    assert scores[0].gain < 5.0
+
+
 def test_a_further_effect_must_bring_more_than_errors_of_textbook_forms(posed):
     problem, base = posed
     pieces = list_pieces(problem.setting)[0]
