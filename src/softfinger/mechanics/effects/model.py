@@ -195,6 +195,10 @@ class EffectModel:
         mine = [entry for entry in self.entries if entry.piece == piece]
         return np.array([start[entry.parameter.name] for entry in mine])
 
+    def name_slots(self, piece: int, shared: NDArray[np.float64]) -> frozenset[str]:
+        """Names of the slots that a piece fills."""
+        return frozenset(self.pieces[piece].form.slots(self._physical(piece, shared)))
+
     def fill_slots(self, shared: NDArray[np.float64]) -> SlotArrays:
         """Fill all trials' slots from φ (p,)."""
         values: dict[str, NDArray] = {}

@@ -14,8 +14,13 @@ from numpy.typing import NDArray
 from softfinger.faults import Fault
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.inference.reduce import reduce_trials
+from softfinger.mechanics import LOG_PARAMETERS
 from softfinger.mechanics.effects.model import EffectModel, Piece
+from softfinger.mechanics.forward.slot import SLOTS
 from softfinger.mismatch.candidates.linearised import evaluate_linearised, place_fit
+
+SHIFTS = frozenset(LOG_PARAMETERS)
+"""Slots that shift a trial's own parameters."""
 
 
 class Block(NamedTuple):
@@ -153,7 +158,12 @@ def collect_columns(problem: Problem, origin: Candidate, pieces: Iterable[Piece]
         new = np.flatnonzero(model.amplitudes & (np.arange(len(model.entries)) >= len(known)))
         for start in model.list_starts(len(origin.model.pieces)):
             shared = np.concatenate([known, model.place_start(len(origin.model.pieces), start)])
-            column = _slope_at_null(problem, model, own, shared, new)
+            null = np.where(np.isin(np.arange(len(shared)), new), 0.0, shared)
+            column = (
+                _shift_parameters(model, slope[..., : own.shape[1]], null, new)
+                if model.name_slots(len(model.pieces) - 1, null) <= SHIFTS
+                else _slope_at_null(problem, model, own, (null, shared), new)
+            )
             if np.isfinite(column).all():
                 slopes.append(column.astype(np.float32))
                 place = total + np.arange(len(new))
@@ -174,20 +184,38 @@ def collect_columns(problem: Problem, origin: Candidate, pieces: Iterable[Piece]
     )
 
 
+def _shift_parameters(
+    model: EffectModel,
+    slope: NDArray[np.float64],
+    null: NDArray[np.float64],
+    new: NDArray[np.int64],
+) -> NDArray[np.float64]:
+    """Slopes (trial, joint, bin · 2, a) of what shifts trials' own parameters alone.
+
+    They follow from those by η (…, 4 · joint), without a simulation.
+    """
+    tangents = model.fill_tangents(null, new)
+    shift = np.stack(
+        [np.stack([t.pick(SLOTS[name]) for name in LOG_PARAMETERS], axis=-1) for t in tangents],
+        axis=-1,
+    )
+    return np.einsum("tjnk,tka->tjna", slope, shift.reshape(len(shift), -1, len(tangents)))
+
+
 def _slope_at_null(
     problem: Problem,
     model: EffectModel,
     own: NDArray[np.float64],
-    shared: NDArray[np.float64],
+    places: tuple[NDArray[np.float64], NDArray[np.float64]],
     new: NDArray[np.int64],
 ) -> NDArray[np.float64]:
     """Slopes by a form's amplitudes at their null.
 
     They are (trial, joint, bin · 2, a). Only there does what alters trials' parameters alone look
     exactly as they do. Where a form has no slope at its null, that of its start, all but absent;
-    NaN where neither can be simulated.
+    NaN where neither of the places can be simulated.
     """
-    for at in (np.where(np.isin(np.arange(len(shared)), new), 0.0, shared), shared):
+    for at in places:
         try:
             slope = problem.simulate(model, own, at, only=new)[1]
         except (ArithmeticError, Fault):

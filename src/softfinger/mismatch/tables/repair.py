@@ -198,8 +198,7 @@ def measure_levels(
         rank = rank_recordings(drawn, recorded, noise_sd, rng)
         inside[row] = _mean(share_inside(rank))[:, DECISIONS.ci_probs.index(0.9)]
         away = recorded[chosen] - np.median(drawn[:, chosen], axis=0)
-        mean = _mean(away)
-        error[row] = np.sqrt(np.nanmean(mean**2, axis=1))
+        error[row] = np.sqrt(_mean(_mean(away).T ** 2))
     return error, inside
 
 
