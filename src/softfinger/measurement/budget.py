@@ -28,11 +28,6 @@ class MeasurementBudget:
     """Rounds in which peaks are taken for outliers. Why: a burst of ten frames goes in five."""
     size_digits: float = 0.03
     """Of a component's size, to which it is found. Why: its sd is larger."""
-    first_components: int = 2
-    """Of those left out, how many are tried as the first. Why: three slow drifts are alike.
-
-    Test: `test_components.py::test_the_best_alone_may_be_in_the_way_of_a_better_set`.
-    """
     held_rounds: int = 50
     """Rounds in which the share of held frames is found. Why: it converges by halves."""
     bin_growth: float = 0.12

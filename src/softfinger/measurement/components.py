@@ -25,7 +25,7 @@ def choose_components(
 
     A component's evidence is averaged over its possible sizes; the best one joins while it gains
     `least`, and then the sizes of all are sought. The best alone may be in the way of a better set:
-    so those that were left out are tried as the first, too, the best ones.
+    so the best of those that were left out is tried as the first, too.
 
     Parameters
     ----------
@@ -56,13 +56,14 @@ def choose_components(
             known[key] = evaluate(size)
         return known[key]
 
-    found = [_choose(look_up, sizes, least)]
-    if found[0][0]:
-        rest = [name for name in sizes if name not in found[0][0]]
-        alone = {name: _weigh(look_up, {}, name, sizes[name]) for name in rest}
-        rest = sorted((n for n in rest if alone[n] >= least), key=lambda n: -alone[n])
-        found += [_choose(look_up, sizes, least, name) for name in rest[: BUDGET.first_components]]
-    return max(found, key=lambda one: look_up(one[0]) - least * len(one[0]))
+    size, evidence = _choose(look_up, sizes, least)
+    alone = {name: _weigh(look_up, {}, name, sizes[name]) for name in sizes if name not in size}
+    other = max(alone, key=lambda name: alone[name], default="")
+    if not size or not other or alone[other] < least:
+        return size, evidence
+    others = _choose(look_up, sizes, least, other)
+    first, second = (look_up(some) - least * len(some) for some in (size, others[0]))
+    return others if second > first else (size, evidence)
 
 
 def _choose(
