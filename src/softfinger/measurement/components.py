@@ -24,8 +24,7 @@ def choose_components(
     """Choose components and their sizes.
 
     A component's evidence is averaged over its possible sizes; the best one joins while it gains
-    `least`, and then the sizes of all are sought. The best alone may be in the way of a better set:
-    so the best of those that were left out is tried as the first, too.
+    `least`, and then the sizes of all are sought.
 
     Parameters
     ----------
@@ -56,29 +55,16 @@ def choose_components(
             known[key] = evaluate(size)
         return known[key]
 
-    size, evidence = _choose(look_up, sizes, least)
-    alone = {name: _weigh(look_up, {}, name, sizes[name]) for name in sizes if name not in size}
-    other = max(alone, key=lambda name: alone[name], default="")
-    if not size or not other or alone[other] < least:
-        return size, evidence
-    others = _choose(look_up, sizes, least, other)
-    first, second = (look_up(some) - least * len(some) for some in (size, others[0]))
-    return others if second > first else (size, evidence)
+    return _choose(look_up, sizes, least)
 
 
 def _choose(
     evaluate: Callable[[Mapping[str, float]], float],
     sizes: Mapping[str, NDArray[np.float64]],
     least: float,
-    first: str = "",
 ) -> tuple[Sizes, Sizes]:
-    """Add components while one gains `least`, from a `first` one on."""
     size: Sizes = {}
     absent = list(sizes)
-    if first:
-        absent.remove(first)
-        size[first] = max(map(float, sizes[first]), key=lambda s: evaluate({first: s}))
-        size = _refine(evaluate, size, sizes)
     while absent:
         gain = {name: _weigh(evaluate, size, name, sizes[name]) for name in absent}
         name = max(gain, key=lambda name: gain[name])
