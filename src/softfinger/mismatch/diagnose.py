@@ -170,8 +170,8 @@ def search_jointly(
     """Search with the measurement that leads, and without any disturbance.
 
     A disturbance that one effect needs may be what a second effect does. So what the search finds
-    without it is judged beside what it finds with it, where it comes near what the disturbance
-    gains.
+    without it is judged beside what it finds with it. Where the base model leads by its disturbance
+    alone, only what comes near that is sought.
     """
     right, plain, base, found, _, _ = posed
     problem, start, gain = settle_measurement(plain, base, found.ranked[0], found.needed)

@@ -78,18 +78,18 @@ def settle_measurement(
         With that measurement; as they are where it has no disturbance: tails alone change no
         leader, and are weighed at the end.
     gain
-        What the leader then has more [nats] than the base model without disturbances.
+        What the base model gains by them [nats] where it leads, else 0.
     """
     leaders = list_leaders(base, singles, needed)
     judging = (judge(plain, c, plain, base) for c in (base, *leaders))
     best = max((j for j in judging if j is not None), key=lambda j: j.evidence, default=None)
     if best is None or not best.problem.disturbed:
         return plain, base, 0.0
-    gain = best.evidence - _measure_level(plain) - base.log_evidence
     if best.candidate.model is base.model:
+        gain = best.evidence - _measure_level(plain) - base.log_evidence
         return best.problem, best.candidate, gain
     again = fit_again(best.problem, base, base)
-    return (plain, base, 0.0) if again is None else (best.problem, again, gain)
+    return (plain, base, 0.0) if again is None else (best.problem, again, 0.0)
 
 
 def judge_finalists(
