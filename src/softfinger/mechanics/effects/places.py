@@ -1,4 +1,4 @@
-"""The places of a form: the joints or pairs of joints that it is for."""
+"""The joints, or pairs of joints, that a form is for."""
 
 from collections.abc import Callable, Iterable
 

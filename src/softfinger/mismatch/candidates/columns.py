@@ -190,9 +190,10 @@ def _shift_parameters(
     null: NDArray[np.float64],
     new: NDArray[np.int64],
 ) -> NDArray[np.float64]:
-    """Slopes (trial, joint, bin · 2, a) of what shifts trials' own parameters alone.
+    """Slopes of what shifts trials' own parameters alone.
 
-    They follow from those by η (…, 4 · joint), without a simulation.
+    They are (trial, joint, bin · 2, a), and follow from those by η (…, 4 · joint), without a
+    simulation.
     """
     tangents = model.fill_tangents(null, new)
     shift = np.stack(

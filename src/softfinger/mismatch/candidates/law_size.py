@@ -1,4 +1,4 @@
-"""How large a free law is: the size of its prior is chosen by evidence.
+"""The prior size of a free law, chosen by evidence.
 
 A law of seven terms that changes a moment arm by 2 % pays for each term as if it could change it by
 half. So its size is one of a few (`PRIORS.law_sizes`), that of most evidence; chance's gains are

@@ -1,4 +1,4 @@
-"""Models linearised where a fit is: their evidence, and what they can do without."""
+"""The evidence of models that are linearised at a fit."""
 
 from typing import NamedTuple
 

@@ -161,7 +161,7 @@ def _score(
     prior: Prior,
     omega: NDArray,
 ) -> tuple[NDArray, NDArray, NDArray, NDArray, float]:
-    """Gain and size of each form, its amplitudes, and the evidence without any.
+    """Gain, size and amplitudes of each form; evidence without any.
 
     Mean and sd of each amplitude: one Ω, one inverse for each trial.
     """

@@ -128,9 +128,9 @@ def search_effects(task: Task, needed: float, rival: float = 0.0) -> Search:
 def _pair_up(
     task: Task, best: Candidate, larger: list[Candidate], asked: float, more: float
 ) -> tuple[list[Candidate], Shape | None]:
-    """Fit the pairs that score best; far from the base also those of what leads.
+    """Fit the pairs that score best.
 
-    Returns them, and what the best leaves where it is far from the base.
+    Far from the base also those of what leads. Returns them, and what the best leaves where it is far from the base.
     """
     pairs = rank_pairs(task.problem, task.base, task.columns, larger, asked, task.progress)
     if best.log_evidence - task.base.log_evidence < BUDGET.far_nats:
