@@ -130,7 +130,8 @@ def _pair_up(
 ) -> tuple[list[Candidate], Shape | None]:
     """Fit the pairs that score best.
 
-    Far from the base also those of what leads. Returns them, and what the best leaves where it is far from the base.
+    Far from the base also those of what leads. Returns them, and what the best leaves where it is
+    far from the base.
     """
     pairs = rank_pairs(task.problem, task.base, task.columns, larger, asked, task.progress)
     if best.log_evidence - task.base.log_evidence < BUDGET.far_nats:
