@@ -75,19 +75,18 @@ class InferenceBudget:
     """Trials in one call. Why: it bounds the memory."""
     jitter_bins: int = 40
     """Bins of a trial in which jitter counts. Why: those in which it moves fastest."""
-    drift_shapes: int = 5
-    """Shapes of a random walk that count at least. Why: the sixth has 1 % of its variance."""
+    gain_shapes: int = 5
+    """Shapes of a gain's random walk. Why: the sixth has 1 % of its variance."""
+    drift_shapes: int = 16
+    """The same of a direction or an angle, at least. Why: the next has less than the noise.
+
+    Test: `test_disturbances.py::test_a_camera_that_turns_moves_the_first_joint_alone`.
+    """
     drift_columns: int = 60
     """Shapes of all trials and joints together, where few of them would have fewer.
 
-    Why: five shapes leave 4 % of the variance, which for a plain drift is as much as the noise. One
-    long trial shows it; many share their physics, and need not.
+    Why: one long trial shows what they leave; many share their physics, and need not.
     Test: `test_disturbances.py::test_a_long_drift_of_one_trial_leaves_nothing_that_lasts`.
-    """
-    turn_shapes: int = 16
-    """The same of a camera's turn, for one joint. Why: the next has less than the noise.
-
-    Test: `test_disturbances.py::test_a_camera_that_turns_moves_the_first_joint_alone`.
     """
     lasting_shapes: int = 12
     """Slow waves of noise that lasts longer. Why: the next is seen in windows.

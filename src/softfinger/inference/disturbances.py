@@ -13,6 +13,7 @@ and all else follows from the Gram matrix of [∂F/∂η | ∂F/∂φ | residual
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,9 +25,16 @@ from softfinger.inference.priors import PRIORS
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.inference.reduce import reduce_trials
 from softfinger.inference.spreads import list_spreads
-from softfinger.inference.walks import list_walks, list_waves, share_trial, turn_picture, walk_array
+from softfinger.inference.walks import (
+    list_walks,
+    list_waves,
+    share_trial,
+    turn_direction,
+    walk_array,
+)
 from softfinger.measurement.components import choose_components
 from softfinger.measurement.decisions import DECISIONS as MEASURING
+from softfinger.mechanics.effects.measurement_file import LINK_TURN
 
 Array = NDArray[np.float64]
 
@@ -38,16 +46,17 @@ SIZES: Mapping[str, Array] = {
     "clock_rate": np.array(PRIORS.rate_sizes),
     "drift": np.array(PRIORS.drift_sizes),
     "picture_turn": np.array(PRIORS.drift_sizes),
+    LINK_TURN: np.array(PRIORS.drift_sizes),
     "gain_drift": np.array(PRIORS.gain_drift_sizes),
     "lasting_noise": np.array(PRIORS.lasting_sizes),
 }
-DRIFTS = ("drift", "gain_drift", "picture_turn", "lasting_noise")  # those that wander slowly
+DRIFTS = ("drift", "gain_drift", "picture_turn", LINK_TURN, "lasting_noise")  # wander slowly
 STEP_SHARE = 0.01  # of a row's load by which the model is moved
 STEP_S = 0.002
 
 
 def list_disturbances(
-    problem: Problem, candidate: Candidate, only: Collection[str] = tuple(SIZES)
+    problem: Problem, candidate: Candidate, only: Collection[str] | None = None
 ) -> dict[str, Array]:
     """What errors of unit size move the angles by.
 
@@ -61,15 +70,28 @@ def list_disturbances(
         "timing_jitter": lambda: _spread_jitter(problem, candidate, speed),
         "drift": lambda: list_walks(problem),
         "gain_drift": lambda: _drift_gain(problem, candidate),
-        "picture_turn": lambda: turn_picture(problem),
         "lasting_noise": lambda: list_waves(problem),
     }
+    if problem.trials.joints > 1:  # with one joint it is no other than its drift
+        made["picture_turn"] = lambda: turn_direction(problem, 0)
+        for link in range(1, problem.trials.joints + 1):
+            made[f"{LINK_TURN}{link}"] = partial(turn_direction, problem, link)
     if problem.setting.load_known:
         made["clock_offset"] = lambda: speed[..., None]
         made["clock_rate"] = lambda: (speed * time)[..., None]
         made["noisy_load"] = lambda: _move_rows(problem, candidate)
         made["load_drift"] = lambda: _drift_load(problem, candidate)
-    return {name: make() for name, make in made.items() if name in only}
+    return {name: make() for name, make in made.items() if only is None or name in only}
+
+
+def find_kind(name: str) -> str | None:
+    """The kind of disturbance in `SIZES`; None for what is none.
+
+    >>> find_kind("drift"), find_kind("link_turn_2"), find_kind("spread_of_k1")
+    ('drift', 'link_turn_', None)
+    """
+    kind = LINK_TURN if name.startswith(LINK_TURN) else name
+    return kind if kind in SIZES else None
 
 
 def fit_disturbances(
@@ -108,14 +130,15 @@ def fit_disturbances(
         return value - 0.5 * float(logdet)
 
     seen = [name for name in directions if np.any(directions[name])]
-    sizes = {name: SIZES.get(name, np.array(PRIORS.effect_spreads)) for name in seen}
+    spread = np.array(PRIORS.effect_spreads)
+    sizes = {n: SIZES[kind] if (kind := find_kind(n)) else spread for n in seen}
     largest = PRIORS.largest_share * float(np.abs(angle - angle[:, :, :1]).max())
     while True:
         size, evidence = choose_components(evaluate, sizes, least)
         beyond = {
             name
-            for name in set(size) & set(SIZES)
-            if size[name] * measure_sd_array(directions[name]) > largest
+            for name in size
+            if find_kind(name) and size[name] * measure_sd_array(directions[name]) > largest
         }
         if not beyond:
             return size, evidence, directions
@@ -216,7 +239,7 @@ def _drift_gain(problem: Problem, candidate: Candidate) -> Array:
     share = share_trial(problem.trials)
     away = still - still[:, :, :1]
     columns = np.einsum(
-        "tjn,tns,jk->tjnks", away, walk_array(share, BUDGET.drift_shapes), np.eye(still.shape[1])
+        "tjn,tns,jk->tjnks", away, walk_array(share, BUDGET.gain_shapes), np.eye(still.shape[1])
     )
     return columns.reshape(*still.shape, -1)
 
@@ -247,7 +270,7 @@ def _drift_load(problem: Problem, candidate: Candidate) -> Array:
     trials = problem.trials
     start, end = trials.node[:, 0, 0, None], trials.node[:, -1, -1, None]
     share = np.clip((trials.load_time - start) / (end - start), 0.0, 1.0)
-    walk = walk_array(share, BUDGET.drift_shapes)
+    walk = walk_array(share, BUDGET.gain_shapes)
     still = _simulate(problem, candidate)
     moved = [
         _simulate(problem, candidate, load_torque=trials.load_torque * (1.0 + STEP_SHARE * shape))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.faults import Fault
-from softfinger.inference.disturbances import SIZES, fit_disturbances, list_disturbances
+from softfinger.inference.disturbances import find_kind, fit_disturbances, list_disturbances
 from softfinger.inference.mixed_effects_laplace import Fit
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.inference.reduce import whiten_residual, whiten_slope
@@ -56,7 +56,7 @@ def admit_found(problem: Problem, fit: Fit, few: tuple[Problem, Fit]) -> tuple[P
     """
     some, fitted = few
     size, evidence, _ = fit_disturbances(some, Candidate(some.base, fitted, fitted.log_evidence))
-    size = {name: sd for name, sd in size.items() if name in SIZES}
+    size = {name: sd for name, sd in size.items() if find_kind(name)}
     found = _fit_softer(problem, fit, size) if size else None
     if found is None:
         return problem, fit

@@ -18,7 +18,7 @@ def count_shapes(trials: int, joints: int) -> int:
     """How many shapes of a random walk count.
 
     >>> count_shapes(1, 1), count_shapes(4, 1), count_shapes(40, 3)
-    (60, 15, 5)
+    (60, 16, 16)
     """
     return max(BUDGET.drift_shapes, BUDGET.drift_columns // (trials * joints))
 
@@ -70,15 +70,29 @@ def list_waves(problem: Problem) -> Array:
     return _move_joints(problem, np.einsum("tnk,tjk->tjnk", waves, sd))
 
 
-def turn_picture(problem: Problem) -> Array:
-    """How a camera that slowly turns moves angles: the first joint's alone.
+def turn_direction(problem: Problem, link: int) -> Array:
+    """How a direction that slowly turns in the picture moves angles.
 
-    A random walk as in `list_walks`. With one joint it is no other than that.
+    A random walk as in `list_walks`, of one direction: of the base (0), as where the camera turns,
+    or of a link (from 1), as where its markers swim with the light. It moves the joint before the
+    link one way, and the joint after it the other way.
+
+    >>> turn_joints(0, 3), turn_joints(1, 3), turn_joints(3, 3)
+    (array([1., 0., 0.]), array([ 1., -1.,  0.]), array([0., 0., 1.]))
     """
-    walk = walk_array(share_trial(problem.trials), BUDGET.turn_shapes)
-    moved = np.zeros(problem.trials.joints)
-    moved[0] = problem.noise["noise_sd"].values[0] if len(moved) > 1 else 0.0
-    return np.einsum("tns,j->tjns", walk, moved)
+    walk = walk_array(share_trial(problem.trials), BUDGET.drift_shapes)
+    moved = turn_joints(link, problem.trials.joints)
+    sd = problem.noise["noise_sd"].values[int(moved.argmax())]
+    return np.einsum("tns,j->tjns", walk, sd * moved)
+
+
+def turn_joints(link: int, joints: int) -> Array:
+    """How far each joint (joint,) seems to turn with a direction."""
+    moved = np.zeros(joints)
+    moved[max(link - 1, 0)] = 1.0
+    if 0 < link < joints:
+        moved[link] = -1.0
+    return moved
 
 
 def share_trial(trials: Trials) -> Array:

@@ -6,6 +6,8 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from softfinger.mechanics.effects.measurement_file import LINK_TURN
+
 
 class Words(NamedTuple):
     """How a component appears in a verdict.
@@ -23,7 +25,29 @@ class Words(NamedTuple):
 def describe_components(measurement: xr.Dataset, names: Iterable[str]) -> list[str]:
     """Describe some components, a sentence each."""
     sizes = measurement["component_size"]
-    return [WORDS[n].say(float(sizes.sel(component=n)), measurement) for n in names]
+    return [find_words(n).say(float(sizes.sel(component=n)), measurement) for n in names]
+
+
+def find_words(name: str) -> Words:
+    """The words for a component; which link turns, they state."""
+    if not name.startswith(LINK_TURN):
+        return WORDS[name]
+    link = name.removeprefix(LINK_TURN)
+    return Words("noise_sd", lambda s, _: TURNS.format(link=link, size=s), "drift")
+
+
+def list_joints(name: str, joints: int) -> list[int]:
+    """Joints, from 1, that a component moves; empty where that is all.
+
+    >>> list_joints("link_turn_2", 3), list_joints("link_turn_3", 3), list_joints("drift", 3)
+    ([2, 3], [3], [])
+    """
+    if name == "picture_turn":
+        return [1]
+    if not name.startswith(LINK_TURN):
+        return []
+    link = int(name.removeprefix(LINK_TURN))
+    return [link, link + 1] if link < joints else [link]
 
 
 def scale_trials(measurement: xr.Dataset) -> xr.DataArray:
@@ -55,6 +79,7 @@ def _say_hum(size: float, measurement: xr.Dataset) -> str:
     return f"The angles hum at {listed} Hz with {1e3 * size:.2g} mrad, whatever the load does."
 
 
+TURNS = "Link {link} seems to turn within a trial by {size:.2g} times the noise: its markers drift."
 WORDS = {
     "outliers": Words(
         "share", lambda s, _: f"{100 * s:.2g} % of the frames are gross errors, and are left out."

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from softfinger.inference.disturbances import DRIFTS, SIZES, fit_disturbances
+from softfinger.inference.disturbances import DRIFTS, find_kind, fit_disturbances
 from softfinger.inference.problem import Candidate, Problem, pose_problem
 from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.measure import add_components
@@ -223,7 +223,7 @@ def mend_hums(posed: Posed, pose: Pose) -> tuple[Posed, list[Hum]]:
     if not hums:
         return posed, hums
     found = fit_disturbances(posed.plain, leader)[1]
-    drift = sum(found.get(name, 0.0) for name in DRIFTS)
+    drift = sum(nats for name, nats in found.items() if find_kind(name) in DRIFTS)
     if drift > sum(hum.evidence for hum in hums):
         return posed, []
     mended = add_hums(posed.mended, hums, posed.plain.trials.name)
@@ -260,7 +260,7 @@ def _close(
     masking = tabulate_masking(found.columns, problem, search.base)
     hidden, refused = set(list_invisible(masking, needed)), found.catalogue[1]
     verdict = conclude(problem, search, posterior, findings, angles, hidden, refused, needed)
-    sizes = {name: sd for name, sd in problem.disturbed.items() if name in SIZES}
+    sizes = {name: sd for name, sd in problem.disturbed.items() if find_kind(name)}
     mended = mended.model_copy(update={"disturbances": sizes})
     rest = found.alarms, masking, findings, cut_short, angles, mended
     return Diagnosis(verdict, problem, search, posterior, *rest)

@@ -225,6 +225,25 @@ def test_a_camera_that_turns_moves_the_first_joint_alone(record):
     assert not directions["picture_turn"][:, 1:].any()
 
 
+def test_the_markers_of_a_link_move_the_joints_beside_it_apart(record):
+    """They swim with the light, in waves of 0.45 of a trial and of half that."""
+    angles = record()
+    values, noise = angles["joint_angle"].values.copy(), np.random.default_rng(12)
+    phase = 2.0 * np.pi * (np.arange(500) / 225.0 + noise.uniform(size=(8, 1)))
+    sd = float(pose_problem(angles)[0].noise["noise_sd"][0])
+    swims = sd * (np.sin(phase) + 0.5 * np.sin(2.2 * phase))
+    values[:, 0] += swims
+    values[:, 1] -= swims
+    problem, fit = pose_problem(angles.assign(joint_angle=(angles["joint_angle"].dims, values)))
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    _, evidence, directions = fit_disturbances(problem, base)
+    assert max(evidence, key=evidence.get) == "link_turn_1"
+    assert evidence["link_turn_1"] > 15.0
+    assert not {"drift", "picture_turn"} & set(evidence)
+    moved = directions["link_turn_1"]
+    assert np.array_equal(moved[:, 0], -moved[:, 1])
+
+
 def test_noise_that_outlasts_the_windows_is_no_drift(record):
     """Its memory is as long as half a plateau of the staircase, and windows find less of it."""
     angles = record()

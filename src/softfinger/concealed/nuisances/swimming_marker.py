@@ -1,7 +1,7 @@
 """A marker whose centre swims with the light.
 
-The light is one for all trials, slow, and leaves each joint by its own amount: no measurement model
-of the diagnosis has an error that follows the time since the trial began.
+The light swings slowly with one period, at phases of each trial's own. It turns the direction of
+one link, as two waves do: the measurement model of the diagnosis has random walks.
 """
 
 import numpy as np

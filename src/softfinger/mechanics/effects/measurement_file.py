@@ -6,6 +6,7 @@ from pydantic import Field
 
 from softfinger.mechanics.effects.prior_file import Part, Positive
 
+LINK_TURN = "link_turn_"  # and the link's number, from 1
 Disturbance = Literal[
     "noisy_load",
     "load_drift",
@@ -17,6 +18,7 @@ Disturbance = Literal[
     "lasting_noise",
     "picture_turn",
 ]
+LinkTurn = Annotated[str, Field(pattern=f"^{LINK_TURN}[1-9][0-9]*$")]
 DIGITS = 7
 Amplitudes = dict[str, list[float]]
 
@@ -42,7 +44,7 @@ class MeasurementEntry(Part):
     steady_load: bool = False
     clock_rate: Annotated[float, Field(gt=-0.5, lt=0.5)] = 0.0
     hums: list[HumEntry] = Field(default_factory=list)
-    disturbances: dict[Disturbance, Positive] = Field(default_factory=dict)
+    disturbances: dict[Disturbance | LinkTurn, Positive] = Field(default_factory=dict)
 
     def shorten(self) -> "MeasurementEntry | None":
         """Keep as many digits as files have; None if nothing is wrong."""

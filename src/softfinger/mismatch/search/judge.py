@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 
 from softfinger.inference.budget import BUDGET as INFERENCE
-from softfinger.inference.disturbances import SIZES, fit_disturbances
+from softfinger.inference.disturbances import find_kind, fit_disturbances
 from softfinger.inference.disturbed import admit_disturbances
 from softfinger.inference.problem import Candidate, Problem, predict_frames
 from softfinger.inference.tails import weigh_tails
@@ -224,7 +224,7 @@ def measure_again(problem: Problem, candidate: Candidate, angles: xr.Dataset) ->
 
 def _carry_over(noise: xr.Dataset, known: xr.Dataset) -> xr.Dataset:
     """Keep what was mended in log and clock before."""
-    mended = [name for name in known["component"].values.tolist() if name in SIZES]
+    mended = [name for name in known["component"].values.tolist() if find_kind(name)]
     size, nats = (
         {name: float(known[part].sel(component=name)) for name in mended}
         for part in ("component_size", "component_evidence")

@@ -5,7 +5,7 @@ import xarray as xr
 
 from softfinger.inference.spreads import is_spread
 from softfinger.measurement.decisions import DECISIONS as MEASURING
-from softfinger.measurement.words import WORDS, scale_trials
+from softfinger.measurement.words import find_words, list_joints, scale_trials
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.verdict.schema import Suffering, Warned
 
@@ -22,13 +22,12 @@ def describe_measurement(measurement: xr.Dataset) -> list[Suffering]:
     found = []
     for name, size, nats in zip(names, sizes, evidence, strict=True):
         slight = nats < MEASURING.present_nats
-        if slight or is_spread(name) or not WORDS[name].fault:
+        if slight or is_spread(name) or not (words := find_words(name)).fault:
             continue
-        words = WORDS[name]
         found.append(
             Suffering(
                 id=words.id or name,
-                joints=[],
+                joints=list_joints(name, measurement.sizes["joint"]),
                 trials=_list_trials(name, measurement),
                 size={words.key: size},
                 evidence=nats,

@@ -3,7 +3,8 @@
 import numpy as np
 import xarray as xr
 
-from softfinger.mismatch.verdict.sufferings import WORDS, describe_measurement, doubt_declared
+from softfinger.measurement.words import WORDS
+from softfinger.mismatch.verdict.sufferings import describe_measurement, doubt_declared
 
 
 def build_measurement(found):
@@ -47,6 +48,12 @@ def test_a_hum_is_told_with_its_frequencies_as_a_drift():
     assert told[0].size == {"amplitude_rad": 0.0008}
     expected = "The angles hum at 7.1 and 14.2 Hz with 0.8 mrad, whatever the load does."
     assert told[0].statement == expected
+
+
+def test_a_link_whose_markers_drift_names_the_joints_beside_it():
+    told = describe_measurement(build_measurement({"link_turn_1": (1.5, 20.0)}))
+    assert [(one.id, one.joints) for one in told] == [("drift", [1, 2])]
+    assert told[0].statement.startswith("Link 1 seems to turn within a trial by 1.5 times")
 
 
 def test_the_trials_that_suffer_are_named():
