@@ -108,21 +108,24 @@ def compute_excess(problem: Problem, candidate: Candidate) -> tuple[float, float
         a = Σ n_k a_k / Σ n_k,  a_k = Σ r_i r_(i+1) / Σ r_i²,  excess = a / (1 − a)
 
     is the variance of what lasts over that of what does not (von Neumann 1941, Ann. Math. Stat. 12,
-    367). So noise of another size than the quiet windows show is no misfit.
+    367). So noise of another size than the quiet windows show is no misfit. The p-value is of what
+    lasts over the noise, Σ r_i r_(i+1) / max(Σ r_i², n_k): what lasts below it is no misfit either.
     """
     no_slopes = np.zeros(0, np.int64)
     fit = candidate.fit
     angle = problem.simulate(candidate.model, fit.own, fit.shared, no_slopes)[0]
-    follows, pairs = 0.0, 0
+    follows, above, pairs = 0.0, 0.0, 0
     for trial in range(len(problem.trials.name)):
         left = whiten_residual(problem.trials, angle, trial)
         for joint in left[:, problem.trials.present[trial]].T:
             if len(joint) > 1 and np.any(joint):
-                follows += (len(joint) - 1) * float(joint[1:] @ joint[:-1] / (joint @ joint))
+                lasts, square = float(joint[1:] @ joint[:-1]), float(joint @ joint)
+                follows += (len(joint) - 1) * lasts / square
+                above += (len(joint) - 1) * lasts / max(square, len(joint))
                 pairs += len(joint) - 1
     share = min(follows / max(pairs, 1), np.nextafter(1.0, 0.0))
     sd = np.hypot(max(pairs, 1) ** -0.5, PRIORS.noise_memory_sd)
-    return share / (1.0 - share), float(norm.sf(share / sd))
+    return share / (1.0 - share), float(norm.sf(above / max(pairs, 1) / sd))
 
 
 def compute_square_excess(fit: Fit, rows: NDArray[np.int64]) -> float:
