@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from softfinger.faults import Fault
 from softfinger.mechanics.effects.effect import Effect, Form, Parameter, Setting
-from softfinger.mechanics.forward.slots import SLOTS, SlotArrays, build_slots
+from softfinger.mechanics.forward.slots import SLOTS, SlotArrays, build_slots, build_tangent
 
 DIFFERENCE = 1e-5  # of a parameter's prior sd, to differentiate slots by it
 LONGEST_STEP = 1.0  # of a parameter's prior sd, in one linearisation
@@ -202,14 +202,11 @@ class EffectModel:
     def fill_slots(self, shared: NDArray[np.float64]) -> SlotArrays:
         """Fill all trials' slots from φ (p,)."""
         values: dict[str, NDArray] = {}
-        for number, piece in enumerate(self.pieces):
-            filled = piece.form.slots(self._physical(number, shared))
-            for name, value in self._confine(piece, filled).items():
+        for number in range(len(self.pieces)):
+            for name, value in self._fill_piece(number, shared).items():
                 if name in values and SLOTS[name].null != 0.0:
                     raise Fault(f"{self.label}: two effects claim the slot {name}")
                 values[name] = values[name] + value if name in values else value
-        if not np.all([np.isfinite(value).all() for value in values.values()]):
-            raise ArithmeticError(f"{self.label}: a slot is not finite at {shared}")
         return build_slots(self.setting.trials, self.setting.joints, values)
 
     def fill_tangents(
@@ -218,12 +215,25 @@ class EffectModel:
         """Differentiate slots by φ, or `only` some, centrally."""
         tangents = []
         for k in range(len(shared)) if only is None else only:
-            step = DIFFERENCE * self.entries[k].parameter.sd
+            number, step = self.entries[k].piece, DIFFERENCE * self.entries[k].parameter.sd
             up, down = shared.copy(), shared.copy()
             up[k], down[k] = shared[k] + step, shared[k] - step
-            pairs = zip(self.fill_slots(up), self.fill_slots(down), strict=True)
-            tangents.append(SlotArrays(*((a - b) / (2 * step) for a, b in pairs)))
+            up, down = self._fill_piece(number, up), self._fill_piece(number, down)
+            slope = {
+                name: (np.asarray(up[name]) - down[name]) / (2.0 * step)
+                for name in up
+                if not SLOTS[name].constant
+            }
+            tangents.append(build_tangent(self.setting.trials, self.setting.joints, slope))
         return tangents
+
+    def _fill_piece(self, number: int, shared: NDArray[np.float64]) -> dict[str, NDArray]:
+        """Slots of one piece, null in joints without it."""
+        piece = self.pieces[number]
+        filled = self._confine(piece, piece.form.slots(self._physical(number, shared)))
+        if not all(np.isfinite(value).all() for value in filled.values()):
+            raise ArithmeticError(f"{self.label}: a slot is not finite at {shared}")
+        return filled
 
     def _confine(self, piece: Piece, filled: Mapping[str, NDArray]) -> dict[str, NDArray]:
         """Slots, null in joints without the effect."""

@@ -118,8 +118,8 @@ def compute_excess(problem: Problem, candidate: Candidate) -> tuple[float, float
     for trial in range(len(problem.trials.name)):
         left = whiten_residual(problem.trials, angle, trial)
         for joint in left[:, problem.trials.present[trial]].T:
-            if len(joint) > 1 and np.any(joint):
-                lasts, square = float(joint[1:] @ joint[:-1]), float(joint @ joint)
+            lasts, square = float(joint[1:] @ joint[:-1]), float(joint @ joint)
+            if square > 0.0:
                 follows += (len(joint) - 1) * lasts / square
                 above += (len(joint) - 1) * lasts / max(square, len(joint))
                 pairs += len(joint) - 1
