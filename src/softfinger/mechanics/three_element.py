@@ -20,6 +20,8 @@ from softfinger.compiled import compiled
 from softfinger.mechanics.checks import require_finite, require_forward_in_time, require_positive
 from softfinger.mechanics.load import check_load, fill_load_integral
 
+ROUNDING = 4.0 * np.finfo(float).eps  # of times, by which equal steps may differ
+
 
 def compute_elastic_basis_array(
     rate: ArrayLike, time: ArrayLike, load_time: ArrayLike, load_torque: ArrayLike
@@ -185,20 +187,25 @@ def fill_elastic_basis(
     knot = 0  # the first knot that lies after the present
     now, load, climb = load_time[0], 0.0, 0.0  # present time, load and its slope
     e, de = 0.0, 0.0
+    before, lost = 0.0, 0.0  # the last step, and expm1(−rate · step)
     for i in range(time.size):
         if np.isnan(time[i]):
             basis[i] = np.nan
             slope[i] = np.nan
             continue
         while knot <= last and load_time[knot] <= time[i]:
-            e, de = advance_lag(rate, load_time[knot] - now, load, climb, e, de)
+            step = load_time[knot] - now
+            e, de = advance_lag(rate * step, math.expm1(-rate * step), load, climb * step, e, de)
             now, load, climb = load_time[knot], load_torque[knot], 0.0
             if knot < last and load_time[knot + 1] > now:
                 climb = (load_torque[knot + 1] - load) / (load_time[knot + 1] - now)
             knot += 1
         if knot > 0 and time[i] > now:
-            e, de = advance_lag(rate, time[i] - now, load, climb, e, de)
-            load += climb * (time[i] - now)
+            step = time[i] - now
+            if abs(step - before) > ROUNDING * abs(time[i]):  # frames are mostly even
+                before, lost = step, math.expm1(-rate * step)
+            e, de = advance_lag(rate * step, lost, load, climb * step, e, de)
+            load += climb * step
             now = time[i]
         basis[i] = e
         slope[i] = de
@@ -206,19 +213,21 @@ def fill_elastic_basis(
 
 @compiled
 def advance_lag(
-    rate: float, step: float, load: float, climb: float, e: float, de: float
+    z: float, lost: float, load: float, rise: float, e: float, de: float
 ) -> tuple[float, float]:
-    """E and its slope after `step` seconds.
+    """E and its slope after a step.
 
-    e' = rate (u − e), u = load + climb · t; the slope is de/dlog(rate).
+    e' = rate (u − e), u = load + rise · t/step; the slope is de/dlog(rate).
 
-    e → e E + u (1 − E) + climb · step · (1 − φ),  E = exp(−z), φ = (1 − E)/z, z = rate · step.
+    e → e E + u (1 − E) + rise · (1 − φ),  E = exp(−z), φ = (1 − E)/z, z = rate · step; `lost` is
+    E − 1.
     """
-    z = rate * step
-    decay = math.exp(-z)
-    ramp, ramp_slope = lag_of_ramp(z)
-    de_next = decay * (de + z * (load - e)) + climb * step * ramp_slope
-    e_next = e * decay - load * math.expm1(-z) + climb * step * ramp
+    decay = 1.0 + lost
+    e_next, de_next = e * decay - load * lost, decay * (de + z * (load - e))
+    if rise != 0.0:  # a load that rests needs no more
+        ramp, ramp_slope = lag_of_ramp(z)
+        e_next += rise * ramp
+        de_next += rise * ramp_slope
     return e_next, de_next
 
 

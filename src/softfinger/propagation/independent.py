@@ -64,11 +64,17 @@ def share_variance_array(
         elastic = split_elastic_variance_array(mu[row], sigma[row], time, load_time, load_torque)
         _, log_inverse = compute_inverse_moments(mu[row, C_P], sigma[row, C_P], c_p_truncation_sd)
         part[row] = _share_parts(elastic, log_inverse, impulse, sigma[row, Q_INI])
-    interaction = np.array([{K_V, C_V} <= set(subset) for subset in SUBSETS])
-    return {
-        subset: part[..., [*subset, 4] if both else [*subset]].sum(axis=-1).reshape(shape)
-        for subset, both in zip(SUBSETS, interaction, strict=True)
-    }
+    shares = (part @ _PARTS).reshape(*shape, len(SUBSETS))
+    return {subset: shares[..., k] for k, subset in enumerate(SUBSETS)}
+
+
+_PARTS = np.array(
+    [
+        [p in subset for p in (K_V, C_V, C_P, Q_INI)] + [{K_V, C_V} <= set(subset)]
+        for subset in SUBSETS
+    ],
+    float,
+).T  # which of the five parts of the variance a set explains
 
 
 def split_elastic_variance_array(
