@@ -58,8 +58,7 @@ def compute_elastic_basis_array(
     check_load(load_time, load_torque)
     rates = np.atleast_1d(rate)
     basis, slope = np.empty((rates.size, time.size)), np.empty((rates.size, time.size))
-    for row in range(rates.size):
-        fill_elastic_basis(rates[row], time, load_time, load_torque, basis[row], slope[row])
+    _fill_bases(rates, time, load_time, load_torque, basis, slope)
     shape = (*rate.shape, time.size)
     return basis.reshape(shape), slope.reshape(shape)
 
@@ -166,6 +165,19 @@ def _fill_joint_angles(
             gradient[row, i, 2] = -flow
             gradient[row, i, 3] = 1.0 if angle[row, i] == angle[row, i] else np.nan
     return angle, gradient
+
+
+@compiled
+def _fill_bases(
+    rates: NDArray,
+    time: NDArray,
+    load_time: NDArray,
+    load_torque: NDArray,
+    basis: NDArray,
+    slope: NDArray,
+) -> None:
+    for row in range(rates.size):
+        fill_elastic_basis(rates[row], time, load_time, load_torque, basis[row], slope[row])
 
 
 @compiled
