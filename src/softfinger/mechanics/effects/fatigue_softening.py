@@ -11,7 +11,7 @@ from softfinger.mechanics.effects.effect import (
     positive,
     time_constant,
 )
-from softfinger.mechanics.effects.law import Law
+from softfinger.mechanics.effects.law import ALIKE, Law, make_alike
 
 LEAST_TRIALS = 4
 TARGETS = {
@@ -43,14 +43,16 @@ def _build_form(law: str, target: str, setting: Setting) -> Form:
     return Form(f"{law}_{target}", parameters, slots)
 
 
-def _build_free_form(target: str, setting: Setting) -> Form:
+def _build_free_form(target: str, setting: Setting, *, alike: bool) -> Form:
     last = float(setting.number.max())
     law = Law("drift", "trial_number", last, 0.15, terms=5, per="joint", kind="exponential")
+    law, name = (make_alike(law), ALIKE) if alike else (law, FREE)
 
     def slots(values: Values) -> dict:
-        return dict.fromkeys(TARGETS[target], law.evaluate(values, setting.number).T)
+        drift = np.atleast_2d(law.evaluate(values, setting.number)).T
+        return dict.fromkeys(TARGETS[target], drift)
 
-    return Form(f"{FREE}_{target}", law.parameters, slots, law=law)
+    return Form(f"{name}_{target}", law.parameters, slots, law=law)
 
 
 def _build_forms(setting: Setting) -> list[Form] | str:
@@ -58,7 +60,9 @@ def _build_forms(setting: Setting) -> list[Form] | str:
         return "a drift over trials needs several trials"
     laws = ("linear", "exponential", "logarithmic")
     forms = [_build_form(law, target, setting) for target in TARGETS for law in laws]
-    return [*forms, *(_build_free_form(target, setting) for target in TARGETS)]
+    shared = (False, True) if setting.joints > 1 else (False,)
+    free = [_build_free_form(t, setting, alike=a) for a in shared for t in TARGETS]
+    return [*forms, *free]
 
 
 EFFECT = Effect(

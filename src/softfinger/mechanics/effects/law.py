@@ -24,7 +24,7 @@ from softfinger.mechanics.effects.effect import FREE, Form, Parameter, Values, s
 from softfinger.mechanics.forward.curve import KNOTS, build_weights, draw_curve
 
 FLOOR = 2e-3  # of a term's prior sd
-FINER = f"{FREE}_finer"
+ALIKE = f"{FREE}_alike"
 MOST_TERMS = KNOTS - 4
 """That the knots can follow: those of a finer law."""
 _PLACES = np.linspace(0.0, 1.0, KNOTS)  # of the reach: values there determine a curve
@@ -139,8 +139,18 @@ def build_terms(terms: int) -> NDArray[np.float64]:
     return coefficients
 
 
+def make_alike(law: Law) -> Law:
+    """One law for all joints, in place of one for each."""
+    return replace(law, per="chain", reach=float(np.max(law.reach)))
+
+
 def free_form(
-    law: Law, constants: Mapping[str, ArrayLike], form: Form | None = None, *, local: bool = False
+    law: Law,
+    constants: Mapping[str, ArrayLike],
+    form: Form | None = None,
+    *,
+    local: bool = False,
+    name: str = FREE,
 ) -> Form:
     """Build the free form of an effect, and the finer one.
 
@@ -163,4 +173,17 @@ def free_form(
         parameters = (*known, *law.parameters)
         return Form(name, parameters, slots, local=local, law=law, finer=finer)
 
-    return build(FREE, law, build(FINER, replace(law, terms=MOST_TERMS, smooth=1), None))
+    finer = build(f"{name}_finer", replace(law, terms=MOST_TERMS, smooth=1), None)
+    return build(name, law, finer)
+
+
+def list_free_forms(law: Law, reach: str, joints: int) -> list[Form]:
+    """A law of each joint's own, and one for all joints.
+
+    `reach` is the slot that states where it ends.
+    """
+    own = free_form(law, {reach: law.reach})
+    if joints == 1:
+        return [own]
+    alike = make_alike(law)
+    return [own, free_form(alike, {reach: alike.reach}, name=ALIKE)]

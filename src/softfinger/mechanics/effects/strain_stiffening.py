@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
 from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, positive
-from softfinger.mechanics.effects.law import Law, free_form
+from softfinger.mechanics.effects.law import Law, list_free_forms
 from softfinger.mechanics.forward.curve import combine, weigh_slope, weigh_value
 from softfinger.mechanics.forward.hooks import Hook
 from softfinger.mechanics.forward.slot import Slot, declare
@@ -78,7 +78,7 @@ def _build_form(shape: str, measure: str) -> Form:
 def _build_forms(setting: Setting) -> list[Form]:
     forms = [_build_form(shape, m) for shape in SHAPES for m in ("elastic_angle", "joint_angle")]
     law = Law("spring_law", "elastic_angle_rad", setting.reach, 0.5, terms=5, per="joint")
-    return [*forms, free_form(law, {"spring_reach": setting.reach})]
+    return [*forms, *list_free_forms(law, "spring_reach", setting.joints)]
 
 
 EFFECT = Effect(

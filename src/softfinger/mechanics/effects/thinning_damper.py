@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from softfinger.compiled import compiled
 from softfinger.mechanics.effects.creep_spectrum import CREEP
 from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, positive
-from softfinger.mechanics.effects.law import Law, free_form
+from softfinger.mechanics.effects.law import Law, list_free_forms
 from softfinger.mechanics.forward.curve import combine, weigh_slope, weigh_value
 from softfinger.mechanics.forward.hooks import Hook
 from softfinger.mechanics.forward.slot import Slot, declare
@@ -82,7 +82,7 @@ def _build_forms(setting: Setting) -> list[Form]:
         per="joint",
         kind="exponential",
     )
-    return [*forms, free_form(law, {"damper_reference": setting.torque})]
+    return [*forms, *list_free_forms(law, "damper_reference", setting.joints)]
 
 
 EFFECT = Effect(
