@@ -1,12 +1,14 @@
 """Free laws: curves, their bands, and what a model file holds of them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from softfinger.faults import Fault, ListedFault
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.effect import FREE, Setting
-from softfinger.mechanics.effects.law import Law, build_curves, free_form
+from softfinger.mechanics.effects.law import ALIKE, Law, build_curves, free_form
 from softfinger.mechanics.effects.law_curve import compute_law_curves, list_laws
 from softfinger.mechanics.effects.model import EffectModel, Piece
 from softfinger.mechanics.effects.model_file import (
@@ -17,6 +19,7 @@ from softfinger.mechanics.effects.model_file import (
     write_model_file,
 )
 from softfinger.mechanics.forward.curve import KNOTS, build_weights, draw_curve
+from softfinger.mechanics.forward.slot import SLOTS
 
 
 def build_setting(reach=(0.4, 0.35, 0.3), largest_torque=(0.02, 0.03, 0.04, 0.05)):
@@ -82,6 +85,37 @@ def test_terms_vanish_at_zero_and_follow_chebyshev():
     np.testing.assert_allclose(curves[0], 0.0, atol=1e-14)
     expected = np.cos(2 * np.arccos(2 * x - 1)) - 1.0
     np.testing.assert_allclose(curves[:, 1], expected, atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("name", "slot"),
+    [
+        ("strain_stiffening", "spring_law"),
+        ("thinning_damper", "damper_law"),
+        ("fatigue_softening", "log_k_v"),
+    ],
+)
+def test_one_law_for_all_joints_is_a_form_beside_one_for_each(name, slot):
+    setting, effect = build_setting(), list_effects()[name]
+    own, alike = (
+        next(f for f in effect.list_forms(setting) if f.name.startswith(start))
+        for start in (FREE, ALIKE)
+    )
+    every = EffectModel(setting, (Piece(effect, own, ((0,), (1,), (2,))),))
+    model = EffectModel(setting, (Piece(effect, alike, ()),))
+    assert 3 * len(model.entries) == len(every.entries)
+    shared = np.random.default_rng(3).normal(size=len(model.entries))
+    slots = model.fill_slots(shared).pick(SLOTS[slot])
+    same = every.fill_slots(np.repeat(shared, 3)).pick(SLOTS[slot])
+    np.testing.assert_allclose(slots, same, rtol=1e-9, atol=1e-9)
+    assert np.ptp(slots) > 0.0
+
+
+def test_one_joint_has_no_law_for_all_joints():
+    one = replace(build_setting(reach=(0.4,)), joints=1)
+    forms = [form.name for form in list_effects()["strain_stiffening"].list_forms(one)]
+    assert FREE in forms
+    assert ALIKE not in forms
 
 
 def test_a_plug_in_gets_a_free_law_with_one_line():
