@@ -24,7 +24,7 @@ from softfinger.mechanics.effects.effect import FREE, Form, Parameter, Values, s
 from softfinger.mechanics.forward.curve import KNOTS, build_weights, draw_curve
 
 FLOOR = 2e-3  # of a term's prior sd
-ALIKE = f"{FREE}_alike"
+ALIKE, EACH = f"{FREE}_alike", f"{FREE}_each"
 MOST_TERMS = KNOTS - 4
 """That the knots can follow: those of a finer law."""
 _PLACES = np.linspace(0.0, 1.0, KNOTS)  # of the reach: values there determine a curve

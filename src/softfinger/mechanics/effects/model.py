@@ -143,12 +143,9 @@ class EffectModel:
     @property
     def shared_prior(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Prior mean and sd of φ, internal."""
-        pieces = [self.pieces[entry.piece] for entry in self.entries]
-        sizes = [
-            piece.size if piece.form.law and entry.parameter.term else 1.0
-            for piece, entry in zip(pieces, self.entries, strict=True)
-        ]
-        usual = np.stack([self._gather("mean"), self._gather("sd") * np.array(sizes)])
+        size = np.array([self.pieces[entry.piece].size for entry in self.entries], float)
+        sized = np.where(self.terms, size, 1.0)
+        usual = np.stack([self._gather("mean"), self._gather("sd") * sized])
         for k, entry in enumerate(self.entries):
             key = self.pieces[entry.piece].effect.id, entry.name
             usual[:, k] = self.known.get(key, usual[:, k])
@@ -163,6 +160,13 @@ class EffectModel:
     def high(self) -> NDArray[np.float64]:
         """Upper bounds of φ."""
         return self._gather("high")
+
+    @cached_property
+    def terms(self) -> NDArray[np.bool_]:
+        """Which numbers of φ are terms of a law."""
+        return np.array(
+            [bool(self.pieces[e.piece].form.law) and e.parameter.term for e in self.entries], bool
+        )
 
     @property
     def amplitudes(self) -> NDArray[np.bool_]:

@@ -206,7 +206,7 @@ def describe_model(
         priors = {
             entry.name: _describe_prior(entry, float(mean[k]), float(sd[k]))
             for k, entry in enumerate(model.entries)
-            if entry.piece == number and not (piece.form.law and entry.parameter.term)
+            if entry.piece == number and not model.terms[k]
         }
         joints = [place[0] + 1 if len(place) == 1 else (place[0] + 1, place[1] + 1)
                   for place in piece.places]  # fmt: skip

@@ -4,10 +4,11 @@ The moment arm grows with the angle, as r sin(q/2 + a) or otherwise.
 """
 
 import math
+from dataclasses import replace
 
 from softfinger.compiled import compiled
 from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, positive
-from softfinger.mechanics.effects.law import Law, free_form
+from softfinger.mechanics.effects.law import EACH, Law, free_form
 from softfinger.mechanics.forward.curve import combine, weigh_slope, weigh_value
 from softfinger.mechanics.forward.hooks import Hook
 from softfinger.mechanics.forward.slot import Slot, declare
@@ -58,15 +59,17 @@ def _build_forms(setting: Setting) -> list[Form] | str:
         return "the load is not a wire tension"
     reach = float(setting.reach.max())
     law = Law("arm_law", "joint_angle_rad", reach, 0.5)
-    free = free_form(law, {"arm_reach": reach})
+    free = [free_form(law, {"arm_reach": reach})]
+    if setting.joints > 1:
+        free.append(free_form(replace(law, per="joint"), {"arm_reach": reach}, name=EACH))
     if not setting.geometry:
-        return [free]
+        return free
     arm = positive("arm_scale", 1.0, floor=5e-3)
 
     def slots(values: Values) -> dict:
         return {"arm_scale": values["arm_scale"]}
 
-    return [Form("paper_geometry", (arm,), slots), free]
+    return [Form("paper_geometry", (arm,), slots), *free]
 
 
 EFFECT = Effect(

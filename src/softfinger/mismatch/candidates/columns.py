@@ -172,7 +172,7 @@ def collect_columns(problem: Problem, origin: Candidate, pieces: Iterable[Piece]
     gram = reduce_trials(problem.trials, angle, np.concatenate(slopes, axis=3))
     sd = [block.model.shared_prior[1][block.new] for block in blocks]
     positive = [block.model.low[block.new] == 0.0 for block in blocks]
-    law = [_find_terms(block)[block.new] for block in blocks]
+    law = [block.model.terms[block.new] for block in blocks]
     return ScoreColumns(
         blocks,
         gram,
@@ -224,9 +224,3 @@ def _slope_at_null(
         if np.isfinite(slope).all() and slope.any(axis=(0, 1, 2)).all():
             return slope
     return np.full(1, np.nan)
-
-
-def _find_terms(block: Block) -> NDArray[np.bool_]:
-    """Which numbers of φ are terms of the last piece's law."""
-    is_law = block.model.pieces[-1].form.law is not None
-    return np.array([is_law and entry.parameter.term for entry in block.model.entries], bool)

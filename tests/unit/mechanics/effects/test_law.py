@@ -8,7 +8,7 @@ import pytest
 from softfinger.faults import Fault, ListedFault
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.effect import FREE, Setting
-from softfinger.mechanics.effects.law import ALIKE, Law, build_curves, free_form
+from softfinger.mechanics.effects.law import ALIKE, EACH, Law, build_curves, free_form
 from softfinger.mechanics.effects.law_curve import compute_law_curves, list_laws
 from softfinger.mechanics.effects.model import EffectModel, Piece
 from softfinger.mechanics.effects.model_file import (
@@ -88,18 +88,19 @@ def test_terms_vanish_at_zero_and_follow_chebyshev():
 
 
 @pytest.mark.parametrize(
-    ("name", "slot"),
+    ("name", "own", "alike", "slot"),
     [
-        ("strain_stiffening", "spring_law"),
-        ("thinning_damper", "damper_law"),
-        ("fatigue_softening", "log_k_v"),
+        ("strain_stiffening", FREE, ALIKE, "spring_law"),
+        ("thinning_damper", FREE, ALIKE, "damper_law"),
+        ("fatigue_softening", FREE, ALIKE, "log_k_v"),
+        ("moment_arm", EACH, FREE, "arm_law"),
     ],
 )
-def test_one_law_for_all_joints_is_a_form_beside_one_for_each(name, slot):
+def test_one_law_for_all_joints_is_a_form_beside_one_for_each(name, own, alike, slot):
     setting, effect = build_setting(), list_effects()[name]
     own, alike = (
         next(f for f in effect.list_forms(setting) if f.name.startswith(start))
-        for start in (FREE, ALIKE)
+        for start in (own, alike)
     )
     every = EffectModel(setting, (Piece(effect, own, ((0,), (1,), (2,))),))
     model = EffectModel(setting, (Piece(effect, alike, ()),))
