@@ -37,6 +37,7 @@ from softfinger.mismatch.search.one_load import share_with_creep
 from softfinger.mismatch.search.patience import Patience
 from softfinger.mismatch.search.settle import (
     Posterior,
+    drop_lent,
     drop_negligible,
     settle_search,
     weigh_models,
@@ -248,7 +249,7 @@ def _close(
     needed = found.needed
     if search.best is not search.base:
         search = share_with_creep(problem, name_species(problem, search))
-    search = shape_rest(problem, settle_search(search))
+    search = shape_rest(problem, settle_search(drop_lent(search)))
     findings = examine(problem, search, angles, needed=needed)
     kept = drop_negligible(search, partial(fit_less, problem))
     if kept.best is not search.best and kept.best is not kept.base:

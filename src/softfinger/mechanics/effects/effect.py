@@ -224,6 +224,8 @@ class Form:
         Names a free law that several effects share: what they are is told by its shape.
     finer
         The same law with more terms, which a further effect has to beat.
+    lent
+        Whether the law is another effect's: where the form's own amplitudes vanish, it is that one.
     """
 
     name: str
@@ -234,6 +236,7 @@ class Form:
     law: "Law | None" = None
     kin: str = ""
     finer: "Form | None" = None
+    lent: bool = False
 
     @property
     def is_free(self) -> bool:

@@ -55,7 +55,7 @@ def _build_forms(setting: Setting) -> list[Form]:
 
     gap = Form("gap", (play,), slots)
     law = Law("spring_law", "elastic_angle_rad", setting.reach, 0.5, terms=5, per="joint")
-    return [gap, free_form(law, {"spring_reach": setting.reach}, gap)]
+    return [gap, free_form(law, {"spring_reach": setting.reach}, gap, lent=True)]
 
 
 EFFECT = Effect(

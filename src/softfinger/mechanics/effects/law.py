@@ -150,6 +150,7 @@ def free_form(
     form: Form | None = None,
     *,
     local: bool = False,
+    lent: bool = False,
     name: str = FREE,
 ) -> Form:
     """Build the free form of an effect, and the finer one.
@@ -160,7 +161,7 @@ def free_form(
         Slots that go with it: where the law ends, what it is a law of.
     form
         A textbook form to which it is added.
-    local
+    local, lent
         As in `Form`.
     """
     known = () if form is None else form.parameters
@@ -171,7 +172,7 @@ def free_form(
             return {**rest, **constants, law.name: law.fill(values)}
 
         parameters = (*known, *law.parameters)
-        return Form(name, parameters, slots, local=local, law=law, finer=finer)
+        return Form(name, parameters, slots, local=local, law=law, finer=finer, lent=lent)
 
     finer = build(f"{name}_finer", replace(law, terms=MOST_TERMS, smooth=1), None)
     return build(name, law, finer)

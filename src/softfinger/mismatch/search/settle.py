@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import numpy as np
+from scipy.stats import norm
 
 from softfinger.mismatch.candidates.rank import Candidate
 from softfinger.mismatch.decisions import DECISIONS
@@ -106,6 +107,27 @@ def settle_search(search: Search) -> Search:
     fewer = [c for c in search.candidates if len(c.model.ids) <= size]
     more = [c for c in search.candidates if len(c.model.ids) > size]
     return search._replace(candidates=fewer, rejected=[*more, *search.rejected], best=kept)
+
+
+def drop_lent(search: Search) -> Search:
+    """Drop effects that only use another's law.
+
+    Play without a gap, with the free spring beyond it, is a stiffening, and competes as that.
+    """
+    kept = [c for c in search.candidates if c is search.best or not _is_lent(c)]
+    return search._replace(candidates=kept)
+
+
+def _is_lent(candidate: Candidate) -> bool:
+    """Whether an effect's own amplitudes, beside a law that is lent, may all be zero."""
+    if candidate.fit is None:
+        return False
+    model, fit = candidate.model, candidate.fit
+    sure = np.abs(fit.shared) > norm.ppf(0.95) * np.sqrt(np.diag(fit.shared_covariance))
+    own = model.amplitudes & ~model.terms
+    present = {entry.piece for entry, is_it in zip(model.entries, sure & own, strict=True) if is_it}
+    lent = {number for number, piece in enumerate(model.pieces) if piece.form.lent}
+    return not lent <= present
 
 
 def drop_negligible(search: Search, refit: Refit) -> Search:

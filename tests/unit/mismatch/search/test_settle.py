@@ -3,10 +3,19 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from softfinger.inference.problem import pose_problem
+from softfinger.mechanics.effects import list_effects
+from softfinger.mechanics.effects.model import EffectModel, Piece
 from softfinger.mismatch.candidates.rank import Candidate
 from softfinger.mismatch.checks.findings import Findings
 from softfinger.mismatch.search.calibrate import FalseAlarms
-from softfinger.mismatch.search.settle import drop_negligible, join_ids, settle_search, weigh_models
+from softfinger.mismatch.search.settle import (
+    drop_lent,
+    drop_negligible,
+    join_ids,
+    settle_search,
+    weigh_models,
+)
 from softfinger.mismatch.search.stepwise import Search
 
 
@@ -93,6 +102,19 @@ def test_sets_without_a_shared_effect_and_a_sure_one_stand():
     ):
         found = search(*others)
         assert settle_search(found) is found
+
+
+@pytest.mark.parametrize(("play", "kept"), [(0.0, False), (0.02, True)])
+def test_play_without_a_gap_is_a_stiffening_and_competes_as_that(draw_campaign, play, kept):
+    setting = pose_problem(draw_campaign(2, 0.15))[0].setting
+    free = next(f for f in list_effects()["joint_play"].list_forms(setting) if f.is_free)
+    borrowed = EffectModel(setting, (Piece(list_effects()["joint_play"], free, ((0,),)),))
+    shared = np.where(borrowed.terms, 0.3, play)
+    fit = SimpleNamespace(shared=shared, shared_covariance=0.005**2 * np.eye(len(shared)))
+    stiffer = Candidate(model("strain_stiffening"), "fit", 30.0)
+    found = drop_lent(search(stiffer, Candidate(borrowed, fit, 29.0)))
+    assert len(found.candidates) == 1 + kept
+    assert found.candidates[0] is stiffer
 
 
 def small(*ids, negligible, nats=30.0):
