@@ -36,6 +36,7 @@ from softfinger.provenance import PROJECT, code_hash
 
 VISIBLE_NATS = 15.0
 PATIENCE_S = 3600.0
+THREADS = 2  # one campaign after the other
 OUT = PROJECT / "results/proof_real"
 
 
@@ -46,7 +47,8 @@ def list_campaigns(data: Path) -> list[Path]:
 
 def answer_plain(folder: Path, out: Path) -> None:
     """Diagnose real recordings as they are."""
-    found = diagnose_blind(folder, out / "diagnoses" / folder.name, PATIENCE_S)
+    place = out / "diagnoses" / folder.name
+    found = diagnose_blind(folder, place, PATIENCE_S, threads=THREADS)
     expected = folder / "expected.yaml"
     known = YAML(typ="safe").load(expected) if expected.is_file() else {}
     accepted = [str(answer) for answer in known.get("accept", [])]
@@ -77,7 +79,9 @@ def answer_added(folder: Path, addition: Addition, out: Path) -> None:
             _write(found | {"verdict": None, "right": None}, out / f"{name}.json")
             return
         write_added(folder, Path(place) / "added", bodies, scale, chosen)
-        answered = diagnose_blind(Path(place) / "added", out / "diagnoses" / name, PATIENCE_S)
+        answered = diagnose_blind(
+            Path(place) / "added", out / "diagnoses" / name, PATIENCE_S, threads=THREADS
+        )
     gained = claims(answered["verdict"]) - known
     found |= answered | {"right": addition.effect in gained}
     _write(found, out / f"{name}.json")

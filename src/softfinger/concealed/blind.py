@@ -13,7 +13,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 COMMAND = (sys.executable, "-c", "from softfinger.cli import main; main()", "diagnose")
-ONE_THREAD = {"NUMBA_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # campaigns run side by side
 CRASHED = {"decision": "crashed", "effects": [], "equivalent": [], "location": None, "elpd": None}
 
 
@@ -24,6 +23,7 @@ def diagnose_blind(
     command: Sequence[str] = COMMAND,
     *,
     mcmc: bool = False,
+    threads: int = 1,
 ) -> dict:
     """Diagnose a copy of a campaign, isolated.
 
@@ -37,12 +37,14 @@ def diagnose_blind(
         Takes a campaign folder and ``--out`` folder, and writes ``verdict.json`` there.
     mcmc
         Whether it samples the repaired model's parameters.
+    threads
+        Of the diagnosis; one, where campaigns run side by side.
 
     Returns
     -------
     dict
         `verdict`, whose decision is ``crashed`` where there is none; `reason`, then, else null;
-        `seconds` and `cpu_seconds` that it took, in one thread.
+        `seconds` and `cpu_seconds` that it took.
     """
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     begin = time.monotonic()
@@ -52,7 +54,7 @@ def diagnose_blind(
         out = place / "out"
         out.mkdir()
         told = ["campaign", "--out", "out", "--mcmc" if mcmc else "--no-mcmc", "--no-report"]
-        reason = _run([*command, *told], place, patience)
+        reason = _run([*command, *told], place, patience, threads)
         seconds = time.monotonic() - begin
         found = out / "verdict.json"
         if reason is None and not found.is_file():
@@ -69,12 +71,13 @@ def diagnose_blind(
     }
 
 
-def _run(command: Sequence[str], place: Path, patience: float) -> str | None:
+def _run(command: Sequence[str], place: Path, patience: float, threads: int) -> str | None:
     """Why a command failed, in a line; else None."""
+    told = {"NUMBA_NUM_THREADS": str(threads), "OMP_NUM_THREADS": "1"}
     try:
         done = subprocess.run(
             command, cwd=place, capture_output=True, text=True, timeout=patience, check=False,
-            env=os.environ | ONE_THREAD,
+            env=os.environ | told,
         )  # fmt: skip
     except subprocess.TimeoutExpired:
         return f"it took more than {patience:g} s"
