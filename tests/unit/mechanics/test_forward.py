@@ -70,6 +70,21 @@ def test_a_delay_shows_the_past(parameters, geometry):
     np.testing.assert_allclose(late.joint_angle, prompt.joint_angle, rtol=1e-12)
 
 
+@pytest.mark.parametrize("also", [{}, {"stiffening_square": 2.0}])
+def test_a_frame_at_the_first_step_is_not_moved_by_a_lag_of_nothing(parameters, geometry, also):
+    """The load comes later, so the frame shows the finger at rest: its slope is 0."""
+    frames, load = np.linspace(0.0, 4.0, 41), ([0.0, 4.0], [0.04, 0.04])
+    finger = describe_finger(geometry)
+
+    def simulate(lag):
+        return simulate_joint_angle(parameters, finger, frames, *load, also | lag, [{"lag": 1.0}])
+
+    slope = simulate({}).joint_angle_by_direction.to_numpy()[..., 0]
+    moved = simulate({"lag": 1e-5}).joint_angle - simulate({}).joint_angle
+    assert not slope[..., 0].any()
+    np.testing.assert_allclose(slope, moved.to_numpy() / 1e-5, rtol=0.02, atol=1e-3)
+
+
 def test_gravity_is_in_balance_before_the_load(parameters, geometry):
     """Without flow nothing moves until the load comes, however the plane is tilted."""
     slots = {"tilt_across": 0.3, "tilt_along": -0.2, "flow_share": 0.0, "stiffening_square": 3.0}

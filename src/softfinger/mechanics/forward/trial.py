@@ -59,6 +59,9 @@ def run_trial(
     if frames > 0:
         now = min(now, time[0])
     fill_rest(model, work, now)
+    while frame < frames and time[frame] <= now:  # a load that comes later moves none of these
+        emit_frame(model, work, 0.0, 0.0, frame, late, angle, gradient)
+        frame += 1
     for knot in range(-1, last + 1):
         end = load_time[knot + 1] if knot < last else time[max(frames - 1, 0)]
         if knot >= 0:

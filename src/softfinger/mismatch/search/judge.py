@@ -120,18 +120,11 @@ def judge_finalists(
         With the measurement of the model that then leads; its candidates are the finalists.
     """
     measured = measure_again(plain, search.best, angles)
-    finalists: dict[frozenset[str], Candidate] = {search.base.model.ids: search.base}
-    for candidate in search.candidates:
-        if candidate.fit is not None and len(finalists) <= BUDGET.finalists:
-            finalists.setdefault(candidate.model.ids, candidate)
-    for candidate in (search.best, *rivals):
-        finalists.setdefault(candidate.model.ids, candidate)
+    finalists = list_finalists(search, rivals)
     fitted = problem if measured is plain else None
     judged: list[Judged] = []
     best = None
-    for candidate in sorted(
-        finalists.values(), key=lambda c: (c is not search.base, -c.log_evidence)
-    ):
+    for candidate in sorted(finalists, key=lambda c: (c is not search.base, -c.log_evidence)):
         worth = -np.inf
         if best is not None:
             worth = best.evidence - reaching_nats(best.evidence - judged[0].evidence)
@@ -152,6 +145,21 @@ def judge_finalists(
             evidence = max(other.evidence - level, again.log_evidence)
             settled.append(again._replace(log_evidence=evidence))
     return best.problem, _settle(search, settled, needed)
+
+
+def list_finalists(search: Search, rivals: list[Candidate]) -> list[Candidate]:
+    """The best model of each leading set, and rivals of other forms.
+
+    What leads with a disturbance need not lead without it: of one set both forms compete.
+    """
+    sets: dict[frozenset[str], Candidate] = {search.base.model.ids: search.base}
+    for candidate in search.candidates:
+        if candidate.fit is not None and len(sets) <= BUDGET.finalists:
+            sets.setdefault(candidate.model.ids, candidate)
+    finalists = {candidate.model.label: candidate for candidate in sets.values()}
+    for candidate in (search.best, *rivals):
+        finalists.setdefault(candidate.model.label, candidate)
+    return list(finalists.values())
 
 
 def judge(
