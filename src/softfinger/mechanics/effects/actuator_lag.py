@@ -130,9 +130,14 @@ def _build_forms(setting: Setting) -> list[Form] | str:
     def slots_of_two(values: Values) -> dict:
         return {"lag": values["lag_s"], "lag_second_share": values["second_stage_share"]}
 
-    forms = [Form("first_order", (lag,), slots), Form("two_stages", (lag, share), slots_of_two)]
-    # one joint creeps by such a response as well, and under one load any joint does
-    return [*forms, build_response(setting)] if setting.levels and setting.joints > 1 else forms
+    two = Form("two_stages", (lag, share), slots_of_two)
+    if setting.joints == 1:  # it creeps by a free response as well
+        return [Form("first_order", (lag,), slots), two]
+    free = build_response(setting)
+    if setting.levels:
+        return [Form("first_order", (lag,), slots), two, free]
+    # under one load any joint creeps by such a response: alone it is no sign of a lag
+    return [Form("first_order", (lag,), slots, finer=free), two]
 
 
 EFFECT = Effect(
