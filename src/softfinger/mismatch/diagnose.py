@@ -26,10 +26,10 @@ from softfinger.mismatch.experiment.masking import list_invisible, tabulate_mask
 from softfinger.mismatch.search.calibrate import FalseAlarms, calibrate_false_alarms
 from softfinger.mismatch.search.eliminate import fit_less
 from softfinger.mismatch.search.extend import Task
+from softfinger.mismatch.search.finalists import list_best
 from softfinger.mismatch.search.judge import (
     find_leader,
     judge_finalists,
-    list_best,
     settle_measurement,
 )
 from softfinger.mismatch.search.log_and_clock import find_clock_rate, weigh_log

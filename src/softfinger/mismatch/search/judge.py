@@ -24,6 +24,7 @@ from softfinger.measurement.trials import prepare_trials
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.rank import has_reached, reaching_nats
 from softfinger.mismatch.priors import PRIORS
+from softfinger.mismatch.search.finalists import list_finalists
 from softfinger.mismatch.search.stepwise import Search
 
 
@@ -147,21 +148,6 @@ def judge_finalists(
     return best.problem, _settle(search, settled, needed)
 
 
-def list_finalists(search: Search, rivals: list[Candidate]) -> list[Candidate]:
-    """The best model of each leading set, and rivals of other forms.
-
-    What leads with a disturbance need not lead without it: of one set both forms compete.
-    """
-    sets: dict[frozenset[str], Candidate] = {search.base.model.ids: search.base}
-    for candidate in search.candidates:
-        if candidate.fit is not None and len(sets) <= BUDGET.finalists:
-            sets.setdefault(candidate.model.ids, candidate)
-    finalists = {candidate.model.label: candidate for candidate in sets.values()}
-    for candidate in (search.best, *rivals):
-        finalists.setdefault(candidate.model.label, candidate)
-    return list(finalists.values())
-
-
 def judge(
     plain: Problem,
     candidate: Candidate,
@@ -206,12 +192,6 @@ def _soften(plain: Problem, candidate: Candidate) -> tuple[Problem, dict[str, fl
         return plain, size
     noise = add_components(plain.noise, size, evidence)
     return replace(admit_disturbances(plain, size, directions), noise=noise), size
-
-
-def list_best(search: Search) -> list[Candidate]:
-    """The best sets of a search, none beside its base."""
-    some = (search.best, *search.candidates[: BUDGET.rivals])
-    return [c for c in some if c.fit is not None and c.model.ids != search.base.model.ids]
 
 
 def measure_again(problem: Problem, candidate: Candidate, angles: xr.Dataset) -> Problem:

@@ -7,12 +7,14 @@ import pytest
 
 from softfinger.inference.problem import Candidate
 from softfinger.mismatch.search import judge as module
-from softfinger.mismatch.search.judge import Judged, judge_finalists, list_best
+from softfinger.mismatch.search.finalists import list_best, list_finalists
+from softfinger.mismatch.search.judge import Judged, judge_finalists
 from softfinger.mismatch.search.stepwise import Search
 
 
-def stand_in(evidence, *ids):
-    return Candidate(SimpleNamespace(ids=frozenset(ids)), object(), evidence)
+def stand_in(evidence, *ids, form="textbook"):
+    pieces = [SimpleNamespace(label=f"{name}/{form}") for name in ids]
+    return Candidate(SimpleNamespace(ids=frozenset(ids), pieces=pieces), object(), evidence)
 
 
 BASE, BEST, THIRD = stand_in(0.0), stand_in(500.0, "gravity"), stand_in(90.0, "inertia")
@@ -78,5 +80,15 @@ def test_a_model_is_at_its_best_with_the_measurement_of_another(monkeypatch):
 
 
 def test_the_best_sets_of_a_search_are_beside_its_base():
-    assert list_best(SEARCH) == [BEST, BEST, THIRD]
+    assert list_best(SEARCH) == [BEST, THIRD]
+    other = stand_in(480.0, "gravity", form="free")
+    assert list_best(SEARCH._replace(candidates=[BEST, other, THIRD])) == [BEST, THIRD]
     assert list_best(SEARCH._replace(best=BASE, candidates=[])) == []
+
+
+def test_a_rival_of_another_form_competes_and_the_same_pieces_do_once():
+    """A free law that led without a disturbance was not judged: another form had its set."""
+    free = stand_in(300.0, "gravity", form="free")
+    pair, turned = stand_in(510.0, "gravity", "inertia"), stand_in(505.0, "inertia", "gravity")
+    found = list_finalists(SEARCH._replace(candidates=[pair, BEST, THIRD]), [free, turned])
+    assert found == [BASE, pair, BEST, THIRD, free]
