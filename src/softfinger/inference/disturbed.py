@@ -41,6 +41,29 @@ def admit_disturbances(
     return replace(problem, trials=softer, directions=scaled, disturbed=dict(size))
 
 
+def forget_spreads(plain: Problem, softer: Problem, candidate: Candidate) -> Problem:
+    """Keep the disturbances of a problem without its effects' spreads.
+
+    A model that lacks an effect has no use for how the effect's parameters differ between trials:
+    as noise they would take what the effect explains.
+
+    Parameters
+    ----------
+    plain, softer
+        Without disturbances, and with those of the candidate.
+    """
+    size = {name: sd for name, sd in softer.disturbed.items() if find_kind(name)}
+    if len(size) == len(softer.disturbed):
+        return softer
+    trials = plain.trials._replace(trust=softer.trials.trust, tails=softer.trials.tails)
+    stiff = replace(plain, trials=trials)
+    if not size:
+        return stiff
+    spreads = [name for name in softer.disturbed if name not in size]
+    again = admit_disturbances(stiff, size, list_disturbances(stiff, candidate, set(size)))
+    return replace(again, noise=softer.noise.drop_sel(component=spreads))
+
+
 def admit_found(problem: Problem, fit: Fit, few: tuple[Problem, Fit]) -> tuple[Problem, Fit]:
     """Admit what the residual of the base model shows.
 

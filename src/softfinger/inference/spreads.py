@@ -33,6 +33,15 @@ def is_spread(component: str) -> bool:
     return MARK in component
 
 
+def find_effect(spread: str) -> str:
+    """Id of the effect whose parameter has a spread.
+
+    >>> find_effect("wire_friction:coefficient")
+    'wire_friction'
+    """
+    return spread.split(MARK)[0]
+
+
 def list_spreads(candidate: Candidate, slope: Array) -> dict[str, Array]:
     """What spreads of relative size 1 move the angles by.
 

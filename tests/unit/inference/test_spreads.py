@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from softfinger.inference.disturbances import fit_disturbances
+from softfinger.inference.disturbed import admit_disturbances, forget_spreads
 from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.inference.simulate import build_recording, describe_noise, draw_noise_array
 from softfinger.inference.spreads import is_spread, list_spreads
@@ -103,3 +104,18 @@ def test_one_trial_has_no_spread_and_a_law_between_trials_has_none(scattered):
     between = replace(piece, effect=replace(piece.effect, level="between_trials"))
     model = EffectModel(candidate.model.setting, (between,))
     assert list_spreads(candidate._replace(model=model), slope) == {}
+
+
+@pytest.mark.parametrize("drift", [{}, {"drift": 1.0}])
+def test_a_model_without_the_effect_does_not_suffer_from_its_spread(scattered, drift):
+    problem, candidate = scattered
+    _, _, directions = fit_disturbances(problem, candidate)
+    size = drift | {NAME: 0.3}
+    noise = add_components(problem.noise, size, dict.fromkeys(size, 40.0))
+    softer = replace(admit_disturbances(problem, size, directions), noise=noise)
+    left = forget_spreads(problem, softer, candidate)
+    assert left.disturbed == drift
+    alone = admit_disturbances(problem, drift, directions) if drift else problem
+    np.testing.assert_allclose(left.trials.logdet, alone.trials.logdet)
+    assert NAME not in left.noise["component"].values
+    assert forget_spreads(problem, left, candidate) is left

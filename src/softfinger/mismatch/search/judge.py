@@ -16,8 +16,9 @@ import xarray as xr
 
 from softfinger.inference.budget import BUDGET as INFERENCE
 from softfinger.inference.disturbances import find_kind, fit_disturbances
-from softfinger.inference.disturbed import admit_disturbances
+from softfinger.inference.disturbed import admit_disturbances, forget_spreads
 from softfinger.inference.problem import Candidate, Problem, predict_frames
+from softfinger.inference.spreads import find_effect, is_spread
 from softfinger.inference.tails import weigh_tails
 from softfinger.measurement.measure import add_components, measure
 from softfinger.measurement.trials import prepare_trials
@@ -89,8 +90,11 @@ def settle_measurement(
     if best.candidate.model is base.model:
         gain = best.evidence - _measure_level(plain) - base.log_evidence
         return best.problem, best.candidate, gain
-    again = fit_again(best.problem, base, base)
-    return (plain, base, 0.0) if again is None else (best.problem, again, 0.0)
+    problem = forget_spreads(plain, best.problem, best.candidate)
+    if not problem.disturbed:
+        return plain, base, 0.0
+    again = fit_again(problem, base, base)
+    return (plain, base, 0.0) if again is None else (problem, again, 0.0)
 
 
 def judge_finalists(
@@ -143,9 +147,17 @@ def judge_finalists(
         same = other.problem is best.problem
         again = other.candidate if same else fit_again(best.problem, other.candidate, search.base)
         if again is not None:  # at its best, be that with the measurement of the other
-            evidence = max(other.evidence - level, again.log_evidence)
+            evidence = other.evidence - level
+            if not _has_strange_spread(best.problem, other.candidate):
+                evidence = max(evidence, again.log_evidence)
             settled.append(again._replace(log_evidence=evidence))
     return best.problem, _settle(search, settled, needed)
+
+
+def _has_strange_spread(problem: Problem, candidate: Candidate) -> bool:
+    """Whether parameters of an effect that a model lacks differ between trials."""
+    spreads = filter(is_spread, problem.disturbed)
+    return any(find_effect(name) not in candidate.model.ids for name in spreads)
 
 
 def judge(

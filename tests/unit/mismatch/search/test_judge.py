@@ -17,6 +17,10 @@ def stand_in(evidence, *ids, form="textbook"):
     return Candidate(SimpleNamespace(ids=frozenset(ids), pieces=pieces), object(), evidence)
 
 
+def pose(disturbed=()):
+    return SimpleNamespace(disturbed=dict(disturbed))
+
+
 BASE, BEST, THIRD = stand_in(0.0), stand_in(500.0, "gravity"), stand_in(90.0, "inertia")
 SEARCH = Search(BASE, [BEST, THIRD], [], BEST, 500.0, {}, [])
 
@@ -42,7 +46,7 @@ def test_the_base_model_is_never_given_up_and_no_other_goes_on_far_behind(monkey
 @pytest.mark.parametrize(("gain", "leads"), [(4.0, "base"), (6.0, "effect")])
 def test_the_measurement_is_that_of_the_model_that_leads(monkeypatch, gain, leads):
     """A noisy log was forgotten, for an effect without it had 0.4 nats more."""
-    problems = {"base": object(), "effect": object()}
+    problems = {"base": pose(), "effect": pose()}
 
     def judge(_problem, candidate, _fitted, _base, _worth):
         own = problems["effect" if candidate.model.ids else "base"]
@@ -58,9 +62,18 @@ def test_the_measurement_is_that_of_the_model_that_leads(monkeypatch, gain, lead
     assert search.best.model.ids == (BEST if leads == "effect" else BASE).model.ids
 
 
-def test_a_model_is_at_its_best_with_the_measurement_of_another(monkeypatch):
-    """A base model whose own measurement was not the best lost to an effect by 10 nats."""
-    problems = {"base": object(), "effect": object()}
+@pytest.mark.parametrize(
+    ("disturbed", "leads", "gained"),
+    [({"drift": 1.0}, "base", 2.0), ({"gravity:tilt_rad": 0.3}, "effect", 10.0)],
+)
+def test_a_model_is_at_its_best_with_the_measurement_of_another(
+    monkeypatch, disturbed, leads, gained
+):
+    """A base model whose own measurement was not the best lost to an effect by 10 nats.
+
+    That an effect's parameter differs between trials is no measurement for a model without it.
+    """
+    problems = {"base": pose(), "effect": pose(disturbed)}
 
     def judge(_problem, candidate, _fitted, _base, _worth):
         own = problems["effect" if candidate.model.ids else "base"]
@@ -75,8 +88,9 @@ def test_a_model_is_at_its_best_with_the_measurement_of_another(monkeypatch):
     found = Search(BASE, [BEST], [], BEST, 10.0, {}, [])
     problem, search = judge_finalists(problems["base"], problems["base"], found, [], None, 5.0)
     assert problem is problems["effect"]
-    assert search.best is search.base
-    assert search.candidates[0].log_evidence - search.base.log_evidence == pytest.approx(2.0)
+    assert (search.best is search.base) is (leads == "base")
+    gain = search.candidates[0].log_evidence - search.base.log_evidence
+    assert gain == pytest.approx(gained)
 
 
 def test_the_best_sets_of_a_search_are_beside_its_base():
