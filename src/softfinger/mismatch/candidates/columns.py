@@ -79,6 +79,8 @@ class ScoreColumns(NamedTuple):
         (c,) amplitudes that cannot be negative.
     law
         (c,) terms of free laws, whose size is chosen.
+    place
+        (c,) number of the place that each column is for, within its form.
     level
         Log evidence [nats] of the fitted model, linearised as the forms are: what it still promises
         where its fit has not come to rest is no form's gain.
@@ -90,6 +92,7 @@ class ScoreColumns(NamedTuple):
     sd: NDArray[np.float64]
     positive: NDArray[np.bool_]
     law: NDArray[np.bool_]
+    place: NDArray[np.int64]
     level: float
 
     @property
@@ -173,6 +176,7 @@ def collect_columns(problem: Problem, origin: Candidate, pieces: Iterable[Piece]
     sd = [block.model.shared_prior[1][block.new] for block in blocks]
     positive = [block.model.low[block.new] == 0.0 for block in blocks]
     law = [block.model.terms[block.new] for block in blocks]
+    place = [_number_places(block) for block in blocks]
     return ScoreColumns(
         blocks,
         gram,
@@ -180,8 +184,16 @@ def collect_columns(problem: Problem, origin: Candidate, pieces: Iterable[Piece]
         np.concatenate([np.zeros(0), *sd]),
         np.concatenate([np.zeros(0, bool), *positive]),
         np.concatenate([np.zeros(0, bool), *law]),
+        np.concatenate([np.zeros(0, int), *place]),
         evaluate_linearised(problem, origin.model, place_fit(origin.fit), rounds=0),
     )
+
+
+def _number_places(block: Block) -> NDArray[np.int64]:
+    """Number (a,) the places of a form's columns; those without one count as one."""
+    places = [block.model.entries[k].place for k in block.new]
+    known = list(dict.fromkeys(places))
+    return np.array([known.index(place) for place in places], int)
 
 
 def _shift_parameters(

@@ -10,23 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm
 
-from softfinger.compiled import compiled
-from softfinger.inference.mixed_effects import (
-    Prior,
-    climb_omega,
-    fit_linear,
-    invert_scaled,
-    solve_gram,
-)
+from softfinger.inference.mixed_effects import Prior, fit_linear
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mismatch.candidates.columns import ScoreColumns
 from softfinger.mismatch.decisions import DECISIONS
-from softfinger.mismatch.priors import PRIORS
+from softfinger.mismatch.search.best_form import ROUNDS, SLIGHT, BestForm, find_best_form
 from softfinger.mismatch.search.replicates import draw_products, set_apart
-
-ROUNDS, SLIGHT = 3, 0.1  # of EM, and the nats at which it stops: a score errs by more
 
 
 class FalseAlarms(NamedTuple):
@@ -83,14 +73,11 @@ def calibrate_false_alarms(
     prior = prior._replace(mean=away, precision=prior.precision[:d])
     largest = np.empty(replicates)
     for k, product in enumerate(draw_products(whole, base, prior, rng, replicates)):
-        gains, sizes, alone = score_columns_array(columns, whole, product, prior, base.fit.omega)
-        gains = np.where(np.isfinite(gains), gains, -np.inf)
-        largest[k] = gains.max(initial=0.0)
-        if gains.size:  # the best form by its score gains what a fit of it does
+        best, alone = find_best_form(columns, whole, product, prior, base.fit.omega)
+        largest[k] = max(best.gain, 0.0)
+        if best.columns.size:  # the best form by its score gains what a fit of it does
             try:
-                form = int(gains.argmax())
-                sized = form, float(sizes[form])
-                again = _refit(columns, whole, product, prior, base.fit.omega, sized) - alone
+                again = _refit(columns, whole, product, prior, base.fit.omega, best) - alone
             except np.linalg.LinAlgError:  # numbers beyond their range: its score is what is known
                 continue
             largest[k] = max(largest[k], again)
@@ -103,15 +90,14 @@ def _refit(
     product: NDArray,
     prior: Prior,
     omega: NDArray,
-    sized: tuple[int, float],
+    best: BestForm,
 ) -> float:
-    """Log evidence [nats] of one form at a size, Ω fitted anew.
+    """Log evidence [nats] of one form, Ω fitted anew.
 
     What differs between trials may shrink.
     """
-    d, (form, size) = len(omega), sized
-    more = columns.first[form] + np.arange(columns.count[form])
-    sd = columns.sd[more] * np.where(columns.law[more], size, 1.0)
+    d, more = len(omega), best.columns
+    sd = columns.sd[more] * np.where(columns.law[more], best.size, 1.0)
     wider = prior._replace(
         mean=np.append(prior.mean, np.zeros(len(more))),
         precision=np.append(prior.precision, sd**-2.0),
@@ -121,113 +107,6 @@ def _refit(
     gram[:, :-1, :-1] = whole[:, kept[:, None], kept]
     gram[:, :-1, -1] = gram[:, -1, :-1] = product[:, kept]
     return fit_linear(gram, wider, omega, rounds=ROUNDS, tolerance=SLIGHT).log_evidence
-
-
-def score_columns_array(
-    columns: ScoreColumns,
-    gram: NDArray[np.float64],
-    product: NDArray[np.float64],
-    prior: Prior,
-    omega: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
-    """Gain [nats] and size of each form (form,); evidence of none.
-
-    Ω is fitted under the base model. A law has the size with which it gains most.
-
-    Parameters
-    ----------
-    gram, product
-        CᵀC (trial, d + c, d + c) of the columns alone, and Cᵀz (trial, d + c).
-    """
-    forms = columns.first, columns.count
-    sizes = np.array(PRIORS.law_sizes)
-    gain, size, mean, sd, alone = _score(
-        gram, product, forms, columns.sd, columns.law, sizes, prior, omega
-    )
-    inside = norm.logcdf(mean / sd) + np.log(2.0)
-    cut = np.where(columns.positive, inside, 0.0)
-    add = np.add.reduceat(cut, columns.first) if len(columns.first) else np.zeros(0)
-    return gain + add, size, alone
-
-
-@compiled
-def _score(
-    gram: NDArray,
-    product: NDArray,
-    forms: tuple[NDArray, NDArray],
-    amplitude_sd: NDArray,
-    law: NDArray,
-    sizes: NDArray,
-    prior: Prior,
-    omega: NDArray,
-) -> tuple[NDArray, NDArray, NDArray, NDArray, float]:
-    """Gain, size and amplitudes of each form; evidence without any.
-
-    Mean and sd of each amplitude: one Ω, one inverse for each trial.
-    """
-    first, count = forms
-    trials, d = gram.shape[0], omega.shape[0]
-    own = np.zeros((trials, d + 1, d + 1))
-    own[:, :d, :d] = gram[:, :d, :d]
-    own[:, :d, d] = product[:, :d]
-    own[:, d, :d] = product[:, :d]
-    omega, _ = climb_omega(own, prior, omega, ROUNDS, SLIGHT)
-    shared, covariance, _, _, _, alone, _ = solve_gram(own, prior, omega)
-    cross, direct, square = _take_up(gram, product, own, first, count, omega)
-    direct -= cross @ shared
-    gain, chosen = np.full(first.size, -np.inf), np.ones(first.size)
-    location, sd = np.zeros(amplitude_sd.size), np.ones(amplitude_sd.size)
-    for form in range(first.size):
-        p, begin = count[form], first[form]
-        part = slice(begin, begin + p)
-        seen = square[part, :p] - cross[part] @ covariance @ cross[part].T
-        for size in sizes if law[part].any() else sizes[:1]:
-            wide = np.where(law[part], size * amplitude_sd[part], amplitude_sd[part])
-            hessian = np.diag(wide**-2.0) + seen
-            inside = np.linalg.inv(hessian)
-            place = inside @ direct[part]
-            volume = np.linalg.slogdet(hessian)[1] + 2.0 * np.sum(np.log(wide))
-            now = 0.5 * (place @ direct[part] - volume)
-            if not now > gain[form]:
-                continue
-            gain[form], chosen[form], location[part] = now, size, place
-            for a in range(p):
-                sd[begin + a] = np.sqrt(inside[a, a])
-    return gain, chosen, location, sd, alone
-
-
-@compiled
-def _take_up(
-    gram: NDArray,
-    product: NDArray,
-    own: NDArray,
-    first: NDArray,
-    count: NDArray,
-    omega: NDArray,
-) -> tuple[NDArray, NDArray, NDArray]:
-    """What is left of columns beside every trial's η.
-
-    Their products with ∂F/∂μ and with z, and each form's columns with one another.
-    """
-    d, size = omega.shape[0], gram.shape[1] - omega.shape[0]
-    inverse = np.linalg.inv(omega)
-    cross, direct = np.zeros((size, d)), np.zeros(size)
-    square = np.zeros((size, count.max() if count.size else 0))
-    for i in range(gram.shape[0]):
-        kept = invert_scaled(inverse + own[i, :d, :d])
-        side = np.ascontiguousarray(gram[i, d:, :d])
-        taken = side @ kept
-        cross += side - taken @ np.ascontiguousarray(own[i, :d, :d])
-        direct += product[i, d:] - taken @ product[i, :d]
-        for form in range(first.size):
-            begin = first[form]
-            for a in range(begin, begin + count[form]):
-                for b in range(begin, begin + count[form]):
-                    left = gram[i, d + a, d + b]
-                    for c in range(d):
-                        left -= taken[a, c] * side[b, c]
-                    square[a, b - begin] += left
-    return cross, direct, square
 
 
 def project_columns_array(

@@ -9,9 +9,9 @@ import pytest
 from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.columns import collect_columns
-from softfinger.mismatch.candidates.rank import list_pieces
+from softfinger.mismatch.candidates.rank import list_pieces, score_pieces
+from softfinger.mismatch.search import best_form, replicates
 from softfinger.mismatch.search import calibrate as module
-from softfinger.mismatch.search import replicates
 from softfinger.mismatch.search.replicates import _root, draw_products, set_apart
 
 
@@ -121,3 +121,35 @@ def test_a_covariance_that_rounding_made_singular_has_a_root():
     root = replicates._root_of_covariance(np.stack([one, np.diag([9.0, 1e-20])]))
     expected = np.stack([one, np.diag([9.0, 1e-20])])
     np.testing.assert_allclose(root @ root.swapaxes(1, 2), expected, rtol=1e-7, atol=1e-30)
+
+
+def test_a_form_drops_the_places_that_it_does_not_need():
+    """As where the recordings are scored; chance gains more by the choice."""
+    place, wide = np.repeat([0, 1, 2], 2), np.full(6, 2.0)
+    positive = np.array([False, True] * 3)
+    seen = 30.0 * np.eye(6)
+    pull = np.array([20.0, 25.0, 0.5, -12.0, -0.3, 0.2])
+    every, _ = best_form._weigh(seen, pull, wide, positive, np.ones(6, bool))
+    gain, kept = best_form._drop_places(seen, pull, wide, positive, place, every)
+    assert kept.tolist() == [True, True, False, False, False, False]
+    assert gain == best_form._weigh(seen, pull, wide, positive, kept)[0] > every + 3.0
+
+
+def test_a_replicate_is_scored_as_the_recordings_are(draw_campaign):
+    problem, fit = pose_problem(draw_campaign(3, 0.0))
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    wanted = {"temperature", "fatigue_softening", "load_gain", "session_jump"}
+    pieces = [p for p in list_pieces(problem.setting)[0] if p.effect.id in wanted]
+    columns = collect_columns(problem, base, pieces)
+    found = score_pieces(problem, base, columns)[0]
+    d = len(fit.omega)
+    gram = np.delete(np.delete(columns.gram, np.s_[d : columns.own], 1), np.s_[d : columns.own], 2)
+    away = np.zeros((len(gram), gram.shape[1] - 1))
+    away[:, :d] = fit.own - fit.mean
+    product = gram[:, :-1, -1] + np.einsum("tab,tb->ta", gram[:, :-1, :-1], away)
+    prior = problem.build_prior(base.model)
+    prior = prior._replace(mean=prior.mean[:d] - fit.mean, precision=prior.precision[:d])
+    best, _ = best_form.find_best_form(columns, columns.bare, product, prior, fit.omega)
+    (block,) = [b for b in columns.blocks if np.isin(best.columns, b.columns).all()]
+    assert block.model.pieces[-1].label == found.model.pieces[-1].label
+    assert best.gain == pytest.approx(found.gain, abs=0.3)
