@@ -92,11 +92,13 @@ def _fill(
 ) -> SlotArrays:
     joint, chain, coupling, law = nulls
     slots = SlotArrays(
-        np.tile(joint, (trials, joints, 1)),
-        np.tile(chain, (trials, 1)),
-        np.tile(coupling[:, None, None], (trials, 1, joints, joints)),
-        np.tile(law[:, None], (trials, joints, 1, KNOTS)),
+        np.empty((trials, joints, joint.size)),
+        np.empty((trials, chain.size)),
+        np.empty((trials, coupling.size, joints, joints)),
+        np.empty((trials, joints, law.size, KNOTS)),
     )
+    slots.joint[...], slots.chain[...] = joint, chain
+    slots.coupling[...], slots.law[...] = coupling[:, None, None], law[:, None]
     for name, value in values.items():
         if name not in SLOTS:
             raise Fault(f"unknown slot {name!r}: it must be one of {', '.join(SLOTS)}")
