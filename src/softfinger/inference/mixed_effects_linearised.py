@@ -98,9 +98,12 @@ def centre_gram(
     """
     middle = own.mean(axis=0)
     centre = np.concatenate([middle, shared])
-    change = np.tile(np.eye(gram.shape[1]), (len(gram), 1, 1))
-    change[:, : own.shape[1], -1] = own - middle
-    moved = change.transpose(0, 2, 1) @ gram @ change
+    away, d = own - middle, own.shape[1]
+    moved = gram.copy()  # only the last column changes: z = A (η − μ) + residual
+    added = np.einsum("tab,tb->ta", gram[:, :, :d], away)
+    moved[:, :, -1] += added
+    moved[:, -1, :] += added
+    moved[:, -1, -1] += np.einsum("ta,ta->t", added[:, :d], away)
     return moved, prior._replace(mean=prior.mean - centre), centre
 
 

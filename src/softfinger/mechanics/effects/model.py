@@ -140,7 +140,7 @@ class EffectModel:
                 entries += [Entry(number, parameter, place) for place in places]
         return tuple(entries)
 
-    @property
+    @cached_property
     def shared_prior(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Prior mean and sd of φ, internal."""
         size = np.array([self.pieces[entry.piece].size for entry in self.entries], float)
@@ -149,14 +149,15 @@ class EffectModel:
         for k, entry in enumerate(self.entries):
             key = self.pieces[entry.piece].effect.id, entry.name
             usual[:, k] = self.known.get(key, usual[:, k])
+        usual.flags.writeable = False  # it is kept
         return usual[0], usual[1]
 
-    @property
+    @cached_property
     def low(self) -> NDArray[np.float64]:
         """Lower bounds of φ."""
         return self._gather("low")
 
-    @property
+    @cached_property
     def high(self) -> NDArray[np.float64]:
         """Upper bounds of φ."""
         return self._gather("high")
@@ -168,13 +169,15 @@ class EffectModel:
             [bool(self.pieces[e.piece].form.law) and e.parameter.term for e in self.entries], bool
         )
 
-    @property
+    @cached_property
     def amplitudes(self) -> NDArray[np.bool_]:
         """Which numbers of φ are amplitudes."""
         return np.array([e.parameter.amplitude for e in self.entries], bool)
 
     def _gather(self, attribute: str) -> NDArray[np.float64]:
-        return np.array([getattr(e.parameter, attribute) for e in self.entries], float)
+        found = np.array([getattr(e.parameter, attribute) for e in self.entries], float)
+        found.flags.writeable = False  # it is kept
+        return found
 
     def list_negligible(self, shared: NDArray[np.float64]) -> frozenset[str]:
         """Effects with amplitudes in φ (p,) below floors."""
