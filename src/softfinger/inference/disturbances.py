@@ -29,7 +29,7 @@ from softfinger.inference.walks import (
     list_walks,
     list_waves,
     share_trial,
-    turn_direction,
+    turn_link,
     walk_array,
 )
 from softfinger.measurement.components import choose_components
@@ -73,9 +73,9 @@ def list_disturbances(
         "lasting_noise": lambda: list_waves(problem),
     }
     if problem.trials.joints > 1:  # with one joint it is no other than its drift
-        made["picture_turn"] = lambda: turn_direction(problem, 0)
+        made["picture_turn"] = lambda: turn_link(problem, 0)
         for link in range(1, problem.trials.joints + 1):
-            made[f"{LINK_TURN}{link}"] = partial(turn_direction, problem, link)
+            made[f"{LINK_TURN}{link}"] = partial(turn_link, problem, link)
     if problem.setting.load_known:
         made["clock_offset"] = lambda: speed[..., None]
         made["clock_rate"] = lambda: (speed * time)[..., None]

@@ -70,7 +70,7 @@ def list_waves(problem: Problem) -> Array:
     return _move_joints(problem, np.einsum("tnk,tjk->tjnk", waves, sd))
 
 
-def turn_direction(problem: Problem, link: int) -> Array:
+def turn_link(problem: Problem, link: int) -> Array:
     """How a direction that slowly turns in the picture moves angles.
 
     A random walk as in `list_walks`, of one direction: of the base (0), as where the camera turns,

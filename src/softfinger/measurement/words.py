@@ -36,10 +36,10 @@ def find_words(name: str) -> Words:
     return Words("noise_sd", lambda s, _: TURNS.format(link=link, size=s), "drift")
 
 
-def list_joints(name: str, joints: int) -> list[int]:
+def list_moved_joints(name: str, joints: int) -> list[int]:
     """Joints, from 1, that a component moves; empty where that is all.
 
-    >>> list_joints("link_turn_2", 3), list_joints("link_turn_3", 3), list_joints("drift", 3)
+    >>> list_moved_joints("link_turn_2", 3), list_moved_joints("link_turn_3", 3), list_moved_joints("drift", 3)
     ([2, 3], [3], [])
     """
     if name == "picture_turn":

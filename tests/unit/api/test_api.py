@@ -12,7 +12,7 @@ from softfinger.provenance import PROJECT
 SIGNATURES = {
     "Effect": "id sentence level build_forms part hooks of_motion place place_in_time",
     "Fault": "said",
-    "Form": "name parameters slots covariate local law kin finer",
+    "Form": "name parameters slots covariate local law kin finer lent",
     "Law": "name argument reach size terms per kind smooth",
     "Parameter": "name mean sd per log low high amplitude floor starts report term",
     "Results": "folder",
@@ -21,7 +21,7 @@ SIGNATURES = {
         "stiffness reach number memory largest_torque rest_time covariates geometry masses "
         "step_gap camera drift specimen first_seen own_time"
     ),
-    "free_form": "law constants form local",
+    "free_form": "law constants form local lent name",
     "list_effects": "",
     "open_results": "folder",
     "positive": "name sd more",

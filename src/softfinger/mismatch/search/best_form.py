@@ -16,7 +16,6 @@ from softfinger.mismatch.candidates.columns import ScoreColumns
 from softfinger.mismatch.priors import PRIORS
 
 ROUNDS, SLIGHT = 3, 0.1  # of EM, and the nats at which it stops: a score errs by more
-LEAST = -500.0  # [nats] of a number that is far out of its range
 
 
 class BestForm(NamedTuple):
@@ -150,7 +149,7 @@ def _weigh(
     for a in range(at.size):
         if positive[at[a]]:
             share = math.erfc(-mean[a] / math.sqrt(2.0 * max(inside[a, a], 1e-300)))
-            gain += math.log(share) if share > 0.0 else LEAST
+            gain += math.log(max(share, 1e-300))
     return (gain if np.isfinite(gain) else -np.inf), fits
 
 

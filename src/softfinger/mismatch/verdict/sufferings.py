@@ -5,7 +5,7 @@ import xarray as xr
 
 from softfinger.inference.spreads import is_spread
 from softfinger.measurement.decisions import DECISIONS as MEASURING
-from softfinger.measurement.words import find_words, list_joints, scale_trials
+from softfinger.measurement.words import find_words, list_moved_joints, scale_trials
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.verdict.schema import Suffering, Warned
 
@@ -27,7 +27,7 @@ def describe_measurement(measurement: xr.Dataset) -> list[Suffering]:
         found.append(
             Suffering(
                 id=words.id or name,
-                joints=list_joints(name, measurement.sizes["joint"]),
+                joints=list_moved_joints(name, measurement.sizes["joint"]),
                 trials=_list_trials(name, measurement),
                 size={words.key: size},
                 evidence=nats,

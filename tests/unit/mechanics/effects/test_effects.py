@@ -120,7 +120,7 @@ def test_an_effect_is_negligible_where_all_its_amplitudes_lie_below_their_floors
     model = EffectModel(build_setting(), (Piece(effect, form, places),))
     floors = np.array([e.parameter.floor for e in model.entries])[model.amplitudes]
     assert floors.min() > 0.0
-    shared = model.shared_prior[0]
+    shared = model.shared_prior[0].copy()
     shared[model.amplitudes] = -0.9 * floors
     assert model.list_negligible(shared) == {effect.id}
     shared[np.flatnonzero(model.amplitudes)[-1]] *= -1.2
