@@ -39,8 +39,8 @@ def find_words(name: str) -> Words:
 def list_moved_joints(name: str, joints: int) -> list[int]:
     """Joints, from 1, that a component moves; empty where that is all.
 
-    >>> list_moved_joints("link_turn_2", 3), list_moved_joints("link_turn_3", 3), list_moved_joints("drift", 3)
-    ([2, 3], [3], [])
+    >>> list_moved_joints("link_turn_2", 3), list_moved_joints("drift", 3)
+    ([2, 3], [])
     """
     if name == "picture_turn":
         return [1]
