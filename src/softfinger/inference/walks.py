@@ -76,9 +76,6 @@ def turn_link(problem: Problem, link: int) -> Array:
     A random walk as in `list_walks`, of one direction: of the base (0), as where the camera turns,
     or of a link (from 1), as where its markers swim with the light. It moves the joint before the
     link one way, and the joint after it the other way.
-
-    >>> turn_joints(0, 3), turn_joints(1, 3), turn_joints(3, 3)
-    (array([1., 0., 0.]), array([ 1., -1.,  0.]), array([0., 0., 1.]))
     """
     walk = walk_array(share_trial(problem.trials), BUDGET.drift_shapes)
     moved = turn_joints(link, problem.trials.joints)
@@ -87,7 +84,11 @@ def turn_link(problem: Problem, link: int) -> Array:
 
 
 def turn_joints(link: int, joints: int) -> Array:
-    """How far each joint (joint,) seems to turn with a direction."""
+    """How far each joint (joint,) seems to turn with a direction.
+
+    >>> turn_joints(0, 3), turn_joints(1, 3), turn_joints(3, 3)
+    (array([1., 0., 0.]), array([ 1., -1.,  0.]), array([0., 0., 1.]))
+    """
     moved = np.zeros(joints)
     moved[max(link - 1, 0)] = 1.0
     if 0 < link < joints:

@@ -1,4 +1,4 @@
-"""The load acts with a lag or two, or by a free response."""
+"""The load acts late: by stages, or a free response."""
 
 import math
 

@@ -190,7 +190,10 @@ def collect_columns(problem: Problem, origin: Candidate, pieces: Iterable[Piece]
 
 
 def _number_places(block: Block) -> NDArray[np.int64]:
-    """Number (a,) the places of a form's columns; those without one count as one."""
+    """Number (a,) the places of a form's columns.
+
+    Those without a place count as of one.
+    """
     places = [block.model.entries[k].place for k in block.new]
     known = list(dict.fromkeys(places))
     return np.array([known.index(place) for place in places], int)

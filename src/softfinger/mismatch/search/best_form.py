@@ -73,7 +73,10 @@ def _find_best(
     prior: Prior,
     omega: NDArray,
 ) -> tuple[float, float, int, NDArray, float]:
-    """Gain, size and number of the best form, its columns, and the evidence of none."""
+    """Gain, size and number of the best form.
+
+    Also its columns, and the evidence of no form.
+    """
     first, count = forms
     law, positive, place = kinds
     trials, d = gram.shape[0], omega.shape[0]
@@ -113,7 +116,10 @@ def _find_best(
 def _drop_places(
     seen: NDArray, direct: NDArray, wide: NDArray, positive: NDArray, place: NDArray, gain: float
 ) -> tuple[float, NDArray]:
-    """Drop a form's places while it gains; the gain, and the columns that are kept."""
+    """Drop a form's places while it gains.
+
+    Returns the gain, and the columns that are kept.
+    """
     kept = np.ones(direct.size, np.bool_)
     while True:
         most, without = gain, -1
@@ -132,7 +138,10 @@ def _drop_places(
 def _weigh(
     seen: NDArray, direct: NDArray, wide: NDArray, positive: NDArray, kept: NDArray
 ) -> tuple[float, float]:
-    """Gain [nats] of some amplitudes, and what it would be if they were known before."""
+    """Gain [nats] of some amplitudes.
+
+    Also what it would be if they cost nothing.
+    """
     at = np.flatnonzero(kept)
     hessian = np.empty((at.size, at.size))
     pull, volume = np.empty(at.size), 0.0

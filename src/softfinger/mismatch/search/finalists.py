@@ -24,7 +24,10 @@ def list_finalists(search: Search, rivals: list[Candidate]) -> list[Candidate]:
 
 
 def list_best(search: Search) -> list[Candidate]:
-    """The best sets of a search, a model of each; none beside its base."""
+    """The best sets of a search, a model of each.
+
+    None where nothing but its base was fitted.
+    """
     sets: dict[Ids, Candidate] = {}
     for candidate in (search.best, *search.candidates):
         if candidate.fit is not None and candidate.model.ids != search.base.model.ids:

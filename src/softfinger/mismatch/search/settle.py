@@ -119,7 +119,10 @@ def drop_lent(search: Search) -> Search:
 
 
 def _is_lent(candidate: Candidate) -> bool:
-    """Whether an effect's own amplitudes, beside a law that is lent, may all be zero."""
+    """Whether an effect has nothing but a lent law.
+
+    Its own amplitudes beside it may all be zero.
+    """
     if candidate.fit is None:
         return False
     model, fit = candidate.model, candidate.fit
