@@ -211,6 +211,4 @@ def _first_step(model: Model, work: Work, tolerance: float) -> float:
     """A segment's first step, short beside fast modes."""
     if tolerance == np.inf:
         return np.inf
-    if model.inertial and work.balance.by_acceleration[START].any():
-        return 1e-6
     return min(0.05 / work.linear.rate[:, 0].max(), 0.2 * work.load.pace[0])

@@ -93,6 +93,7 @@ def predict_left_out(
     trials, model = problem.trials, candidate.model
     n, d = len(trials.name), len(candidate.fit.omega)
     drawn = np.full((BUDGET.draws, n, trials.joints, trials.node.shape[1]), np.nan)
+    inside = np.any([chosen for chosen, _ in groups], axis=0)  # others need no simulation
     for k in range(BUDGET.draws):
         own, parts = candidate.fit.own.copy(), []
         for chosen, population in groups:
@@ -102,28 +103,26 @@ def predict_left_out(
             shared = np.clip(both[d:], model.low, model.high)
             parts.append((chosen, model.fill_slots(shared)))
         angle, _ = simulate_joint_angle_array(
-            own.reshape(n, trials.joints, OWN),
-            _merge_slots(parts),
+            own[inside].reshape(-1, trials.joints, OWN),
+            _merge_slots(parts, inside),
             [],
             problem.finger,
-            trials.node.reshape(n, -1),
-            trials.load_time,
-            trials.load_torque,
+            trials.node[inside].reshape(inside.sum(), -1),
+            trials.load_time[inside],
+            trials.load_torque[inside],
             by_own=False,
             tolerance=INFERENCE.angle_error,
         )
-        drawn[k] = angle.reshape(*drawn.shape[1:], 2).mean(axis=-1)
-    inside = np.any([chosen for chosen, _ in groups], axis=0)
-    drawn[:, ~inside] = np.nan
+        drawn[k, inside] = angle.reshape(inside.sum(), *drawn.shape[2:], 2).mean(axis=-1)
     return drawn
 
 
-def _merge_slots(parts: list[tuple[NDArray, SlotArrays]]) -> SlotArrays:
+def _merge_slots(parts: list[tuple[NDArray, SlotArrays]], inside: NDArray) -> SlotArrays:
     merged = SlotArrays(*(array.copy() for array in parts[0][1]))
     for chosen, slots in parts[1:]:
         for whole, part in zip(merged, slots, strict=True):
             whole[chosen] = part[chosen]
-    return merged
+    return SlotArrays(*(whole[inside] for whole in merged))
 
 
 def rank_recordings(
