@@ -15,6 +15,7 @@ from softfinger.inference.mixed_effects_laplace import Fit
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.inference.reduce import whiten_residual, whiten_slope
 from softfinger.measurement.measure import add_components
+from softfinger.mechanics.effects.measurement_file import LINK_TURN
 
 Array = NDArray[np.float64]
 
@@ -92,6 +93,7 @@ def admit_known(problem: Problem, fit: Fit, size: Mapping[str, float]) -> tuple[
     """Admit disturbances of known sizes, and fit the base again."""
     if not size:
         return problem, fit
+    _refuse_links(size, problem.trials.joints)
     found = _fit_softer(problem, fit, size)
     if found is None:
         raise Fault(
@@ -99,6 +101,17 @@ def admit_known(problem: Problem, fit: Fit, size: Mapping[str, float]) -> tuple[
             "file's measurement; remove them there"
         )
     return found
+
+
+def _refuse_links(size: Mapping[str, float], joints: int) -> None:
+    links = [f"{LINK_TURN}{link}" for link in range(1, joints + 1) if joints > 1]
+    strange = [name for name in size if name.startswith(LINK_TURN) and name not in links]
+    if strange:
+        raise Fault(
+            f"measurement.disturbances.{strange[0]} of the model file: these recordings have "
+            f"{joints} {'joint' if joints == 1 else 'joints'}; remove it there, or give the model "
+            "file of a finger with that link"
+        )
 
 
 def _fit_softer(

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from softfinger.faults import Fault
 from softfinger.inference import disturbances, posterior
 from softfinger.inference.disturbances import (
     _group_rows,
@@ -281,6 +282,15 @@ def test_a_known_disturbance_is_admitted_with_its_size(noisy):
     level = softer.trials.logdet.sum() - problem.trials.logdet.sum()
     assert fit.log_evidence - 0.5 * level > base.log_evidence + 30
     assert admit_known(problem, base.fit, {}) == (problem, base.fit)
+
+
+def test_a_link_that_the_finger_lacks_is_refused(noisy):
+    problem, base = noisy
+    message = r"measurement\.disturbances\.link_turn_3 of the model file: these .* 2 joints; remove"
+    with pytest.raises(Fault, match=message):
+        admit_known(problem, base.fit, {"link_turn_3": 0.01})
+    softer, _ = admit_known(problem, base.fit, {"link_turn_2": 0.01})
+    assert softer.disturbed == {"link_turn_2": 0.01}
 
 
 def test_rows_of_a_log_err_alone_unless_there_are_very_many():
