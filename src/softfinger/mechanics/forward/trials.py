@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
+from softfinger.compiled.lent import keep, lend
 from softfinger.mechanics.forward.hooks import OBSERVE, call_observe
 from softfinger.mechanics.forward.trial import run_trial
 from softfinger.mechanics.forward.work import allocate_model, allocate_work
@@ -50,8 +51,11 @@ def run_trials(
     trials, joints, _ = joint.shape
     own = 4 * joints * by_own
     columns = own + len(d_joint)
-    model = allocate_model(joint, chain, coupling, law, by_own, columns, mixed, rest)
-    work = allocate_work(joints, modes, columns)
+    owners = (
+        allocate_model(joint, chain, coupling, law, by_own, columns, mixed, rest),
+        allocate_work(joints, modes, columns),
+    )
+    model, work = lend(owners[0]), lend(owners[1])
     angle = np.full((trials, joints, time.shape[1]), np.nan)
     gradient = np.zeros((*angle.shape, columns))
     for trial in range(trials):
@@ -73,4 +77,5 @@ def run_trials(
             true, by = angle[trial].copy(), gradient[trial].copy()
             for k in range(model.count[OBSERVE]):
                 call_observe(model.hook[OBSERVE, k], model, true, by, angle[trial], gradient[trial])
+    keep(owners)
     return angle, gradient
