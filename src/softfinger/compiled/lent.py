@@ -76,6 +76,6 @@ def lend(_: Any, owner: types.Type) -> tuple[Signature, Any]:  # noqa: ANN401
 
 
 @intrinsic
-def keep(_: Any, owner: types.Type) -> tuple[Signature, Any]:  # noqa: ANN401
+def keep_alive(_: Any, owner: types.Type) -> tuple[Signature, Any]:  # noqa: ANN401
     """Keep a structure until here, by using it."""
     return types.void(owner), lambda context, builder, given, values: context.get_dummy_value()

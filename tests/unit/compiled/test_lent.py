@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit, types
 from numba.experimental import structref
 
-from softfinger.compiled.lent import Lent, keep, lend
+from softfinger.compiled.lent import Lent, keep_alive, lend
 
 ROW = types.Array(types.float64, 1, "C")
 
@@ -44,7 +44,7 @@ def work_in(lent, n):
 def borrow(n):
     owner = Outer(Inner(np.zeros(n)), 2.0, np.arange(n) * 1.0)
     total = work_in(lend(owner), n)
-    keep(owner)
+    keep_alive(owner)
     return total, owner.inner.row
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
-from softfinger.compiled.lent import keep, lend
+from softfinger.compiled.lent import keep_alive, lend
 from softfinger.mechanics.forward.hooks import OBSERVE, call_observe
 from softfinger.mechanics.forward.trial import run_trial
 from softfinger.mechanics.forward.work import allocate_model, allocate_work
@@ -77,5 +77,5 @@ def run_trials(
             true, by = angle[trial].copy(), gradient[trial].copy()
             for k in range(model.count[OBSERVE]):
                 call_observe(model.hook[OBSERVE, k], model, true, by, angle[trial], gradient[trial])
-    keep(owners)
+    keep_alive(owners)
     return angle, gradient
