@@ -109,8 +109,7 @@ def _refuse_links(size: Mapping[str, float], joints: int) -> None:
     if strange:
         raise Fault(
             f"measurement.disturbances.{strange[0]} of the model file: these recordings have "
-            f"{joints} {'joint' if joints == 1 else 'joints'}; remove it there, or give the model "
-            "file of a finger with that link"
+            f"{joints} {'joint' if joints == 1 else 'joints'} and no such drift; remove it there"
         )
 
 

@@ -286,7 +286,9 @@ def test_a_known_disturbance_is_admitted_with_its_size(noisy):
 
 def test_a_link_that_the_finger_lacks_is_refused(noisy):
     problem, base = noisy
-    message = r"measurement\.disturbances\.link_turn_3 of the model file: these .* 2 joints; remove"
+    message = (
+        r"measurement\.disturbances\.link_turn_3 of the model file: .* 2 joints and .*; remove"
+    )
     with pytest.raises(Fault, match=message):
         admit_known(problem, base.fit, {"link_turn_3": 0.01})
     softer, _ = admit_known(problem, base.fit, {"link_turn_2": 0.01})

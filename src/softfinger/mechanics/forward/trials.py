@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
-from softfinger.compiled.lent import keep_alive, lend
+from softfinger.compiled.borrowed import borrow, keep_alive
 from softfinger.mechanics.forward.hooks import OBSERVE, call_observe
 from softfinger.mechanics.forward.trial import run_trial
 from softfinger.mechanics.forward.work import allocate_model, allocate_work
@@ -55,7 +55,7 @@ def run_trials(
         allocate_model(joint, chain, coupling, law, by_own, columns, mixed, rest),
         allocate_work(joints, modes, columns),
     )
-    model, work = lend(owners[0]), lend(owners[1])
+    model, work = borrow(owners[0]), borrow(owners[1])
     angle = np.full((trials, joints, time.shape[1]), np.nan)
     gradient = np.zeros((*angle.shape, columns))
     for trial in range(trials):

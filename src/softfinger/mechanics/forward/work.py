@@ -3,7 +3,7 @@
 They are allocated once, and filled anew for each trial and step.
 
 They are numba's `structref`s, passed by reference: as tuples of arrays they took three times as
-long to compile. The kernel and its hooks work in them as lent (`compiled.lent`). Their types are
+long to compile. The kernel and its hooks borrow them (`compiled.borrowed`). Their types are
 written out, so that a hook can be compiled before the kernel.
 """
 
@@ -13,7 +13,7 @@ from numba.experimental import structref
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
-from softfinger.compiled.lent import Lent
+from softfinger.compiled.borrowed import Borrowed
 
 Row, Table, Block, Stack = (types.Array(types.float64, n, "C") for n in range(1, 5))
 Count = types.Array(types.int64, 1, "C")
@@ -179,7 +179,7 @@ for _face, _type in _TYPES.items():
     _FILLED[_face] = _type([(name, _FILLED.get(kind, kind)) for name, kind in _fields.items()])
 (
     MODEL_TYPE, STATE_TYPE, LOAD_TYPE, LINEAR_TYPE, NODES_TYPE, BALANCE_TYPE, NEWTON_TYPE, WORK_TYPE
-) = map(Lent, _FILLED.values())  # fmt: skip
+) = map(Borrowed, _FILLED.values())  # fmt: skip
 
 
 @compiled

@@ -1,8 +1,8 @@
-"""Structures that are lent to the functions that work in them.
+"""Structures that functions borrow to work in them.
 
 Numba counts every reference to an array that is taken out of a structure, by two atomic
-instructions each time. Where arrays are small, that costs more than the arithmetic. What is lent
-nobody counts: it lives as long as its owner keeps it, and is never given back.
+instructions each time, which small arrays do not repay. What is borrowed nobody counts: it lives as
+long as its owner does (`keep_alive`).
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from numba.experimental.structref import _Utils
 from softfinger.compiled.digest import digest_function
 
 
-def _take_field(context: Any, builder: Any, kind: Lent, place: Any, name: str) -> Any:  # noqa: ANN401
-    """Read a field: a structure as lent, an array as nobody's."""
+def _take_field(context: Any, builder: Any, kind: Borrowed, place: Any, name: str) -> Any:  # noqa: ANN401
+    """Read a field: a structure as borrowed, an array as nobody's."""
     payload, field = kind.owner.get_data_type(), kind.owner.field_dict[name]
     whole = context.data_model_manager[payload].get_value_type().as_pointer()
     data = cgutils.create_struct_proxy(payload)(context, builder, ref=builder.bitcast(place, whole))
@@ -43,31 +43,31 @@ LOWERED = digest_function(_take_field)[:16]
 """Part of the type, so that no machine code is older than this."""
 
 
-class Lent(types.Type):
-    """The type of a structure that is lent."""
+class Borrowed(types.Type):
+    """The type of a structure that is borrowed."""
 
     def __init__(self, owner: types.StructRef, lowered: str = LOWERED) -> None:
         self.owner = owner
-        super().__init__(f"Lent({lowered}, {owner.name})")
+        super().__init__(f"Borrowed({lowered}, {owner.name})")
 
 
-default_manager.register(Lent, models.OpaqueModel)
-lower_getattr_generic(Lent)(_take_field)
+default_manager.register(Borrowed, models.OpaqueModel)
+lower_getattr_generic(Borrowed)(_take_field)
 
 
 @infer_getattr
 class _Fields(AttributeTemplate):
-    key = Lent
+    key = Borrowed
 
-    def generic_resolve(self, kind: Lent, name: str) -> types.Type | None:
+    def generic_resolve(self, kind: Borrowed, name: str) -> types.Type | None:
         field = kind.owner.field_dict.get(name)
-        return Lent(field) if isinstance(field, types.StructRef) else field
+        return Borrowed(field) if isinstance(field, types.StructRef) else field
 
 
 @intrinsic
-def lend(_: Any, owner: types.Type) -> tuple[Signature, Any]:  # noqa: ANN401
-    """Lend a structure, which must outlive all that work in it."""
-    kind = Lent(owner, LOWERED)
+def borrow(_: Any, owner: types.Type) -> tuple[Signature, Any]:  # noqa: ANN401
+    """Borrow a structure, which must outlive all that work in it."""
+    kind = Borrowed(owner, LOWERED)
 
     def lower(context: Any, builder: Any, given: Signature, values: list) -> Any:  # noqa: ANN401
         return _point_at(context, builder, given.args[0], values[0])
