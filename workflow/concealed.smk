@@ -46,7 +46,8 @@ CASES = {
     hashlib.sha256(f"{config['seed']}/{k}".encode()).hexdigest()[:10]: k
     for k in range(COUNT)
 }
-SAMPLED = random.Random(config["seed"]).sample(list(CASES), config["sampled"])
+SHUFFLED = random.Random(config["seed"]).sample(list(CASES), len(CASES))
+SAMPLED, COMPARED = SHUFFLED[: config["sampled"]], SHUFFLED[: config["rivals"]]
 REAL = Path(config["measured"]["folder"])
 KNOWN = {
     n: known for n, known in config["measured"]["known"].items() if (REAL / n).is_dir()

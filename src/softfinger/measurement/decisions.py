@@ -67,13 +67,13 @@ class MeasurementDecisions:
     Why: outliers are rare; what is not is motion.
     Test: `test_measurement_decisions.py::test_a_trial_of_many_outliers_keeps_all`.
     """
-    least_alike: int = 3
-    """Least number of alike frames to judge one.
+    least_alike: int = 2
+    """Least number of other frames to judge one by.
 
-    They are as long after a change of load.
+    They are as long after a change of load, or else as many sooner and as many later.
 
-    Why: a frame that is an outlier is not the median of three.
-    Test: `test_measurement_decisions.py::test_where_few_frames_compare_none_is_an_outlier`.
+    Why: if one of two is an outlier as well, their median is too large to find any.
+    Test: `test_alike.py::test_where_few_frames_compare_none_is_an_outlier`.
     """
     alike_per_decade: int = 8
     """Groups of such frames in a decade of time.

@@ -5,10 +5,9 @@ outlier. Let Λ be the precision of the noise. Then frame i adds to all the othe
 t_i² = (Λr)_iᵀ (Λ_ii)⁻¹ (Λr)_i, χ² with one degree of freedom a joint if the model is right.
 
 Where the model is wrong, t_i² is large in many trials at the same time after a change of load. So
-t_i² counts relative to its median among the frames that have as long a time since the last change
-of load, of all trials and changes. A model's misfit is then not cleaned away. Where fewer than
-`least_alike` frames compare, those a little sooner and later do too; where these are too few, none
-is judged. No frame is compared with one before the last change.
+t_i² counts relative to its median among the frames that are alike (`alike.py`). A model's misfit is
+then not cleaned away. Where too few are alike, none is judged. No frame is compared with one before
+the last change.
 An outlier raises its neighbours' t² as well, so only the peaks are taken, round after round.
 
 A frame's time may be wrong by up to an interval: what the model moves by in the usual error of the
@@ -26,6 +25,7 @@ from scipy.ndimage import median_filter
 from scipy.stats import chi2
 
 from softfinger.compiled import compiled
+from softfinger.measurement.alike import find_usual_excess_array
 from softfinger.measurement.budget import BUDGET
 from softfinger.measurement.covariance import compute_innovation_covariance_array
 from softfinger.measurement.decisions import DECISIONS
@@ -85,7 +85,7 @@ def find_outliers(
             else:
                 sizes = measure_distance_array(rows, gap, *_read(noise, here), low, high)
             distance[trial, some], judged[trial, some] = sizes
-        usual = _find_usual(distance / chi2.median(freedom), since)
+        usual = find_usual_excess_array(distance / chi2.median(freedom), since)
         far = usual * chi2.isf(DECISIONS.good_lost, freedom)
         standing = (judged > far) & _find_peaks(judged)
         found = np.where(standing, judged, found)
@@ -269,22 +269,3 @@ def _find_peaks(distance: Array) -> NDArray[np.bool_]:
         padded = np.pad(row[some], 1, constant_values=-np.inf)
         mark[some] = (padded[1:-1] >= padded[:-2]) & (padded[1:-1] >= padded[2:])
     return peaks
-
-
-def _find_usual(excess: Array, since: Array) -> Array:
-    """How far a usual frame exceeds its due.
-
-    As a multiple, at each time since a change.
-
-    At least 1; infinite where too few frames compare.
-    """
-    finite = np.isfinite(excess)
-    floor = np.median(since[finite]) * 1e-3
-    place = np.floor(DECISIONS.alike_per_decade * np.log10(np.maximum(since, floor) / floor))
-    usual = np.full(excess.shape, np.inf)
-    for value in np.unique(place[finite]):
-        some = finite & (place == value)
-        alike = some if some.sum() >= DECISIONS.least_alike else finite & (abs(place - value) <= 1)
-        if alike.sum() >= DECISIONS.least_alike:
-            usual[some] = max(float(np.median(excess[alike])), 1.0)
-    return usual

@@ -43,7 +43,7 @@ class Proof:
         Of the diagnosis, as from `softfinger.concealed.score`; ``chance`` among its attributes is
         the share of right names when answers are dealt out at random.
     rivals
-        Name of a rival → its score on the same campaigns.
+        Name of a rival → its score on the same campaigns, or on some of them.
     cases
         Rows of the table: of every campaign what was concealed, answered and spent.
     seals
@@ -204,11 +204,13 @@ def _build_shares(proof: Proof) -> Table:
                 *(_share(rival, name) for rival in proof.rivals.values()),
             )
         )
+    asked = {rival.sizes["case"] for rival in proof.rivals.values()}
+    whose = "the same" if asked == {len(proof.cases)} else f"{max(asked, default=0)} of the"
     return Table(
         "shares",
         "The score",
         "Shares with 95 % Clopper–Pearson intervals; rule score"
-        + (". Beside it two ways that one would otherwise write, on the same campaigns: the best "
+        + (f". Beside it two ways that one would otherwise write, on {whose} campaigns: the best "
            "frame-wise leave-one-out score with white noise, and BIC on per-trial least squares."
            if proof.rivals else "."),
         ("what", "share", "interval", "of", "goal", *proof.rivals),

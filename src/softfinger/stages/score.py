@@ -43,8 +43,10 @@ def score(
 
     Parameters
     ----------
-    truth, salt, seal, answer, digest, limits, rivals, diagnoses
+    truth, salt, seal, answer, digest, limits, diagnoses
         Files and folders of every campaign, in one order.
+    rivals
+        Answers of two rivals, to all campaigns or some.
     measured
         Answers to the real recordings that are there.
     score, table, figures
@@ -68,7 +70,7 @@ def score(
         Proof(
             seed=seed,
             score=scored,
-            rivals=_score_rivals(rivals, truths, weighed),
+            rivals=_score_rivals(rivals, names, truths, weighed),
             cases=cases,
             seals=list(zip(names, seals, digests, strict=True)),
             measured=_tabulate_measured(measured, known),
@@ -99,13 +101,17 @@ def _score(
 
 
 def _score_rivals(
-    rivals: Paths, truths: Sequence[dict], weighed: Sequence[dict]
+    rivals: Paths, names: Sequence[str], truths: Sequence[dict], weighed: Sequence[dict]
 ) -> dict[str, xr.Dataset]:
+    if not rivals:
+        return {}
     said = [_read_json(path) for path in rivals]
-    names = {"loo": "frame-wise LOO", "bic": "per-trial BIC"}
+    asked = [names.index(Path(path).stem) for path in rivals]
+    truths, weighed = [truths[k] for k in asked], [weighed[k] for k in asked]
+    columns = {"loo": "frame-wise LOO", "bic": "per-trial BIC"}
     return {
         name: score_verdicts([answer[key] for answer in said], truths, weighed)
-        for key, name in names.items()
+        for key, name in columns.items()
     }
 
 

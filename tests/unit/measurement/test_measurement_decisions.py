@@ -6,7 +6,7 @@ import xarray as xr
 
 from softfinger.measurement.frames import select_frames
 from softfinger.measurement.noise import fit_noise
-from softfinger.measurement.outliers import _find_usual, find_outliers, subtract_median_array
+from softfinger.measurement.outliers import find_outliers, subtract_median_array
 from softfinger.measurement.presence import _count_frames, _weigh_tails
 from softfinger.measurement.reml import cut_windows
 from softfinger.measurement.repeats import _expect_equal, find_step_array
@@ -55,18 +55,6 @@ def clean_outliers(make_campaign, share):
 def test_a_trial_of_many_outliers_keeps_all(make_campaign, share, kept):
     found, count = clean_outliers(make_campaign, share)
     assert found == (0 if kept else count)
-
-
-@pytest.mark.parametrize(("frames", "judged"), [(2, False), (3, True)])
-def test_where_few_frames_compare_none_is_an_outlier(frames, judged):
-    usual = _find_usual(np.full((frames, 1), 3.0), np.full((frames, 1), 0.1))
-    assert (usual == (3.0 if judged else np.inf)).all()
-
-
-def test_frames_a_little_sooner_and_later_compare_where_few_are_alike():
-    since = np.array([[0.10, 0.13, 0.17, 0.50, 1.0, 1.0, 1.0]])
-    usual = _find_usual(np.array([[9.0, 3.0, 5.0, 7.0, 1.0, 1.0, 1.0]]), since)
-    assert usual.tolist() == [[np.inf, 5.0, np.inf, np.inf, 1.0, 1.0, 1.0]]
 
 
 @pytest.mark.parametrize(("length", "stands_out"), [(7, True), (8, False)])
