@@ -37,20 +37,34 @@ def weigh_tails(problem: Problem, candidate: Candidate, softer: Problem) -> Prob
         The same problem with the disturbances that the candidate's residual shows: what they
         explain is no tail.
     """
-    known = problem.noise["component_size"]
-    if "heavy_tails" not in known["component"].values:
+    freedom = list_freedom(problem)
+    if not freedom:
         return problem
-    freedom = float(known.sel(component="heavy_tails"))
     fit, trials = candidate.fit, problem.trials
     angle = problem.simulate(candidate.model, fit.own, fit.shared, np.zeros(0, np.int64))[0]
     trust, tails = np.ones_like(trials.trust), np.zeros_like(trials.tails)
-    for i, starts in enumerate(trials.starts):
+    for i, rows in enumerate(freedom):
         left = whiten_residual(softer.trials, angle, i)[:, trials.present[i]]
-        frames = np.repeat(np.diff(starts), left.shape[1])
-        weight, gain = weigh_rows_array(left.ravel(), freedom * frames)
+        weight, gain = weigh_rows_array(left.ravel(), rows)
         trust[i, : weight.size] = np.sqrt(weight)
         tails[i] = gain.sum()
     return replace(problem, trials=trials._replace(trust=trust, tails=tails))
+
+
+def list_freedom(problem: Problem) -> list[Array]:
+    """Degrees of freedom (row,) of each trial's white rows.
+
+    Empty where quiet windows show no heavy tails.
+    """
+    known, trials = problem.noise["component_size"], problem.trials
+    if "heavy_tails" not in known["component"].values:
+        return []
+    freedom = float(known.sel(component="heavy_tails"))
+    joints = trials.present.sum(axis=1)
+    return [
+        freedom * np.repeat(np.diff(starts), count)
+        for starts, count in zip(trials.starts, joints, strict=True)
+    ]
 
 
 def weigh_rows_array(row: Array, freedom: Array) -> tuple[Array, Array]:

@@ -10,6 +10,7 @@ import xarray as xr
 
 from softfinger.inference.disturbances import DRIFTS, find_kind, fit_disturbances
 from softfinger.inference.problem import Candidate, Problem, pose_problem
+from softfinger.inference.tails import list_freedom
 from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.measure import add_components
 from softfinger.measurement.mend import mend_recordings
@@ -136,7 +137,8 @@ def diagnose(
         nonlocal alarms
         pieces, refused = list_pieces(problem.setting)
         pieces = [piece for piece in pieces if piece.effect.id not in base.model.ids]
-        columns = collect_columns(problem, base, progress(pieces, "trying effects"))
+        freedom = list_freedom(problem) if alarms is None else ()
+        columns = collect_columns(problem, base, progress(pieces, "trying effects"), freedom)
         if alarms is None:
             rng, draws = np.random.default_rng(seed), settings.bootstrap_replicates
             alarms = calibrate_false_alarms(columns, problem, base, rng, draws)

@@ -5,7 +5,7 @@ They are on top of a fitted model, with one linearisation each.
 They serve the score of each form, the bootstrap of the largest score, and masking tables.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from softfinger.faults import Fault
 from softfinger.inference.problem import Candidate, Problem
-from softfinger.inference.reduce import reduce_trials
+from softfinger.inference.reduce import reduce_trials, whiten_slope
 from softfinger.mechanics import LOG_PARAMETERS
 from softfinger.mechanics.effects.model import EffectModel, Piece
 from softfinger.mechanics.forward.slot import SLOTS
@@ -84,6 +84,10 @@ class ScoreColumns(NamedTuple):
     level
         Log evidence [nats] of the fitted model, linearised as the forms are: what it still promises
         where its fit has not come to rest is no form's gain.
+    rows
+        White rows (row, d + p + c) of each trial, where they were asked for.
+    freedom
+        Degrees of freedom (row,) of their noise.
     """
 
     blocks: list[Block]
@@ -94,6 +98,8 @@ class ScoreColumns(NamedTuple):
     law: NDArray[np.bool_]
     place: NDArray[np.int64]
     level: float
+    rows: Sequence[NDArray[np.float64]] = ()
+    freedom: Sequence[NDArray[np.float64]] = ()
 
     @property
     def bare(self) -> NDArray[np.float64]:
@@ -101,9 +107,19 @@ class ScoreColumns(NamedTuple):
 
         (trial, d + c, d + c) of [∂F/∂η | all columns] alone.
         """
-        p = len(self.blocks[0].shared) - self.blocks[0].added if self.blocks else 0
-        known = np.s_[self.own - p : self.own]
+        known = self._known
         return np.delete(np.delete(self.gram[:, :-1, :-1], known, axis=1), known, axis=2)
+
+    @property
+    def bare_rows(self) -> list[NDArray[np.float64]]:
+        """The same columns' rows (row, d + c) of each trial."""
+        return [np.delete(rows, self._known, axis=1) for rows in self.rows]
+
+    @property
+    def _known(self) -> slice:
+        """Columns of the φ that the fitted model has."""
+        p = len(self.blocks[0].shared) - self.blocks[0].added if self.blocks else 0
+        return np.s_[self.own - p : self.own]
 
     @property
     def first(self) -> NDArray[np.int64]:
@@ -146,12 +162,22 @@ class ScoreColumns(NamedTuple):
         return gram
 
 
-def collect_columns(problem: Problem, origin: Candidate, pieces: Iterable[Piece]) -> ScoreColumns:
+def collect_columns(
+    problem: Problem,
+    origin: Candidate,
+    pieces: Iterable[Piece],
+    freedom: Sequence[NDArray[np.float64]] = (),
+) -> ScoreColumns:
     """Collect the whitened columns of all forms.
 
     At all their starts, on top of a fitted model.
 
     A start at which a form has no motion is left out.
+
+    Parameters
+    ----------
+    freedom
+        As from `list_freedom`, where draws of noise with tails will need each trial's rows.
     """
     own, known = origin.fit.own, origin.fit.shared
     angle, slope = problem.simulate(origin.model, own, known)
@@ -172,7 +198,9 @@ def collect_columns(problem: Problem, origin: Candidate, pieces: Iterable[Piece]
                 place = total + np.arange(len(new))
                 blocks.append(Block(model, shared, new, len(shared) - len(known), place))
                 total += len(new)
-    gram = reduce_trials(problem.trials, angle, np.concatenate(slopes, axis=3))
+    whole = np.concatenate(slopes, axis=3)
+    gram = reduce_trials(problem.trials, angle, whole)
+    rows = [whiten_slope(problem.trials, whole, i) for i in range(len(freedom))]
     sd = [block.model.shared_prior[1][block.new] for block in blocks]
     positive = [block.model.low[block.new] == 0.0 for block in blocks]
     law = [block.model.terms[block.new] for block in blocks]
@@ -186,6 +214,8 @@ def collect_columns(problem: Problem, origin: Candidate, pieces: Iterable[Piece]
         np.concatenate([np.zeros(0, bool), *law]),
         np.concatenate([np.zeros(0, int), *place]),
         evaluate_linearised(problem, origin.model, place_fit(origin.fit), rounds=0),
+        rows,
+        freedom,
     )
 
 

@@ -71,8 +71,10 @@ def calibrate_false_alarms(
     prior = problem.build_prior(base.model)
     away = prior.mean[:d] - base.fit.mean  # only differences keep their digits
     prior = prior._replace(mean=away, precision=prior.precision[:d])
+    tails = list(zip(columns.bare_rows, columns.freedom, strict=True))
+    drawn = draw_products(whole, base, prior, rng, replicates, tails)
     largest = np.empty(replicates)
-    for k, product in enumerate(draw_products(whole, base, prior, rng, replicates)):
+    for k, product in enumerate(drawn):
         best, alone = find_best_form(columns, whole, product, prior, base.fit.omega)
         largest[k] = max(best.gain, 0.0)
         if best.columns.size:  # the best form by its score gains what a fit of it does

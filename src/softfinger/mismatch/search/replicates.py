@@ -1,12 +1,13 @@
 """Replicates: campaigns without effects, drawn from the fitted base model.
 
 They have the campaign's own loads and frames, but are drawn only in the whitened reduced space: of
-a trial z* = A b + e nothing is needed but Cᵀe + (CᵀA) b. The noise e is normal. The parameters b
-are those of the trials, in another order and with either sign: they keep their tails and what
-joints have in common, of which a normal with Ω knows nothing, and of which few trials show little.
+a trial z* = A b + e nothing is needed but Cᵀe + (CᵀA) b. The noise e is normal, or t-distributed
+row by row where quiet windows show heavy tails (`inference/tails.py`). The parameters b are those
+of the trials, in another order and with either sign: they keep their tails and what joints have in
+common, of which a normal with Ω knows nothing, and of which few trials show little.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,18 +20,49 @@ RIDGE = 1e-10  # of a column's square: far below what a score shows
 
 
 def draw_products(
-    whole: NDArray, base: Candidate, prior: Prior, rng: np.random.Generator, replicates: int
+    whole: NDArray,
+    base: Candidate,
+    prior: Prior,
+    rng: np.random.Generator,
+    replicates: int,
+    tails: Sequence[tuple[NDArray, NDArray]] = (),
 ) -> Iterator[NDArray]:
-    """Draw Cᵀz (trial, d + c) about μ from the base model."""
-    trials, columns = whole.shape[:2]
-    factor = np.stack([_root(gram) for gram in whole])
+    """Draw Cᵀz (trial, d + c) about μ from the base model.
+
+    Parameters
+    ----------
+    whole
+        (trial, d + c, d + c) CᵀC.
+    tails
+        Rows C (row, d + c) and their noise's degrees of freedom (row,) of each trial; none where
+        it is normal.
+    """
+    factor = None if tails else np.stack([_root(gram) for gram in whole])
     d = len(base.fit.omega)
     for begin in range(0, replicates, BUDGET.replicates):
         some = min(BUDGET.replicates, replicates - begin)
         own = _draw_own(whole, base, prior, rng, some)
-        noise = rng.standard_normal((trials, columns, some))
-        product = factor @ noise + whole[:, :, :d] @ own.transpose(1, 2, 0)
+        noise = _draw_noise(factor, tails, rng, some)
+        product = noise + whole[:, :, :d] @ own.transpose(1, 2, 0)
         yield from np.ascontiguousarray(product.transpose(2, 0, 1))
+
+
+def _draw_noise(
+    factor: NDArray | None,
+    tails: Sequence[tuple[NDArray, NDArray]],
+    rng: np.random.Generator,
+    count: int,
+) -> NDArray:
+    """Draw Cᵀe (trial, d + c, count) of unit variance."""
+    if factor is not None:
+        return factor @ rng.standard_normal((*factor.shape[:2], count))
+    return np.stack([rows.T @ _draw_tailed(freedom, rng, count) for rows, freedom in tails])
+
+
+def _draw_tailed(freedom: NDArray, rng: np.random.Generator, count: int) -> NDArray:
+    """Draw t-distributed noise (row, count) of unit variance."""
+    drawn = rng.standard_t(freedom[:, None], (len(freedom), count))
+    return np.sqrt((freedom - 2.0) / freedom)[:, None] * drawn
 
 
 def _draw_own(

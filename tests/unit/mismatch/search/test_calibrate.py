@@ -5,8 +5,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.stats import kurtosis
 
 from softfinger.inference.problem import Candidate, pose_problem
+from softfinger.inference.tails import list_freedom
+from softfinger.measurement.measure import add_components
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.columns import collect_columns
 from softfinger.mismatch.candidates.rank import list_pieces, score_pieces
@@ -94,6 +97,43 @@ def test_what_is_drawn_has_the_covariance_of_the_base_model(draw_campaign):
     np.testing.assert_allclose(drawn[:, 0].mean(axis=0) / size, 0.0, atol=0.1)
     seen = np.cov(drawn[:, 0] / size, rowvar=False)
     np.testing.assert_allclose(seen, expected / np.outer(size, size), atol=0.1)
+
+
+def test_noise_with_tails_is_drawn_with_them():
+    """Of the covariance of normal noise, and further out where a row is a single frame."""
+    rows = np.random.default_rng(3).standard_normal((2, 4, 2))
+    rows[:, 1:] *= 0.2  # one row bears most
+    freedom, rng = np.array([4.5, 4.5, 400.0, 400.0]), np.random.default_rng(4)
+    drawn = replicates._draw_noise(None, [(trial, freedom) for trial in rows], rng, 100_000)
+    assert drawn.shape == (2, 2, 100_000)
+    for trial, seen in zip(rows, drawn, strict=True):
+        np.testing.assert_allclose(np.cov(seen), trial.T @ trial, rtol=0.1, atol=0.02)
+        assert (kurtosis(seen, axis=1) > 2.0).all()
+
+
+@pytest.mark.parametrize("tailed", [False, True])
+def test_chance_has_the_tails_of_the_recordings(draw_campaign, monkeypatch, tailed):
+    """The rows that it is drawn with give the Gram matrices that score it."""
+    problem, fit = pose_problem(draw_campaign(3, 0.0))
+    if tailed:
+        noise = add_components(problem.noise, {"heavy_tails": 3.0}, {"heavy_tails": 50.0})
+        problem = replace(problem, noise=noise)
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    pieces = [p for p in list_pieces(problem.setting)[0] if p.effect.id == "camera_delay"]
+    columns = collect_columns(problem, base, pieces, list_freedom(problem))
+    seen = []
+
+    def draw(whole, base, prior, rng, replicates, tails):
+        seen.extend(tails)
+        return draw_products(whole, base, prior, rng, replicates, tails)
+
+    monkeypatch.setattr(module, "draw_products", draw)
+    module.calibrate_false_alarms(columns, problem, base, np.random.default_rng(1), 3)
+    assert len(seen) == (len(problem.trials.name) if tailed else 0)
+    for (rows, freedom), gram in zip(seen, columns.bare, strict=False):
+        np.testing.assert_allclose(rows.T @ rows, gram, rtol=1e-6)
+        assert len(freedom) == len(rows)
+        assert freedom.min() == 3.0  # of a frame by itself
 
 
 def test_what_joints_have_in_common_is_drawn_with_them():
