@@ -50,6 +50,7 @@ SIZES: Mapping[str, Array] = {
     "gain_drift": np.array(PRIORS.gain_drift_sizes),
     "lasting_noise": np.array(PRIORS.lasting_sizes),
 }
+CLOCKS = frozenset({"clock_offset", "clock_rate"})
 DRIFTS = ("drift", "gain_drift", "picture_turn", LINK_TURN, "lasting_noise")  # wander slowly
 STEP_SHARE = 0.01  # of a row's load by which the model is moved
 STEP_S = 0.002

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from softfinger.inference.disturbances import DRIFTS, find_kind, fit_disturbances
+from softfinger.inference.disturbances import CLOCKS, DRIFTS, find_kind, fit_disturbances
 from softfinger.inference.problem import Candidate, Problem, pose_problem
 from softfinger.inference.tails import list_freedom
 from softfinger.measurement.decisions import DECISIONS as MEASURING
@@ -29,8 +29,10 @@ from softfinger.mismatch.search.eliminate import fit_less
 from softfinger.mismatch.search.extend import Task
 from softfinger.mismatch.search.finalists import list_best
 from softfinger.mismatch.search.judge import (
+    compare_levels,
     find_leader,
     judge_finalists,
+    needs_disturbance,
     settle_measurement,
 )
 from softfinger.mismatch.search.log_and_clock import find_clock_rate, weigh_log
@@ -172,17 +174,21 @@ def search_jointly(
 ) -> tuple[Problem, Survey, Search]:
     """Search with the measurement that leads, and without any disturbance.
 
-    A disturbance that one effect needs may be what a second effect does. So what the search finds
-    without it is judged beside what it finds with it. Where the base model leads by its disturbance
-    alone, only what comes near that is sought.
+    A disturbance that one effect needs may be what a second effect does. So where what the search
+    finds with it needs one, what it finds without is judged beside it. Only what comes near that is
+    sought.
     """
     right, plain, base, found, _, _ = posed
-    problem, start, gain = settle_measurement(plain, base, found.ranked[0], found.needed)
+    problem, start = settle_measurement(plain, base, found.ranked[0], found.needed)
     rivals: list[Candidate] = []
-    if problem is not plain:
-        rivals = list_best(found.search(plain, base, patience, gain))
-        found = survey(problem, start)
-    search = found.search(problem, start, patience)
+    if problem is plain:
+        search = found.search(plain, base, patience)
+    else:
+        bare, found = found, survey(problem, start)
+        search = found.search(problem, start, patience)
+        if needs_disturbance(plain, search.best):
+            known = compare_levels(problem, plain) + search.best.log_evidence - base.log_evidence
+            rivals = list_best(bare.search(plain, base, patience, max(known, 0.0)))
     if search.best is not search.base or rivals:
         problem, search = judge_finalists(plain, problem, search, rivals, right, found.needed)
     return problem, found, search
@@ -203,10 +209,11 @@ def mend_log(posed: Posed, pose: Pose) -> Posed:
 def mend_clock(posed: Posed, pose: Pose) -> Posed:
     """Set the camera's clock to the log's rate.
 
-    It is set where that explains more than any effect alone, less what chance gains.
+    It is set where that explains more than any effect alone, less what chance gains. Under one
+    step of the load a rate moves the step, as a clock that starts elsewhere does.
     """
     plain, base, found = posed.plain, posed.base, posed.survey
-    if not plain.setting.load_known or "clock_rate" not in fit_disturbances(plain, base)[0]:
+    if not plain.setting.load_known or CLOCKS.isdisjoint(fit_disturbances(plain, base)[0]):
         return posed
     rate, nats = find_clock_rate(plain, base)
     rival = find_leader(base, found.ranked[0], found.needed).log_evidence - base.log_evidence

@@ -60,7 +60,7 @@ def list_leaders(base: Candidate, singles: list[Candidate], needed: float) -> li
 
 def settle_measurement(
     plain: Problem, base: Candidate, singles: list[Candidate], needed: float
-) -> tuple[Problem, Candidate, float]:
+) -> tuple[Problem, Candidate]:
     """Take the measurement of whichever leads.
 
     The base model leads, or one of the best effects.
@@ -79,22 +79,19 @@ def settle_measurement(
     problem, base
         With that measurement; as they are where it has no disturbance: tails alone change no
         leader, and are weighed at the end.
-    gain
-        What the base model gains by them [nats] where it leads, else 0.
     """
     leaders = list_leaders(base, singles, needed)
     judging = (judge(plain, c, plain, base) for c in (base, *leaders))
     best = max((j for j in judging if j is not None), key=lambda j: j.evidence, default=None)
     if best is None or not best.problem.disturbed:
-        return plain, base, 0.0
+        return plain, base
     if best.candidate.model is base.model:
-        gain = best.evidence - _measure_level(plain) - base.log_evidence
-        return best.problem, best.candidate, gain
+        return best.problem, best.candidate
     problem = forget_spreads(plain, best.problem, best.candidate)
     if not problem.disturbed:
-        return plain, base, 0.0
+        return plain, base
     again = fit_again(problem, base, base)
-    return (plain, base, 0.0) if again is None else (problem, again, 0.0)
+    return (plain, base) if again is None else (problem, again)
 
 
 def judge_finalists(
@@ -194,6 +191,11 @@ def judge(
     return Judged(problem, again, again.log_evidence + more)
 
 
+def needs_disturbance(plain: Problem, candidate: Candidate) -> bool:
+    """Whether a model's residual shows any disturbance."""
+    return bool(_soften(plain, candidate)[1])
+
+
 def _soften(plain: Problem, candidate: Candidate) -> tuple[Problem, dict[str, float]]:
     """Admit the disturbances that a model's residual shows.
 
@@ -269,6 +271,14 @@ def _choose_simplest(candidates: list[Candidate], needed: float) -> Candidate:
         if close and simpler.model.ids < best.model.ids:
             best = simpler
     return best
+
+
+def compare_levels(problem: Problem, other: Problem) -> float:
+    """What a problem's log evidence has over another's [nats].
+
+    Its noise has another level there.
+    """
+    return _measure_level(problem) - _measure_level(other)
 
 
 def _measure_level(problem: Problem) -> float:

@@ -80,17 +80,17 @@ def search_effects(task: Task, needed: float, rival: float = 0.0) -> Search:
         effect gains far more and leaves what a spline finds, linear scores of pairs err: those of
         the leading effects are fitted whatever their score.
     rival
-        Gain [nats] of what effects are judged beside: sets that do not come near are not sought,
-        and nothing beyond single effects where neither they nor any pair's score comes near.
+        Gain [nats] of what effects are judged beside: to sets that do not come near nothing is
+        added, and nothing beyond single effects is tried where no pair's score comes near.
     """
     problem, base = task.problem, task.base
-    worth = max(rival - reaching_nats(rival), 0.0)
     found, larger, shape, alone = list(task.singles), [], None, None
     first_gain = (best := choose_top(found, base)).log_evidence - base.log_evidence
+    worth = max(rival - BUDGET.reach_nats, 0.0)
     single = Search(base, found, [], best, max(first_gain, 0.0), task.refused, task.scores)
     if first_gain <= needed:
         return _seek_hidden(task, single._replace(best=base), max(needed, worth))
-    if first_gain < worth and score_best_pair(problem, base, task.columns) < worth:
+    if first_gain < worth and _is_out_of_reach(task, rival):
         return single
     for size in range(2, BUDGET.most_effects + 1):
         explained = best.log_evidence - base.log_evidence
@@ -114,15 +114,30 @@ def search_effects(task: Task, needed: float, rival: float = 0.0) -> Search:
         gain = top.log_evidence - best.log_evidence
         if gain > more and (shape is None or shape.fit is not best.fit):
             shape = measure_shape(problem, best)
-        if gain <= more or gain <= shape.gain or top.log_evidence < base.log_evidence + worth:
+        if gain <= more or gain <= shape.gain:
             break
-        found += [*larger, *swap_forms(problem, top, [*task.pieces, *list_finer(top, task.pieces)])]
-        larger = []
-        if size == 2:
-            found += try_partners(task, top, {r.model.ids for r in rivals})
+        found, larger = [*found, *larger], []
+        if top.log_evidence < base.log_evidence + worth:
+            best = top
+            break
+        found += _vary(task, top, rivals, size)
         best = eliminate(problem, choose_top([top, *found], top), more, found)
     found.sort(key=lambda c: -c.log_evidence)
     return Search(base, found, larger, best, first_gain, task.refused, task.scores, shape, alone)
+
+
+def _is_out_of_reach(task: Task, rival: float) -> bool:
+    """Whether no pair's score comes near a rival's gain [nats]."""
+    scored = score_best_pair(task.problem, task.base, task.columns)
+    return scored < rival - reaching_nats(rival)
+
+
+def _vary(task: Task, top: Candidate, rivals: list[Candidate], size: int) -> list[Candidate]:
+    """Other forms of a set, and other partners in a pair."""
+    found = swap_forms(task.problem, top, [*task.pieces, *list_finer(top, task.pieces)])
+    if size == 2:
+        found += try_partners(task, top, {rival.model.ids for rival in rivals})
+    return found
 
 
 def _pair_up(

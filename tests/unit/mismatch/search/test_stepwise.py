@@ -13,7 +13,7 @@ from softfinger.mismatch.candidates.columns import collect_columns
 from softfinger.mismatch.candidates.elsewhere import list_compatible
 from softfinger.mismatch.candidates.rank import list_pieces
 from softfinger.mismatch.search import extend as module
-from softfinger.mismatch.search import hidden
+from softfinger.mismatch.search import hidden, stepwise
 from softfinger.mismatch.search.extend import Task
 from softfinger.mismatch.search.shape import Shape, allow_rest
 from softfinger.mismatch.search.stepwise import hold_against_shape, search_effects
@@ -95,6 +95,34 @@ def test_where_no_single_effect_competes_pairs_are_tried_and_the_needless_droppe
     assert any(len(c.model.ids) == 2 for c in found.candidates)
     beside = search_effects(task, 5.0, rival=1e4)
     assert beside.candidates == []  # far behind what is known already
+
+
+@pytest.mark.parametrize(("rival", "sought"), [(160.0, True), (1000.0, False)])
+def test_nothing_is_added_to_a_pair_far_behind_what_is_known(monkeypatch, rival, sought):
+    def candidate(nats, *ids):
+        model = SimpleNamespace(ids=frozenset(ids), pieces=())
+        return SimpleNamespace(log_evidence=nats, model=model, fit=object())
+
+    single, pair = candidate(100.0, "gravity"), candidate(150.0, "gravity", "inertia")
+    added = []
+    for name, answer in {
+        "_is_out_of_reach": False,
+        "_enlarge": [pair],
+        "_pair_up": ([], None),
+        "_face_finer": single,
+        "measure_shape": Shape(single.fit, None),
+        "list_finer": [],
+        "try_partners": [],
+        "eliminate": pair,
+    }.items():
+        monkeypatch.setattr(stepwise, name, lambda *_, answer=answer: answer)
+    monkeypatch.setattr(stepwise, "swap_forms", lambda *_: added.append(1) or [])
+    monkeypatch.setattr(stepwise, "BUDGET", replace(stepwise.BUDGET, most_effects=2))
+    task = Task(None, candidate(0.0), [], {}, None, [single], [], None)
+    found = search_effects(task, 5.0, rival=rival)
+    assert found.best is pair
+    assert pair in found.candidates
+    assert bool(added) is sought
 
 
 def test_nothing_is_sought_behind_a_base_model_that_leaves_noise(monkeypatch):

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from softfinger.inference.disturbances import CLOCKS, fit_disturbances
 from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.inference.simulate import (
     build_recording,
@@ -81,6 +82,31 @@ def test_a_clock_that_runs_slow_is_found():
     assert nats > 20.0
     problem, fit = pose_problem(angles)
     assert find_clock_rate(problem, Candidate(problem.base, fit, fit.log_evidence))[1] < 6.0
+
+
+def test_under_one_step_a_rate_is_an_offset_that_all_trials_share(monkeypatch):
+    """Which of the two a residual shows is decided by rounding."""
+    rng, names = np.random.default_rng(6), [f"t{i}" for i in range(8)]
+    rows = np.tile([0.0, 1.0, 1.001, 30.0], (8, 1))
+    load = np.tile([0.0, 0.0, 0.04, 0.04], (8, 1))
+    recording = build_recording(TIME, rows, load, 1, names)
+    mean = np.array([[-2.4, -3.6, 2.9, 0.02]])
+    own = draw_parameters(mean, np.array([0.2, 0.4, 0.7, 0.01]), recording, rng)
+    noise = describe_noise(np.full(1, 0.001), np.zeros(1), 0.0)
+    angles = draw_angles(recording, own, noise, rng).assign(
+        started_at=("trial", np.full(8, np.nan)), joint_length=np.nan, wire_offset=np.nan, **UNKNOWN
+    )
+    late = angles.assign(time=angles["time"] / 1.002)
+    problem, fit = pose_problem(late)
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    assert len(fit_disturbances(problem, base)[0].keys() & CLOCKS) == 1
+    offset = {"clock_offset": 0.002}
+    known = mend_clock.__globals__
+    monkeypatch.setitem(known, "fit_disturbances", lambda *_: (offset, {}, {}))
+    survey = SimpleNamespace(ranked=([], []), needed=7.0)
+    posed = Posed(late, problem, base, survey, {}, MeasurementEntry())
+    mended, _ = mend_clock(posed, lambda mended, known: (mended, known))
+    assert mended.clock_rate == pytest.approx(0.002, rel=0.2)
 
 
 def test_what_was_mended_is_kept_where_other_frames_count():
