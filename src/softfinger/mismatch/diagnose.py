@@ -18,6 +18,7 @@ from softfinger.measurement.steady import steady_log
 from softfinger.mechanics.effects.measurement_file import MeasurementEntry
 from softfinger.mechanics.effects.model import Piece
 from softfinger.mechanics.effects.model_file import ModelFile
+from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.columns import ScoreColumns, collect_columns
 from softfinger.mismatch.candidates.rank import Progress, Score, list_pieces, rank_pieces
 from softfinger.mismatch.checks.findings import Findings, examine
@@ -86,11 +87,11 @@ class Survey(NamedTuple):
     ranked: tuple[list[Candidate], list[Score]]
 
     def search(
-        self, problem: Problem, base: Candidate, progress: Progress, rival: float = 0.0
+        self, problem: Problem, base: Candidate, progress: Progress, worth: float = 0.0
     ) -> Search:
-        """Search for the effects that act together, beside a rival's gain [nats]."""
+        """Search for effects that act together and gain what is worth it [nats]."""
         found = *self.catalogue, self.columns, *self.ranked
-        return search_effects(Task(problem, base, *found, progress), self.needed, rival)
+        return search_effects(Task(problem, base, *found, progress), self.needed, worth)
 
 
 class Posed(NamedTuple):
@@ -188,7 +189,8 @@ def search_jointly(
         search = found.search(problem, start, patience)
         if needs_disturbance(plain, search.best):
             known = compare_levels(problem, plain) + search.best.log_evidence - base.log_evidence
-            rivals = list_best(bare.search(plain, base, patience, max(known, 0.0)))
+            worth = max(known - BUDGET.reach_nats, 0.0)
+            rivals = list_best(bare.search(plain, base, patience, worth))
     if search.best is not search.base or rivals:
         problem, search = judge_finalists(plain, problem, search, rivals, right, found.needed)
     return problem, found, search

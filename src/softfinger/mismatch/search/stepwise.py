@@ -70,7 +70,7 @@ class Search(NamedTuple):
     alone: Shape | None = None
 
 
-def search_effects(task: Task, needed: float, rival: float = 0.0) -> Search:
+def search_effects(task: Task, needed: float, worth: float = 0.0) -> Search:
     """Add effects while one gains `needed` nats, then eliminate.
 
     Parameters
@@ -79,18 +79,17 @@ def search_effects(task: Task, needed: float, rival: float = 0.0) -> Search:
         Gain [nats] that chance seldom exceeds, over the whole catalogue. Where one
         effect gains far more and leaves what a spline finds, linear scores of pairs err: those of
         the leading effects are fitted whatever their score.
-    rival
-        Gain [nats] of what effects are judged beside: to sets that do not come near nothing is
-        added, and nothing beyond single effects is tried where no pair's score comes near.
+    worth
+        Gain [nats] that is worth reaching: nothing is added to a set below it, and nothing beyond
+        single effects is tried where no pair's score comes near.
     """
     problem, base = task.problem, task.base
     found, larger, shape, alone = list(task.singles), [], None, None
     first_gain = (best := choose_top(found, base)).log_evidence - base.log_evidence
-    worth = max(rival - BUDGET.reach_nats, 0.0)
     single = Search(base, found, [], best, max(first_gain, 0.0), task.refused, task.scores)
     if first_gain <= needed:
         return _seek_hidden(task, single._replace(best=base), max(needed, worth))
-    if first_gain < worth and _is_out_of_reach(task, rival):
+    if first_gain < worth and _is_out_of_reach(task, worth):
         return single
     for size in range(2, BUDGET.most_effects + 1):
         explained = best.log_evidence - base.log_evidence
@@ -126,10 +125,10 @@ def search_effects(task: Task, needed: float, rival: float = 0.0) -> Search:
     return Search(base, found, larger, best, first_gain, task.refused, task.scores, shape, alone)
 
 
-def _is_out_of_reach(task: Task, rival: float) -> bool:
-    """Whether no pair's score comes near a rival's gain [nats]."""
+def _is_out_of_reach(task: Task, worth: float) -> bool:
+    """Whether no pair's score comes near a gain [nats]."""
     scored = score_best_pair(task.problem, task.base, task.columns)
-    return scored < rival - reaching_nats(rival)
+    return scored < worth - reaching_nats(worth)
 
 
 def _vary(task: Task, top: Candidate, rivals: list[Candidate], size: int) -> list[Candidate]:

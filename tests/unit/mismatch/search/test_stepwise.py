@@ -93,12 +93,12 @@ def test_where_no_single_effect_competes_pairs_are_tried_and_the_needless_droppe
     assert found.best.model.ids == {"second_retardation"}
     assert found.first_gain > 15.0
     assert any(len(c.model.ids) == 2 for c in found.candidates)
-    beside = search_effects(task, 5.0, rival=1e4)
+    beside = search_effects(task, 5.0, worth=1e4)
     assert beside.candidates == []  # far behind what is known already
 
 
-@pytest.mark.parametrize(("rival", "sought"), [(160.0, True), (1000.0, False)])
-def test_nothing_is_added_to_a_pair_far_behind_what_is_known(monkeypatch, rival, sought):
+@pytest.mark.parametrize(("worth", "sought"), [(140.0, True), (1000.0, False)])
+def test_nothing_is_added_to_a_pair_far_behind_what_is_known(monkeypatch, worth, sought):
     def candidate(nats, *ids):
         model = SimpleNamespace(ids=frozenset(ids), pieces=())
         return SimpleNamespace(log_evidence=nats, model=model, fit=object())
@@ -119,7 +119,7 @@ def test_nothing_is_added_to_a_pair_far_behind_what_is_known(monkeypatch, rival,
     monkeypatch.setattr(stepwise, "swap_forms", lambda *_: added.append(1) or [])
     monkeypatch.setattr(stepwise, "BUDGET", replace(stepwise.BUDGET, most_effects=2))
     task = Task(None, candidate(0.0), [], {}, None, [single], [], None)
-    found = search_effects(task, 5.0, rival=rival)
+    found = search_effects(task, 5.0, worth)
     assert found.best is pair
     assert pair in found.candidates
     assert bool(added) is sought
