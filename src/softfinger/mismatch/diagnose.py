@@ -26,6 +26,7 @@ from softfinger.mismatch.checks.hums import Hum, describe_hums, hear_hums, note_
 from softfinger.mismatch.config import MismatchSettings
 from softfinger.mismatch.experiment.masking import list_invisible, tabulate_masking
 from softfinger.mismatch.search.calibrate import FalseAlarms, calibrate_false_alarms
+from softfinger.mismatch.search.demand import Demand, build_demand
 from softfinger.mismatch.search.eliminate import fit_less
 from softfinger.mismatch.search.extend import Task
 from softfinger.mismatch.search.finalists import list_best
@@ -85,6 +86,11 @@ class Survey(NamedTuple):
     alarms: FalseAlarms
     needed: float
     ranked: tuple[list[Candidate], list[Score]]
+
+    @property
+    def demand(self) -> Demand:
+        """What a first and a further effect must gain [nats]."""
+        return build_demand(self.needed, len({piece.effect.id for piece in self.catalogue[0]}))
 
     def search(
         self, problem: Problem, base: Candidate, progress: Progress, worth: float = 0.0
@@ -192,7 +198,7 @@ def search_jointly(
             worth = max(known - BUDGET.reach_nats, 0.0)
             rivals = list_best(bare.search(plain, base, patience, worth))
     if search.best is not search.base or rivals:
-        problem, search = judge_finalists(plain, problem, search, rivals, right, found.needed)
+        problem, search = judge_finalists(plain, problem, search, rivals, right, found.demand)
     return problem, found, search
 
 

@@ -26,10 +26,16 @@ def list_finalists(search: Search, rivals: list[Candidate]) -> list[Candidate]:
 def list_best(search: Search) -> list[Candidate]:
     """The best sets of a search, a model of each.
 
-    None where nothing but its base was fitted.
+    Also the best that is part of each, one effect less: what a set has more is held against its
+    best form. None where nothing but the base was fitted.
     """
     sets: dict[Ids, Candidate] = {}
     for candidate in (search.best, *search.candidates):
         if candidate.fit is not None and candidate.model.ids != search.base.model.ids:
             sets.setdefault(candidate.model.ids, candidate)
-    return list(sets.values())[: 1 + BUDGET.rivals]
+    leading = list(sets)[: 1 + BUDGET.rivals]
+    parts = (
+        next((part for part in sets if part < ids and len(part) == len(ids) - 1), ids)
+        for ids in leading
+    )
+    return [sets[ids] for ids in dict.fromkeys([*leading, *parts])]

@@ -25,6 +25,7 @@ from softfinger.measurement.trials import prepare_trials
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.rank import has_reached, reaching_nats
 from softfinger.mismatch.priors import PRIORS
+from softfinger.mismatch.search.demand import Demand, choose_simplest
 from softfinger.mismatch.search.finalists import list_finalists
 from softfinger.mismatch.search.stepwise import Search
 
@@ -100,14 +101,14 @@ def judge_finalists(
     search: Search,
     rivals: list[Candidate],
     angles: xr.Dataset,
-    needed: float,
+    demand: Demand,
 ) -> tuple[Problem, Search]:
     """Judge the leading sets of effects anew.
 
     Each has its own measurement.
 
     Frames count that are no outliers of the best model. A model leads only if what it has more than
-    a simpler one gains more than `needed` nats; the measurement is that of the model that leads.
+    a simpler one gains more than is demanded; the measurement is that of the model that leads.
 
     Parameters
     ----------
@@ -136,7 +137,7 @@ def judge_finalists(
     if best is None or (best.problem is plain and plain is problem and _agree(judged, plain)):
         return problem, search
     told = [one.candidate._replace(log_evidence=one.evidence) for one in judged]
-    leading = _choose_simplest(told, needed)
+    leading = choose_simplest(told, search.base.model.ids, demand)
     best = next(one for one, c in zip(judged, told, strict=True) if c is leading)
     level = best.evidence - best.candidate.log_evidence
     settled = []
@@ -148,7 +149,7 @@ def judge_finalists(
             if not _has_strange_spread(best.problem, other.candidate):
                 evidence = max(evidence, again.log_evidence)
             settled.append(again._replace(log_evidence=evidence))
-    return best.problem, _settle(search, settled, needed)
+    return best.problem, _settle(search, settled, demand)
 
 
 def _has_strange_spread(problem: Problem, candidate: Candidate) -> bool:
@@ -239,12 +240,12 @@ def _agree(judged: list[Judged], plain: Problem) -> bool:
     return all(j.problem is plain for j in judged)
 
 
-def _settle(search: Search, settled: list[Candidate], needed: float) -> Search:
+def _settle(search: Search, settled: list[Candidate], demand: Demand) -> Search:
     settled = sorted(settled, key=lambda c: -c.log_evidence)
     base = next((c for c in settled if c.model.ids == search.base.model.ids), None)
     if base is None:
         return search
-    best = _choose_simplest(settled, needed)
+    best = choose_simplest(settled, search.base.model.ids, demand)
     size = len(best.model.ids)
     rest = [c for c in settled if c is not base]
     kept = [c for c in rest if len(c.model.ids) <= max(size, len(base.model.ids) + 1)]
@@ -258,19 +259,6 @@ def _settle(search: Search, settled: list[Candidate], needed: float) -> Search:
         shape=None,
         alone=None,
     )
-
-
-def _choose_simplest(candidates: list[Candidate], needed: float) -> Candidate:
-    """The best model, or a simpler one that is close.
-
-    What the best has more must gain more than `needed` nats.
-    """
-    best = max(candidates, key=lambda c: c.log_evidence)
-    for simpler in sorted(candidates, key=lambda c: len(c.model.ids)):
-        close = best.log_evidence - simpler.log_evidence <= needed
-        if close and simpler.model.ids < best.model.ids:
-            best = simpler
-    return best
 
 
 def compare_levels(problem: Problem, other: Problem) -> float:

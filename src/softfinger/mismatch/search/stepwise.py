@@ -7,8 +7,6 @@ rival. It is believed where its few numbers gain more than a spline in time, loa
 
 from typing import NamedTuple
 
-import numpy as np
-
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mechanics.effects.model import Piece
 from softfinger.mismatch.budget import BUDGET
@@ -26,6 +24,7 @@ from softfinger.mismatch.candidates.rank import (
     reaching_nats,
 )
 from softfinger.mismatch.decisions import DECISIONS
+from softfinger.mismatch.search.demand import build_demand
 from softfinger.mismatch.search.eliminate import choose_top, eliminate
 from softfinger.mismatch.search.extend import Task, extend, try_partners
 from softfinger.mismatch.search.finer import fit_finer
@@ -160,7 +159,7 @@ def _pair_up(
 def _seek_hidden(task: Task, search: Search, needed: float) -> Search:
     """Take hidden sets where they explain more than a shape."""
     problem, base, columns = task.problem, task.base, task.columns
-    needed += float(np.log(max(len(set(columns.label)), 1)))  # as `require_gain` asks
+    needed = build_demand(needed, len(set(columns.label))).further
     hidden = seek_hidden(problem, base, columns, needed, task.progress)
     top = choose_top(hidden, base)
     if top is base or top.log_evidence - base.log_evidence <= measure_shape(problem, base).gain:
@@ -179,8 +178,7 @@ def require_gain(needed: float, explained: float, pieces: list[Piece], best: Can
     As much as a first one, and what it costs that there are so many more pairs than effects. Where
     an effect before has no free law, also more than the error that its textbook forms may have.
     """
-    effects = len({piece.effect.id for piece in pieces})
-    more = needed + float(np.log(max(effects, 1)))
+    more = build_demand(needed, len({piece.effect.id for piece in pieces})).further
     free = {piece.effect.id for piece in pieces if piece.form.is_free}
     if best.model.ids <= free:
         return more

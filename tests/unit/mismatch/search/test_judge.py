@@ -7,6 +7,7 @@ import pytest
 
 from softfinger.inference.problem import Candidate
 from softfinger.mismatch.search import judge as module
+from softfinger.mismatch.search.demand import Demand, choose_simplest
 from softfinger.mismatch.search.finalists import list_best, list_finalists
 from softfinger.mismatch.search.judge import Judged, judge_finalists
 from softfinger.mismatch.search.stepwise import Search
@@ -22,6 +23,7 @@ def pose(disturbed=()):
 
 
 BASE, BEST, THIRD = stand_in(0.0), stand_in(500.0, "gravity"), stand_in(90.0, "inertia")
+DEMAND = Demand(5.0, 8.0)
 SEARCH = Search(BASE, [BEST, THIRD], [], BEST, 500.0, {}, [])
 
 
@@ -36,7 +38,7 @@ def test_the_base_model_is_never_given_up_and_no_other_goes_on_far_behind(monkey
     monkeypatch.setattr(module, "judge", judge)
     monkeypatch.setattr(module, "measure_again", lambda problem, *_: problem)
     rival = stand_in(300.0, "wire_friction")
-    judge_finalists(plain, plain, SEARCH, [rival], None, 5.0)
+    judge_finalists(plain, plain, SEARCH, [rival], None, DEMAND)
     assert list(asked) == [BASE.model.ids, BEST.model.ids, rival.model.ids, THIRD.model.ids]
     assert asked[BASE.model.ids] == -np.inf
     assert asked[BEST.model.ids] == -20.0  # behind the base model, the best so far
@@ -57,7 +59,9 @@ def test_the_measurement_is_that_of_the_model_that_leads(monkeypatch, gain, lead
     no_better = {"log_evidence": -9.0}  # with the measurement of the other
     monkeypatch.setattr(module, "fit_again", lambda _problem, c, _base: c._replace(**no_better))
     found = Search(BASE, [BEST], [], BEST, 500.0, {}, [])
-    problem, search = judge_finalists(problems["effect"], problems["effect"], found, [], None, 5.0)
+    problem, search = judge_finalists(
+        problems["effect"], problems["effect"], found, [], None, DEMAND
+    )
     assert problem is problems[leads]
     assert search.best.model.ids == (BEST if leads == "effect" else BASE).model.ids
 
@@ -86,7 +90,7 @@ def test_a_model_is_at_its_best_with_the_measurement_of_another(
         module, "fit_again", lambda _problem, candidate, _base: candidate._replace(log_evidence=8.0)
     )
     found = Search(BASE, [BEST], [], BEST, 10.0, {}, [])
-    problem, search = judge_finalists(problems["base"], problems["base"], found, [], None, 5.0)
+    problem, search = judge_finalists(problems["base"], problems["base"], found, [], None, DEMAND)
     assert problem is problems["effect"]
     assert (search.best is search.base) is (leads == "base")
     gain = search.candidates[0].log_evidence - search.base.log_evidence
@@ -98,6 +102,36 @@ def test_the_best_sets_of_a_search_are_beside_its_base():
     other = stand_in(480.0, "gravity", form="free")
     assert list_best(SEARCH._replace(candidates=[BEST, other, THIRD])) == [BEST, THIRD]
     assert list_best(SEARCH._replace(best=BASE, candidates=[])) == []
+
+
+def test_a_set_is_held_against_the_best_form_of_what_it_adds_to():
+    """A third effect gained 14 nats beside a pair's first form, and 8 beside its best."""
+    triple = stand_in(519.0, "gravity", "inertia", "load_limit")
+    pair = stand_in(511.0, "gravity", "inertia", form="finer")
+    behind = stand_in(505.0, "gravity", "inertia")
+    others = [stand_in(510.0 + k, "gravity", "inertia", name) for k, name in enumerate("ab")]
+    search = SEARCH._replace(best=triple, candidates=[triple, *others, pair, behind, BEST])
+    assert list_best(search) == [triple, *others, pair]
+
+
+@pytest.mark.parametrize(("gain", "claimed"), [(7.9, False), (8.1, True)])
+def test_of_a_further_effect_more_is_demanded(gain, claimed):
+    base, one = stand_in(0.0), stand_in(100.0, "gravity")
+    pair = stand_in(100.0 + gain, "gravity", "inertia")
+    best = choose_simplest([base, one, pair], base.model.ids, DEMAND)
+    assert best is (pair if claimed else one)
+    other = stand_in(100.0 + gain, "load_limit", "inertia")
+    assert choose_simplest([base, one, other], base.model.ids, DEMAND) is (
+        other if claimed else one
+    )
+    first = stand_in(gain - 2.9, "gravity")
+    assert choose_simplest([base, first], base.model.ids, DEMAND) is (first if claimed else base)
+
+
+def test_effects_are_taken_back_one_by_one():
+    base, one, pair = stand_in(0.0), stand_in(4.0, "gravity"), stand_in(11.0, "gravity", "inertia")
+    assert choose_simplest([pair, base, one], base.model.ids, DEMAND) is base
+    assert choose_simplest([pair, base], base.model.ids, DEMAND) is pair
 
 
 def test_a_rival_of_another_form_competes_and_the_same_pieces_do_once():

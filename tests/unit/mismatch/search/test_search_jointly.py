@@ -10,7 +10,7 @@ from softfinger.mismatch.diagnose import Posed, search_jointly
 class Searched:
     """A survey that keeps what each search is worth."""
 
-    needed = 5.0
+    needed, demand = 5.0, None
     ranked = ([], [])
 
     def __init__(self, best):

@@ -1,0 +1,50 @@
+"""What effects must gain to be believed."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from softfinger.inference.problem import Candidate
+
+Ids = frozenset[str]
+
+
+class Demand(NamedTuple):
+    """Gain [nats] that a first and that a further effect must bring.
+
+    There are as many more pairs than effects as there are effects.
+    """
+
+    first: float
+    further: float
+
+
+def build_demand(needed: float, effects: int) -> Demand:
+    """Build it from what chance seldom gains.
+
+    Parameters
+    ----------
+    needed
+        Gain [nats] over the whole catalogue.
+    effects
+        How many effects are tried.
+
+    >>> round(build_demand(5.0, 20).further, 3)
+    7.996
+    """
+    return Demand(needed, needed + float(np.log(max(effects, 1))))
+
+
+def choose_simplest(candidates: list[Candidate], base: Ids, demand: Demand) -> Candidate:
+    """The best model, or one of fewer effects that is close.
+
+    As in the search, whichever effects they are: what more effects gain must be more than is
+    demanded of a first effect, or of a further one.
+    """
+    best = max(candidates, key=lambda c: c.log_evidence)
+    for simpler in sorted(candidates, key=lambda c: (-len(c.model.ids), -c.log_evidence)):
+        asked = demand.further if simpler.model.ids - base else demand.first
+        close = best.log_evidence - simpler.log_evidence <= asked
+        if close and len(simpler.model.ids) < len(best.model.ids):
+            best = simpler
+    return best
