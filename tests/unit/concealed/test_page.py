@@ -1,5 +1,7 @@
 """The page of the proof: every number that it shows is there, and nothing is shown that is not."""
 
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -8,6 +10,7 @@ from softfinger.concealed.score import score
 from softfinger.concealed.table import describe_answer, tabulate_cases, tabulate_measured
 from softfinger.report.concealed import Proof, render_proof
 from softfinger.report.concealed_protocols import build_conditions, build_protocols
+from softfinger.stages.score import _score_rivals
 from softfinger.summary.buried import average_residual
 
 
@@ -119,6 +122,20 @@ def test_the_page_shows_scores_digests_and_crashes(scored, repair):
     assert "Skipped: there are none." in page
     assert "25 %" in page  # chance
     assert "moment_arm 0.4" in page
+
+
+def test_rivals_may_be_asked_about_some_of_the_campaigns(scored, tmp_path):
+    asked = [NAMES[1], NAMES[0]]
+    for name, answer in zip(asked, (ANSWERS[1], ANSWERS[0]), strict=True):
+        said = {key: answer["verdict"] for key in ("loo", "bic")}
+        (tmp_path / f"{name}.json").write_text(json.dumps(said))
+    paths = [tmp_path / f"{name}.json" for name in asked]
+    rivals = _score_rivals(paths, NAMES, TRUTHS, LIMITS)
+    assert rivals["per-trial BIC"]["gain"].values.tolist() == [0.0, 50.0]
+    assert rivals["per-trial BIC"]["right"].values.all()
+    assert "on 2 of the campaigns" in _render(scored, rivals=rivals)
+    assert "on the same campaigns" in _render(scored)
+    assert "Beside it two ways" not in _render(scored, rivals=_score_rivals([], NAMES, TRUTHS, []))
 
 
 def test_what_the_oracle_could_not_name_either_is_told_apart(scored):
