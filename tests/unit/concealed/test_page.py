@@ -127,7 +127,7 @@ def test_the_page_shows_scores_digests_and_crashes(scored, repair):
 def test_rivals_may_be_asked_about_some_of_the_campaigns(scored, tmp_path):
     asked = [NAMES[1], NAMES[0]]
     for name, answer in zip(asked, (ANSWERS[1], ANSWERS[0]), strict=True):
-        said = {key: answer["verdict"] for key in ("loo", "bic")}
+        said = dict.fromkeys(("loo", "bic"), answer["verdict"])
         (tmp_path / f"{name}.json").write_text(json.dumps(said))
     paths = [tmp_path / f"{name}.json" for name in asked]
     rivals = _score_rivals(paths, NAMES, TRUTHS, LIMITS)
