@@ -26,7 +26,7 @@ from softfinger.mismatch.checks.hums import Hum, describe_hums, hear_hums, note_
 from softfinger.mismatch.config import MismatchSettings
 from softfinger.mismatch.experiment.masking import list_invisible, tabulate_masking
 from softfinger.mismatch.search.calibrate import FalseAlarms, calibrate_false_alarms
-from softfinger.mismatch.search.demand import Demand, build_demand
+from softfinger.mismatch.search.demand import Demand, build_demand, list_free
 from softfinger.mismatch.search.eliminate import fit_less
 from softfinger.mismatch.search.extend import Task
 from softfinger.mismatch.search.finalists import list_best
@@ -263,10 +263,10 @@ def _close(
     cut_short: bool,
 ) -> Diagnosis:
     """Examine what is left, weigh all sets, and conclude."""
-    needed = found.needed
+    needed, free = found.needed, list_free(found.catalogue[0])
     if search.best is not search.base:
         search = share_with_creep(problem, name_species(problem, search))
-    search = shape_rest(problem, settle_search(drop_lent(search)))
+    search = shape_rest(problem, settle_search(drop_lent(search), free))
     findings = examine(problem, search, angles, needed=needed)
     kept = drop_negligible(search, partial(fit_less, problem))
     if kept.best is not search.best and kept.best is not kept.base:
@@ -274,7 +274,7 @@ def _close(
     search = hold_against_shape(problem, kept)
     if search.best is not kept.best:
         findings = examine(problem, search, angles, needed=needed)
-    posterior = weigh_models(search.base, search.candidates)
+    posterior = weigh_models(search.base, search.candidates, free)
     masking = tabulate_masking(found.columns, problem, search.base)
     hidden, refused = set(list_invisible(masking, needed)), found.catalogue[1]
     verdict = conclude(problem, search, posterior, findings, angles, hidden, refused, needed)

@@ -10,8 +10,6 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from itertools import combinations
 
-import numpy as np
-
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.columns import Block, ScoreColumns, join_blocks
@@ -50,12 +48,6 @@ def rank_pairs(
         score for score, _ in _score(problem, origin, columns, join_pairs(problem, origin, columns))
     ]
     return _fit_best(problem, origin, scores, known, asked, progress)
-
-
-def score_best_pair(problem: Problem, origin: Candidate, columns: ScoreColumns) -> float:
-    """Largest linear gain [nats] of two effects; −∞ without two."""
-    pairs = join_pairs(problem, origin, columns)
-    return max((score_block(problem, origin, columns, pair) for pair in pairs), default=-np.inf)
 
 
 def rank_triples(

@@ -1,10 +1,13 @@
 """What effects must gain to be believed."""
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 
 from softfinger.inference.problem import Candidate
+from softfinger.mechanics.effects.model import Piece
+from softfinger.mismatch.decisions import DECISIONS
 
 Ids = frozenset[str]
 
@@ -48,3 +51,26 @@ def choose_simplest(candidates: list[Candidate], base: Ids, demand: Demand) -> C
         if close and len(simpler.model.ids) < len(best.model.ids):
             best = simpler
     return best
+
+
+def list_free(pieces: Iterable[Piece]) -> Ids:
+    """Effects that have a free law."""
+    return frozenset(piece.effect.id for piece in pieces if piece.form.is_free)
+
+
+def allow_form_error(ids: Ids, explained: float, free: Ids) -> float:
+    """Evidence [nats] that textbook forms of effects may leave.
+
+    None where each has a free law.
+
+    Parameters
+    ----------
+    explained
+        What the effects explain [nats].
+    free
+        Effects that have a free law.
+
+    >>> allow_form_error(frozenset({"inertia"}), 1000.0, frozenset({"actuator_lag"}))
+    5.0
+    """
+    return 0.0 if ids <= free else DECISIONS.form_error * max(explained, 0.0)

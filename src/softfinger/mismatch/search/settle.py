@@ -16,6 +16,7 @@ from scipy.stats import norm
 from softfinger.mismatch.candidates.rank import Candidate
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.priors import PRIORS
+from softfinger.mismatch.search.demand import allow_form_error
 from softfinger.mismatch.search.stepwise import Search
 
 Ids = frozenset[str]
@@ -59,10 +60,18 @@ class Posterior(NamedTuple):
         return self._replace(inclusion=inclusion)
 
 
-def weigh_models(base: Candidate, others: Iterable[Candidate]) -> Posterior:
+def weigh_models(
+    base: Candidate, others: Iterable[Candidate], free: Ids | None = None
+) -> Posterior:
     """Weigh the fitted models by evidence and prior.
 
-    The base model is one of them.
+    The base model is one of them. What the best set adds to the effects that it shares with another
+    may be the error of their textbook forms. It leads the other by no more than exceeds that error.
+
+    Parameters
+    ----------
+    free
+        Effects that have a free law; None where all have.
     """
     groups: dict[Ids, list[Candidate]] = {}
     for candidate in others:
@@ -73,6 +82,8 @@ def weigh_models(base: Candidate, others: Iterable[Candidate]) -> Posterior:
         evidence = np.array([member.log_evidence for member in members])
         share = np.logaddexp.reduce(evidence) - np.log(len(members))
         log_weight[ids] = share + np.log((1.0 - PRIORS.base) / len(groups))
+    if free is not None and groups:
+        log_weight |= _allow_for_forms(base, groups, log_weight, free)
     total = np.logaddexp.reduce(list(log_weight.values()))
     sets = {ids: float(np.exp(weight - total)) for ids, weight in log_weight.items()}
     sets = dict(sorted(sets.items(), key=lambda item: (-item[1], sorted(item[0]))))
@@ -83,7 +94,22 @@ def weigh_models(base: Candidate, others: Iterable[Candidate]) -> Posterior:
     return Posterior(sets, inclusion, best)
 
 
-def settle_search(search: Search) -> Search:
+def _allow_for_forms(
+    base: Candidate, groups: dict[Ids, list[Candidate]], weight: dict[Ids, float], free: Ids
+) -> dict[Ids, float]:
+    """Log weights of the best set's rivals, with what forms may err."""
+    top = max(groups, key=lambda ids: weight[ids])
+    allowed = {}
+    for ids in groups:
+        core = groups.get(ids & top, [])
+        if core and not ids <= top and not top <= ids:
+            explained = max(c.log_evidence for c in core) - base.log_evidence
+            error = allow_form_error(ids & top, explained, free)
+            allowed[ids] = min(weight[top], weight[ids] + error)
+    return allowed
+
+
+def settle_search(search: Search, free: Ids | None = None) -> Search:
     """Keep what the likely sets of effects share.
 
     They disagree about a slight rest.
@@ -92,7 +118,7 @@ def settle_search(search: Search) -> Search:
     pass the test of false alarms, as one in a hundred does by chance. If the base model is still
     the most probable, nothing counts as missing.
     """
-    posterior = weigh_models(search.base, search.candidates)
+    posterior = weigh_models(search.base, search.candidates, free)
     likely = posterior.equivalent
     if not likely[0]:
         return search._replace(best=search.base)

@@ -16,15 +16,14 @@ from softfinger.mismatch.candidates.other_forms import (
     list_finer,
     swap_forms,
 )
-from softfinger.mismatch.candidates.pairs import rank_pairs, score_best_pair
+from softfinger.mismatch.candidates.pairs import rank_pairs
 from softfinger.mismatch.candidates.rank import (
     Score,
     competing_nats,
     find_best,
-    reaching_nats,
 )
 from softfinger.mismatch.decisions import DECISIONS
-from softfinger.mismatch.search.demand import build_demand
+from softfinger.mismatch.search.demand import allow_form_error, build_demand, list_free
 from softfinger.mismatch.search.eliminate import choose_top, eliminate
 from softfinger.mismatch.search.extend import Task, extend, try_partners
 from softfinger.mismatch.search.finer import fit_finer
@@ -79,17 +78,14 @@ def search_effects(task: Task, needed: float, worth: float = 0.0) -> Search:
         effect gains far more and leaves what a spline finds, linear scores of pairs err: those of
         the leading effects are fitted whatever their score.
     worth
-        Gain [nats] that is worth reaching: nothing is added to a set below it, and nothing beyond
-        single effects is tried where no pair's score comes near.
+        Gain [nats] that is worth reaching: nothing is added to a pair below it.
     """
     problem, base = task.problem, task.base
     found, larger, shape, alone = list(task.singles), [], None, None
     first_gain = (best := choose_top(found, base)).log_evidence - base.log_evidence
-    single = Search(base, found, [], best, max(first_gain, 0.0), task.refused, task.scores)
     if first_gain <= needed:
-        return _seek_hidden(task, single._replace(best=base), max(needed, worth))
-    if first_gain < worth and _is_out_of_reach(task, worth):
-        return single
+        none = Search(base, found, [], base, max(first_gain, 0.0), task.refused, task.scores)
+        return _seek_hidden(task, none, max(needed, worth))
     for size in range(2, BUDGET.most_effects + 1):
         explained = best.log_evidence - base.log_evidence
         if len(best.model.ids - base.model.ids) == BUDGET.most_effects - 1:
@@ -122,12 +118,6 @@ def search_effects(task: Task, needed: float, worth: float = 0.0) -> Search:
         best = eliminate(problem, choose_top([top, *found], top), more, found)
     found.sort(key=lambda c: -c.log_evidence)
     return Search(base, found, larger, best, first_gain, task.refused, task.scores, shape, alone)
-
-
-def _is_out_of_reach(task: Task, worth: float) -> bool:
-    """Whether no pair's score comes near a gain [nats]."""
-    scored = score_best_pair(task.problem, task.base, task.columns)
-    return scored < worth - reaching_nats(worth)
 
 
 def _vary(task: Task, top: Candidate, rivals: list[Candidate], size: int) -> list[Candidate]:
@@ -179,10 +169,7 @@ def require_gain(needed: float, explained: float, pieces: list[Piece], best: Can
     an effect before has no free law, also more than the error that its textbook forms may have.
     """
     more = build_demand(needed, len({piece.effect.id for piece in pieces})).further
-    free = {piece.effect.id for piece in pieces if piece.form.is_free}
-    if best.model.ids <= free:
-        return more
-    return more + DECISIONS.form_error * max(explained, 0.0)
+    return more + allow_form_error(best.model.ids, explained, list_free(pieces))
 
 
 def shape_rest(problem: Problem, search: Search) -> Search:

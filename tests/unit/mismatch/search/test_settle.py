@@ -51,6 +51,17 @@ def test_strong_evidence_names_one_set_and_close_evidence_does_not():
     assert posterior.inclusion["b"] == posterior.inclusion["c"] < 0.5
 
 
+def test_a_lead_within_the_error_of_shared_textbook_forms_is_none():
+    base, shared = Candidate(model(), None, 0.0), Candidate(model("a"), None, 1000.0)
+    sets = [shared, Candidate(model("a", "b"), None, 1100.0)]
+    sets += [Candidate(model("a", "c"), None, 1096.0), Candidate(model("a", "d"), None, 1080.0)]
+    named = weigh_models(base, sets, frozenset("abcd"))
+    assert named.equivalent == [frozenset("ab")]
+    close = weigh_models(base, sets, frozenset("bcd"))
+    assert close.sets[frozenset("ab")] == pytest.approx(close.sets[frozenset("ac")])
+    assert set(close.equivalent) == {frozenset("ab"), frozenset("ac")}
+
+
 def test_threshold_and_p_value_of_chance_agree():
     gain = np.random.default_rng(4).exponential(2.0, 400)
     alarms = FalseAlarms(gain)

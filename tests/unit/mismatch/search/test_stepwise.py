@@ -106,7 +106,6 @@ def test_nothing_is_added_to_a_pair_far_behind_what_is_known(monkeypatch, worth,
     single, pair = candidate(100.0, "gravity"), candidate(150.0, "gravity", "inertia")
     added = []
     for name, answer in {
-        "_is_out_of_reach": False,
         "_enlarge": [pair],
         "_pair_up": ([], None),
         "_face_finer": single,
