@@ -198,7 +198,8 @@ def search_jointly(
             worth = max(known - BUDGET.reach_nats, 0.0)
             rivals = list_best(bare.search(plain, base, patience, worth))
     if search.best is not search.base or rivals:
-        problem, search = judge_finalists(plain, problem, search, rivals, right, found.demand)
+        asked = found.demand, found.catalogue[0]
+        problem, search = judge_finalists(plain, problem, search, rivals, right, *asked)
     return problem, found, search
 
 

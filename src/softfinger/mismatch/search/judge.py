@@ -22,11 +22,13 @@ from softfinger.inference.spreads import find_effect, is_spread
 from softfinger.inference.tails import weigh_tails
 from softfinger.measurement.measure import add_components, measure
 from softfinger.measurement.trials import prepare_trials
+from softfinger.mechanics.effects.model import Piece
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.rank import has_reached, reaching_nats
 from softfinger.mismatch.priors import PRIORS
 from softfinger.mismatch.search.demand import Demand, choose_simplest
 from softfinger.mismatch.search.finalists import list_finalists
+from softfinger.mismatch.search.finer import fit_finer
 from softfinger.mismatch.search.stepwise import Search
 
 
@@ -102,13 +104,15 @@ def judge_finalists(
     rivals: list[Candidate],
     angles: xr.Dataset,
     demand: Demand,
+    pieces: list[Piece],
 ) -> tuple[Problem, Search]:
     """Judge the leading sets of effects anew.
 
     Each has its own measurement.
 
     Frames count that are no outliers of the best model. A model leads only if what it has more than
-    a simpler one gains more than is demanded; the measurement is that of the model that leads.
+    a simpler one gains more than is demanded, also where the simpler one has finer laws; the
+    measurement is that of the model that leads.
 
     Parameters
     ----------
@@ -116,6 +120,8 @@ def judge_finalists(
         Without disturbances, and as the search had it.
     rivals
         Sets that a search without disturbances found.
+    pieces
+        The catalogue.
 
     Returns
     -------
@@ -149,7 +155,9 @@ def judge_finalists(
             if not _has_strange_spread(best.problem, other.candidate):
                 evidence = max(evidence, again.log_evidence)
             settled.append(again._replace(log_evidence=evidence))
-    return best.problem, _settle(search, settled, demand)
+    search = _settle(search, settled, demand)
+    finer = fit_finer(best.problem, search.best, search.candidates, pieces)
+    return best.problem, _settle(search, [search.base, *search.candidates, *finer], demand)
 
 
 def _has_strange_spread(problem: Problem, candidate: Candidate) -> bool:

@@ -38,7 +38,7 @@ def test_the_base_model_is_never_given_up_and_no_other_goes_on_far_behind(monkey
     monkeypatch.setattr(module, "judge", judge)
     monkeypatch.setattr(module, "measure_again", lambda problem, *_: problem)
     rival = stand_in(300.0, "wire_friction")
-    judge_finalists(plain, plain, SEARCH, [rival], None, DEMAND)
+    judge_finalists(plain, plain, SEARCH, [rival], None, DEMAND, [])
     assert list(asked) == [BASE.model.ids, BEST.model.ids, rival.model.ids, THIRD.model.ids]
     assert asked[BASE.model.ids] == -np.inf
     assert asked[BEST.model.ids] == -20.0  # behind the base model, the best so far
@@ -60,7 +60,7 @@ def test_the_measurement_is_that_of_the_model_that_leads(monkeypatch, gain, lead
     monkeypatch.setattr(module, "fit_again", lambda _problem, c, _base: c._replace(**no_better))
     found = Search(BASE, [BEST], [], BEST, 500.0, {}, [])
     problem, search = judge_finalists(
-        problems["effect"], problems["effect"], found, [], None, DEMAND
+        problems["effect"], problems["effect"], found, [], None, DEMAND, []
     )
     assert problem is problems[leads]
     assert search.best.model.ids == (BEST if leads == "effect" else BASE).model.ids
@@ -90,11 +90,32 @@ def test_a_model_is_at_its_best_with_the_measurement_of_another(
         module, "fit_again", lambda _problem, candidate, _base: candidate._replace(log_evidence=8.0)
     )
     found = Search(BASE, [BEST], [], BEST, 10.0, {}, [])
-    problem, search = judge_finalists(problems["base"], problems["base"], found, [], None, DEMAND)
+    problem, search = judge_finalists(
+        problems["base"], problems["base"], found, [], None, DEMAND, []
+    )
     assert problem is problems["effect"]
     assert (search.best is search.base) is (leads == "base")
     gain = search.candidates[0].log_evidence - search.base.log_evidence
     assert gain == pytest.approx(gained)
+
+
+def test_a_further_effect_is_held_against_finer_laws_with_the_measurement_of_its_own(monkeypatch):
+    """A moment arm beside a stop gained 37 nats of what a finer law of the stop gains."""
+    single, pair = stand_in(80.0, "contact_stop"), stand_in(100.0, "contact_stop", "moment_arm")
+    own, asked = pose({"drift": 1.0}), []
+
+    def fit_finer(problem, top, found, pieces):
+        asked.append((problem, top.model.ids, {c.model.ids for c in found}, pieces))
+        return [stand_in(95.0, "contact_stop", form="free_finer")]
+
+    monkeypatch.setattr(module, "judge", lambda _, c, *__: Judged(own, c, c.log_evidence))
+    monkeypatch.setattr(module, "measure_again", lambda problem, *_: problem)
+    monkeypatch.setattr(module, "fit_finer", fit_finer)
+    plain, found = pose(), Search(BASE, [pair, single], [], pair, 80.0, {}, [])
+    problem, search = judge_finalists(plain, plain, found, [], None, DEMAND, ["catalogue"])
+    assert problem is own
+    assert asked == [(own, pair.model.ids, {pair.model.ids, single.model.ids}, ["catalogue"])]
+    assert search.best.model.pieces[0].label == "contact_stop/free_finer"
 
 
 def test_the_best_sets_of_a_search_are_beside_its_base():

@@ -12,6 +12,7 @@ class Searched:
 
     needed, demand = 5.0, None
     ranked = ([], [])
+    catalogue = ([], {})
 
     def __init__(self, best):
         self.best, self.worth = SimpleNamespace(log_evidence=best), []
