@@ -47,7 +47,7 @@ class DiagnosisDecisions:
     It is of what effects explain, and may go to a further effect, whichever that is.
 
     Why: a curve known to 7 % leaves (7 %)² of χ²; a free law has no such error.
-    Tests: `test_rank.py::test_a_further_effect_must_bring_more_than_errors_of_textbook_forms`,
+    Test: `test_rank.py::test_a_further_effect_must_bring_more_than_errors_of_textbook_forms`,
     `test_settle.py::test_a_lead_within_the_error_of_shared_textbook_forms_is_none`.
     """
     shape_left: float = 0.25
