@@ -95,7 +95,10 @@ class Survey(NamedTuple):
     def search(
         self, problem: Problem, base: Candidate, progress: Progress, worth: float = 0.0
     ) -> Search:
-        """Search for effects that act together and gain what is worth it [nats]."""
+        """Search for effects that act together.
+
+        `worth` as in `search_effects`.
+        """
         found = *self.catalogue, self.columns, *self.ranked
         return search_effects(Task(problem, base, *found, progress), self.needed, worth)
 
