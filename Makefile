@@ -99,7 +99,7 @@ concealed-catalogue: setup ## every effect of the catalogue under every protocol
 
 concealed-clean: setup ## clean campaigns over every condition of the measurement, diagnosed blind (an hour or two; SEED=1)
 	$(PROOF) config/concealed_clean.yaml --config seed=$(SEED)
-	$(BIN)/python -m benchmarks._concealed results/concealed_clean/seed_$(SEED)/benchmarks.json clean_ measurement_
+	$(BIN)/python -m benchmarks._concealed results/concealed_clean/seed_$(SEED)/benchmarks.json clean_campaigns clean_conditions clean_false_ measurement_
 
 concealed-foreign: setup ## foreign laws only, diagnosed blind (hours; SEED=1)
 	$(PROOF) config/concealed_foreign.yaml --config seed=$(SEED)

@@ -11,10 +11,11 @@ from ruamel.yaml import YAML
 
 from softfinger.provenance import PROJECT
 
+CLEAN = "clean_campaigns", "clean_conditions", "clean_false_", "measurement_"
 PROOFS = {
-    "concealed": ("concealed_", "clean_", "nuisance_", "measurement_", "law_"),
-    "concealed_long": ("concealed_", "clean_", "nuisance_", "measurement_", "law_"),
-    "concealed_clean": ("clean_", "measurement_"),
+    "concealed": ("concealed_", "nuisance_", "law_", *CLEAN),
+    "concealed_long": ("concealed_", "nuisance_", "law_", *CLEAN),
+    "concealed_clean": CLEAN,
     "concealed_twins": ("nuisance_",),
     "concealed_foreign": ("law_",),
 }

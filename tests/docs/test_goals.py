@@ -33,6 +33,12 @@ def test_keys_of_proofs_are_those_of_the_newest_seed(tmp_path):
     assert _goals.read_proofs(tmp_path / "none") == {}
 
 
+def test_a_proof_leaves_the_figures_of_other_commands():
+    """The proof of clean campaigns took away what `benchmarks.outliers` measures."""
+    others = ["clean_with_outliers_adequate_share", "real_campaigns", "tracking_fps"]
+    assert [key for key in others for own in _goals.PROOFS.values() if key.startswith(own)] == []
+
+
 @pytest.mark.parametrize("name", sorted(one.name for one in iter_modules(benchmarks.__path__)))
 def test_every_benchmark_can_be_imported(name):
     """A module that another one moved from under its feet would end `make benchmark`."""
