@@ -99,11 +99,11 @@ concealed-catalogue: setup ## every effect of the catalogue under every protocol
 
 concealed-clean: setup ## clean campaigns over every condition of the measurement, diagnosed blind (an hour or two; SEED=1)
 	$(PROOF) config/concealed_clean.yaml --config seed=$(SEED)
-	$(BIN)/python -m benchmarks._concealed results/concealed_clean/seed_$(SEED)/benchmarks.json clean_campaigns clean_conditions clean_false_ measurement_
+	$(BIN)/python -m benchmarks._concealed results/concealed_clean/seed_$(SEED)/benchmarks.json
 
 concealed-foreign: setup ## foreign laws only, diagnosed blind (hours; SEED=1)
 	$(PROOF) config/concealed_foreign.yaml --config seed=$(SEED)
-	$(BIN)/python -m benchmarks._concealed results/concealed_foreign/seed_$(SEED)/benchmarks.json law_
+	$(BIN)/python -m benchmarks._concealed results/concealed_foreign/seed_$(SEED)/benchmarks.json
 
 loop: setup ## concealed effects in the loop, by our plans and by four others (hours; SEED=1, CASES=40)
 	$(BIN)/python -m benchmarks.loop --seed $(SEED) --cases $(or $(CASES),40)
@@ -114,7 +114,7 @@ concealed-long: setup ## the proof in full: 200 campaigns (hours; SEED=1)
 
 concealed-twins: setup ## the same effects without and with nuisances, diagnosed blind (an hour; SEED=1)
 	$(PROOF) config/concealed_twins.yaml --config seed=$(SEED)
-	$(BIN)/python -m benchmarks._concealed results/concealed_twins/seed_$(SEED)/benchmarks.json nuisance_
+	$(BIN)/python -m benchmarks._concealed results/concealed_twins/seed_$(SEED)/benchmarks.json
 
 lock: | $(UV) ## renew environment.lock from pyproject.toml
 	$(UV) pip compile pyproject.toml --group dev --universal --generate-hashes --upgrade --python-version 3.12 --no-header --quiet --output-file environment.lock
