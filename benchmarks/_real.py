@@ -20,7 +20,7 @@ from ruamel.yaml import YAML
 
 from benchmarks.__main__ import RESULTS, merge_figures
 from benchmarks._real_page import write_page
-from benchmarks._real_weigh import choose_strength
+from benchmarks._real_weigh import choose_strength, read_plain
 from softfinger.concealed.added import (
     Addition,
     accepts,
@@ -32,6 +32,7 @@ from softfinger.concealed.added import (
 )
 from softfinger.concealed.blind import diagnose_blind
 from softfinger.mechanics.effects import list_effects
+from softfinger.mechanics.effects.effect import Setting
 from softfinger.provenance import PROJECT, code_hash
 
 VISIBLE_NATS = 15.0
@@ -106,9 +107,10 @@ def list_cases(folders: list[Path], out: Path) -> Iterator[tuple[Path, Addition]
         except ValueError as error:
             print(f"{folder.name}: {error}", flush=True)
             continue
-        taken = {find_place(effect) for effect in plain["claims"]}
+        setting = read_plain(out / "diagnoses" / folder.name)[0].setting
+        taken = {find_place(effect, setting) for effect in plain["claims"]}
         every = draw_additions(folder.name, trials)
-        drawn = [a for a in every if find_place(a.effect) not in taken]
+        drawn = [a for a in every if find_place(a.effect, setting) not in taken]
         waiting.append((plain["cpu_seconds"], folder, drawn))
     waiting.sort(key=lambda entry: entry[0])
     for turn in range(max((len(drawn) for *_, drawn in waiting), default=0)):
@@ -117,10 +119,10 @@ def list_cases(folders: list[Path], out: Path) -> Iterator[tuple[Path, Addition]
                 yield folder, drawn[(turn + 3 * place) % len(drawn)]
 
 
-def find_place(effect: str) -> str:
-    """Name of the place that an effect may share with others; else its id."""
+def find_place(effect: str, setting: Setting) -> str:
+    """Name of the place that an effect shares with others there; else its id."""
     known = list_effects().get(effect)
-    return known.place or effect if known else effect
+    return known.find_place(setting) if known else effect
 
 
 def summarise(out: Path) -> dict[str, float]:

@@ -19,6 +19,7 @@ from softfinger.artifacts.specs.angles import SPEC as ANGLES
 from softfinger.concealed.added import Addition, Body, write_added
 from softfinger.concealed.added.apply import strengthen
 from softfinger.concealed.added.body import Scale
+from softfinger.concealed.kernel import RunawayError
 from softfinger.config import read_config
 from softfinger.faults import CampaignFault
 from softfinger.inference.mixed_effects_laplace import Fit
@@ -48,8 +49,7 @@ def choose_strength(
     -------
     addition, nats
     """
-    plain = open_artifact(known / "angles.nc", ANGLES)
-    problem, fit = pose_problem(plain, read_model_file(known / "model.yaml"), priors=False)
+    problem, fit = read_plain(known)
     share = np.random.default_rng([addition.seed, 2]).uniform()
     aim = LEAST_NATS * (MOST_NATS / LEAST_NATS) ** share
     chosen, best, nats = addition, addition, -np.inf
@@ -70,6 +70,12 @@ def choose_strength(
     return best, nats
 
 
+def read_plain(known: Path) -> tuple[Problem, Fit]:
+    """The plain recordings with the model that their diagnosis found."""
+    plain = open_artifact(known / "angles.nc", ANGLES)
+    return pose_problem(plain, read_model_file(known / "model.yaml"), priors=False)
+
+
 def _miss(nats: float, aim: float) -> float:
     return abs(float(np.log(max(nats, 1e-9) / aim)))
 
@@ -84,12 +90,12 @@ def weigh(
 ) -> float:
     """Evidence [nats] of an addition; −∞ where the campaign with it cannot be fitted."""
     problem, fit = known
-    write_added(folder, place, bodies, scale, addition)
     out = place.with_suffix(".out")
     out.mkdir()
     try:
+        write_added(folder, place, bodies, scale, addition)
         prepared = prepare_angles(place, out, read_config())
-    except CampaignFault:  # it moves farther than any finger
+    except (CampaignFault, RunawayError):  # it moves farther than any finger
         return -np.inf
     finally:
         shutil.rmtree(place)

@@ -1,6 +1,6 @@
 """Kinds of plausible mistakes: what each does to the tables of a campaign.
 
-A mistake is a function of a `Tables` and the trials that it concerns; it changes them in place.
+A mistake is a function of a `Sheets` and the trials that it concerns; it changes them in place.
 The lists name every mistake with the forms in which it is tried: all trials, half of them, one.
 """
 
@@ -17,7 +17,7 @@ from ruamel.yaml import YAML
 
 
 @dataclass
-class Tables:
+class Sheets:
     """A campaign of angles as tables in memory."""
 
     description: dict
@@ -31,13 +31,13 @@ class Tables:
         return [column for column in self.angles[0] if column.startswith("q")]
 
 
-Change = Callable[[Tables, Sequence[int]], None]
+Change = Callable[[Sheets, Sequence[int]], None]
 
 
-def read_tables(folder: Path) -> Tables:
+def read_tables(folder: Path) -> Sheets:
     """Read a campaign folder whose trials all have angles and a log."""
     trials = pd.read_csv(folder / "trials.csv", dtype=str)
-    return Tables(
+    return Sheets(
         YAML(typ="safe").load(folder / "campaign.yaml"),
         trials,
         [pd.read_csv(folder / name) for name in trials["angles"]],
@@ -45,7 +45,7 @@ def read_tables(folder: Path) -> Tables:
     )
 
 
-def write_tables(tables: Tables, folder: Path) -> None:
+def write_tables(tables: Sheets, folder: Path) -> None:
     """Write a campaign folder."""
     shutil.rmtree(folder, ignore_errors=True)
     for name in ("angles", "load"):
@@ -62,7 +62,7 @@ def write_tables(tables: Tables, folder: Path) -> None:
 def scale_column(kind: str, column: str, factor: float) -> Change:
     """Multiply a column; `q` stands for every joint."""
 
-    def change(tables: Tables, chosen: Sequence[int]) -> None:
+    def change(tables: Sheets, chosen: Sequence[int]) -> None:
         for k in chosen:
             table = getattr(tables, kind)[k]
             for name in table.columns:
@@ -75,7 +75,7 @@ def scale_column(kind: str, column: str, factor: float) -> Change:
 def scale_key(section: str | None, key: str, factor: float) -> Change:
     """Multiply a number of campaign.yaml."""
 
-    def change(tables: Tables, chosen: Sequence[int]) -> None:
+    def change(tables: Sheets, chosen: Sequence[int]) -> None:
         del chosen
         part = tables.description if section is None else tables.description[section]
         value = part.get(key, 0.003)
@@ -87,7 +87,7 @@ def scale_key(section: str | None, key: str, factor: float) -> Change:
 def edit_angles(edit: Callable[[pd.DataFrame, list[str]], pd.DataFrame]) -> Change:
     """Replace the table of angles by what a function makes of it."""
 
-    def change(tables: Tables, chosen: Sequence[int]) -> None:
+    def change(tables: Sheets, chosen: Sequence[int]) -> None:
         for k in chosen:
             tables.angles[k] = edit(tables.angles[k].copy(), tables.joints)
 
@@ -97,7 +97,7 @@ def edit_angles(edit: Callable[[pd.DataFrame, list[str]], pd.DataFrame]) -> Chan
 def edit_load(edit: Callable[[pd.DataFrame], pd.DataFrame]) -> Change:
     """Replace the load log by what a function makes of it."""
 
-    def change(tables: Tables, chosen: Sequence[int]) -> None:
+    def change(tables: Sheets, chosen: Sequence[int]) -> None:
         for k in chosen:
             tables.loads[k] = edit(tables.loads[k].copy())
 
@@ -231,7 +231,7 @@ def _repeat_block(table: pd.DataFrame, joints: list[str]) -> pd.DataFrame:
     return table
 
 
-def _paste_block(tables: Tables, chosen: Sequence[int]) -> None:
+def _paste_block(tables: Sheets, chosen: Sequence[int]) -> None:
     for k in chosen:
         own, joints = tables.angles[k], tables.joints
         other = tables.angles[(k + 1) % len(tables.angles)]
@@ -253,7 +253,7 @@ def _shift(table: pd.DataFrame, by: float) -> pd.DataFrame:
 
 
 def _copy_trial(shift: float, offset: float = 0.0, part: float = 1.0) -> Change:
-    def change(tables: Tables, chosen: Sequence[int]) -> None:
+    def change(tables: Sheets, chosen: Sequence[int]) -> None:
         for k in chosen:
             source = (k + 1) % len(tables.angles)
             table = tables.angles[source].iloc[: int(part * len(tables.angles[source]))].copy()
@@ -264,7 +264,7 @@ def _copy_trial(shift: float, offset: float = 0.0, part: float = 1.0) -> Change:
     return change
 
 
-def _copy_path(tables: Tables, chosen: Sequence[int]) -> None:
+def _copy_path(tables: Sheets, chosen: Sequence[int]) -> None:
     for k in chosen:
         other = tables.trials.loc[(k + 1) % len(tables.trials), "angles"]
         tables.trials.loc[k, "angles"] = other
@@ -279,19 +279,19 @@ def _turn_kind(factor: float, column: str) -> Change:
     return edit_load(edit)
 
 
-def _forget_log(tables: Tables, chosen: Sequence[int]) -> None:
+def _forget_log(tables: Sheets, chosen: Sequence[int]) -> None:
     tables.trials.loc[list(chosen), "load"] = ""
 
 
 def _set_cells(column: str, value: Callable[[str], str]) -> Change:
-    def change(tables: Tables, chosen: Sequence[int]) -> None:
+    def change(tables: Sheets, chosen: Sequence[int]) -> None:
         for k in chosen:
             tables.trials.loc[k, column] = value(tables.trials.loc[k, column])
 
     return change
 
 
-def _equal_starts(tables: Tables, chosen: Sequence[int]) -> None:
+def _equal_starts(tables: Sheets, chosen: Sequence[int]) -> None:
     tables.trials.loc[list(chosen), "started_at"] = tables.trials.loc[0, "started_at"]
     tables.trials.loc[0, "started_at"] = tables.trials.loc[list(chosen)[-1], "started_at"]
 
@@ -417,9 +417,9 @@ def choose(form: str, count: int) -> list[int]:
     return {ALL: range(count), HALF: range(1, count, 2), ONE: range(2, 3)}[form]  # type: ignore[return-value]
 
 
-def make_mistake(tables: Tables, name: str, form: str) -> Tables:
+def make_mistake(tables: Sheets, name: str, form: str) -> Sheets:
     """A copy of a campaign with one mistake in it."""
-    spoiled = Tables(
+    spoiled = Sheets(
         YAML(typ="safe").load(_dump(tables.description)),
         tables.trials.copy(),
         [table.copy() for table in tables.angles],

@@ -78,6 +78,18 @@ def test_a_body_follows_creep_on_many_time_scales_and_gross_errors_hardly_count(
     assert (ladder.compliance > 0).all()
 
 
+def test_an_effect_can_be_added_to_a_body_that_only_flows():
+    load = Load(np.array([1.0, 1.0]), np.array([0.0, 10.0]))
+    time = np.arange(0.0, 20.0, 0.1)
+    trial, motion = describe(0, 1, load, 20.0), 0.02 + 0.03 * np.maximum(time - 1.0, 0.0)
+    own, ladder = fit_body(time, motion, load)
+    moved = simulate_trial(
+        own, {"inertia": Dose(1.0, {}, (0,))}, trial, RIG, time, beside=tuple(ladder)
+    )
+    assert own[0, 0] <= np.log(100.0)
+    assert np.isfinite(moved).all()
+
+
 def test_an_added_lag_is_where_the_load_changes_and_nowhere_else(folder, tmp_path):
     bodies, scale = read_bodies(folder)
     addition = Addition("actuator_lag", Dose(0.3, {}, (0,)), 1)

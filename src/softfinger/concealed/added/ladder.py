@@ -19,6 +19,7 @@ SPACING = 4.0  # between the delays of neighbouring elements
 RIGID = np.log(1e12)
 ROUNDS = 6
 LEAST_SHARE = 0.1  # of the largest element's compliance that the own delay keeps
+LEAST_PART = 1e-6  # of the largest part of the motion that an element must have
 SETTLED = 0.3  # longest delay, as a share of the trial, of an element that settles
 
 
@@ -50,7 +51,7 @@ def fit_ladder(
     -------
     own, ladder
         The Voigt element of the three is the largest one that settles, where its delay alone has
-        next to nothing left. As they were where there is none.
+        next to nothing left. As they were where there is none: the motion is all flow.
     """
     delay = float(np.exp(own[1, 0] - own[0, 0]))
     gap = np.diff(np.unique(time))
@@ -67,9 +68,10 @@ def fit_ladder(
     low = np.append(np.zeros(len(columns) - 1), -np.inf)
     weight = np.ones(time.size)
     for _ in range(ROUNDS):
-        found = lsq_linear(design / size * weight[:, None], motion * weight, (low, np.inf)).x / size
-        weight = (1.0 + ((motion - design @ found) / close) ** 2) ** -0.25
-    *steps, flow, rest = found
+        part = lsq_linear(design / size * weight[:, None], motion * weight, (low, np.inf)).x
+        weight = (1.0 + ((motion - design @ (part / size)) / close) ** 2) ** -0.25
+    part[:-1] *= part[:-1] >= LEAST_PART * np.abs(part).max()  # a bound is reached nearly
+    *steps, flow, rest = part / size
     steps, delays = np.array(steps), np.array([delay, *delays])
     settled = np.where(delays < SETTLED * gap.sum(), steps, 0.0)
     main = 0 if steps[0] >= LEAST_SHARE * settled.max() else int(settled.argmax())
