@@ -107,7 +107,7 @@ def list_cases(folders: list[Path], out: Path) -> Iterator[tuple[Path, Addition]
         except ValueError as error:
             print(f"{folder.name}: {error}", flush=True)
             continue
-        setting = read_plain(out / "diagnoses" / folder.name)[0].setting
+        setting = read_plain(out / "diagnoses" / folder.name).problem.setting
         taken = {find_place(effect, setting) for effect in plain["claims"]}
         every = draw_additions(folder.name, trials)
         drawn = [a for a in every if find_place(a.effect, setting) not in taken]

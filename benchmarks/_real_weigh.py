@@ -2,14 +2,16 @@
 
 An oracle would take the addition off again, and have the recordings as they were. So the effect's
 evidence is what the model that a diagnosis found for the plain recordings loses when it is fitted
-to those with the effect: log Z(plain) − log Z(added), with the noise of the plain recordings.
+to those with the effect, log Z(plain) − log Z(added), with the measurement of the plain recordings.
+No model fits real recordings: what it leaves may lie with the addition or against it. So the mean
+counts of what the change costs when it is added and when it is taken off.
 """
 
 from __future__ import annotations
 
-import shutil
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -21,16 +23,50 @@ from softfinger.concealed.added.apply import strengthen
 from softfinger.concealed.added.body import Scale
 from softfinger.concealed.kernel import RunawayError
 from softfinger.config import read_config
-from softfinger.faults import CampaignFault
+from softfinger.faults import CampaignFault, Fault
+from softfinger.inference.disturbed import admit_known
 from softfinger.inference.mixed_effects_laplace import Fit
 from softfinger.inference.problem import Problem, pose_problem
+from softfinger.measurement.mend import mend_recordings
 from softfinger.measurement.trials import prepare_trials
+from softfinger.mechanics.effects.measurement_file import MeasurementEntry
 from softfinger.mechanics.effects.model_file import read_model_file
 from softfinger.stages.prepare import prepare_angles
 
 LEAST_NATS, MOST_NATS = 25.0, 2500.0
 TRIES = 5
+STEPS = 200  # a model with many disturbances comes to rest slowly
 CLOSE = 2.0  # factor about the aim
+
+
+class Plain(NamedTuple):
+    """Recordings as they are, with the model and the measurement that their diagnosis found.
+
+    Attributes
+    ----------
+    problem
+        Without the disturbances of the measurement.
+    fit
+        With them.
+    evidence
+        [nats] With them.
+    """
+
+    problem: Problem
+    fit: Fit
+    evidence: float
+    measurement: MeasurementEntry
+
+
+def read_plain(known: Path) -> Plain:
+    """Read what a diagnosis left in its folder."""
+    content = read_model_file(known / "model.yaml")
+    angles = open_artifact(known / "angles.nc", ANGLES)
+    problem, fit = pose_problem(angles, content, priors=False)
+    found = fit
+    for _ in range(2):  # the second time with directions in which they move the model that is found
+        softer, found = _fit_softer(problem, found, content.measurement)
+    return Plain(problem, found, _measure(softer, found), content.measurement)
 
 
 def choose_strength(
@@ -49,12 +85,12 @@ def choose_strength(
     -------
     addition, nats
     """
-    problem, fit = read_plain(known)
+    plain = read_plain(known)
     share = np.random.default_rng([addition.seed, 2]).uniform()
     aim = LEAST_NATS * (MOST_NATS / LEAST_NATS) ** share
     chosen, best, nats = addition, addition, -np.inf
     for number in range(TRIES):
-        found = weigh(folder, bodies, scale, chosen, (problem, fit), place / f"try_{number}")
+        found = weigh(folder, bodies, scale, chosen, plain, place / f"try_{number}")
         if number == 0 or _miss(found, aim) < _miss(nats, aim):
             best, nats = chosen, found
         if aim / CLOSE < found < aim * CLOSE:
@@ -70,12 +106,6 @@ def choose_strength(
     return best, nats
 
 
-def read_plain(known: Path) -> tuple[Problem, Fit]:
-    """The plain recordings with the model that their diagnosis found."""
-    plain = open_artifact(known / "angles.nc", ANGLES)
-    return pose_problem(plain, read_model_file(known / "model.yaml"), priors=False)
-
-
 def _miss(nats: float, aim: float) -> float:
     return abs(float(np.log(max(nats, 1e-9) / aim)))
 
@@ -85,26 +115,42 @@ def weigh(
     bodies: list[Body],
     scale: Scale,
     addition: Addition,
-    known: tuple[Problem, Fit],
+    plain: Plain,
     place: Path,
 ) -> float:
-    """Evidence [nats] of an addition; −∞ where the campaign with it cannot be fitted."""
-    problem, fit = known
-    out = place.with_suffix(".out")
-    out.mkdir()
-    try:
-        write_added(folder, place, bodies, scale, addition)
-        prepared = prepare_angles(place, out, read_config())
-    except (CampaignFault, RunawayError):  # it moves farther than any finger
-        return -np.inf
-    finally:
-        shutil.rmtree(place)
-    angles = open_artifact(prepared, ANGLES)
-    again = pose_again(problem, angles)
+    """Evidence [nats] of an addition; −∞ where a campaign with it cannot be fitted."""
+    lost = []
+    for times in (1.0, -1.0):
+        out = place.with_name(f"{place.name}_{times:+.0f}")
+        out.mkdir()
+        try:
+            write_added(folder, out / "campaign", bodies, scale, addition, times)
+            prepared = prepare_angles(out / "campaign", out, read_config())
+        except (CampaignFault, RunawayError):  # it moves farther than any finger
+            return -np.inf
+        right = mend_recordings(open_artifact(prepared, ANGLES), plain.measurement)
+        lost.append(_weigh_change(plain, right))
+    return sum(lost) / len(lost)
+
+
+def _weigh_change(plain: Plain, angles: xr.Dataset) -> float:
+    """What a model's evidence loses with other angles [nats]; −∞ where it cannot be fitted."""
+    again = pose_again(plain.problem, angles)
     if again is None:
         return -np.inf
-    other = again.fit(problem.base, (fit.own, fit.shared, fit.omega), steps=60)
-    return -np.inf if other is None else _measure(problem, fit) - _measure(again, other)
+    try:
+        return plain.evidence - _measure(*_fit_softer(again, plain.fit, plain.measurement))
+    except (Fault, np.linalg.LinAlgError):  # far from any fit that has numbers
+        return -np.inf
+
+
+def _fit_softer(problem: Problem, fit: Fit, known: MeasurementEntry) -> tuple[Problem, Fit]:
+    """Fit a model with the disturbances that move it where it was fitted before."""
+    softer, fit = admit_known(problem, fit, known.disturbances)
+    again = softer.fit(softer.base, (fit.own, fit.shared, fit.omega), steps=STEPS)
+    if again is None:
+        raise Fault("the model cannot be fitted; the recordings move too far")
+    return softer, again
 
 
 def pose_again(problem: Problem, angles: xr.Dataset) -> Problem | None:
@@ -120,4 +166,5 @@ def pose_again(problem: Problem, angles: xr.Dataset) -> Problem | None:
 
 
 def _measure(problem: Problem, fit: Fit) -> float:
-    return fit.log_evidence - 0.5 * float(problem.trials.logdet.sum())
+    trials = problem.trials
+    return fit.log_evidence + float(trials.tails.sum() - 0.5 * trials.logdet.sum())

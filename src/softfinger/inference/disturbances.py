@@ -63,7 +63,7 @@ def list_disturbances(
 
     Id → (trial, joint, bin · 2, column) [rad].
 
-    A load that was only assumed has no log that errs.
+    A load that was only assumed has no log that errs. Left out is what has no number.
     """
     speed = _measure_speed(problem, candidate)
     time = problem.trials.node.reshape(len(speed), 1, -1)
@@ -82,7 +82,9 @@ def list_disturbances(
         made["clock_rate"] = lambda: (speed * time)[..., None]
         made["noisy_load"] = lambda: _move_rows(problem, candidate)
         made["load_drift"] = lambda: _drift_load(problem, candidate)
-    return {name: make() for name, make in made.items() if only is None or name in only}
+    listed = {name: make() for name, make in made.items() if only is None or name in only}
+    # at the edge of what it can be simulated with, a model has no motion under a log that errs
+    return {name: columns for name, columns in listed.items() if np.isfinite(columns).all()}
 
 
 def find_kind(name: str) -> str | None:
@@ -111,9 +113,7 @@ def fit_disturbances(
     """
     fit = candidate.fit
     angle, slope = problem.simulate(candidate.model, fit.own, fit.shared)
-    listed = list_disturbances(problem, candidate) | list_spreads(candidate, slope)
-    # at the edge of what it can be simulated with, a model has no motion under a log that errs
-    directions = {name: d for name, d in listed.items() if np.isfinite(d).all()}
+    directions = list_disturbances(problem, candidate) | list_spreads(candidate, slope)
     known = slope.shape[3]
     whole = reduce_trials(
         problem.trials, angle, np.concatenate([slope, *directions.values()], axis=3)

@@ -11,7 +11,7 @@ from softfinger.measurement.decisions import DECISIONS
 Array = NDArray[np.float64]
 
 
-def find_usual_excess_array(excess: Array, since: Array) -> Array:
+def find_usual_excess_array(excess: Array, since: Array, shortest: float = np.inf) -> Array:
     """Find the usual excess of the frames alike to each.
 
     It is the median of the others, at least 1; infinite where too few are alike. A frame's own
@@ -23,13 +23,15 @@ def find_usual_excess_array(excess: Array, since: Array) -> Array:
     excess, since
         (trial, frame): what a frame adds to χ² over its due, NaN where unused; its time [s] since
         the last change.
+    shortest
+        [s] Frames that soon after a change are alike, or within a thousandth of the usual time.
 
     >>> find_usual_excess_array(np.array([[4.0, 9.0, 4.0, 1.0, 2.0, 3.0]]), np.ones((1, 6)))
     array([[2.5, 2. , 3. , 4. , 4. , 4. ]])
     """
     trial, frame = np.nonzero(np.isfinite(excess))
     value, time = excess[trial, frame], since[trial, frame]
-    floor = np.median(time) * 1e-3
+    floor = min(np.median(time) * 1e-3, shortest)
     place = np.floor(DECISIONS.alike_per_decade * np.log10(np.maximum(time, floor) / floor))
     usual = np.full(len(value), np.inf)
     for group in np.unique(place):

@@ -60,6 +60,7 @@ def find_outliers(
     used, present = frames["used"].values, frames["present"].values
     time = angles["time"].transpose("trial", "frame").values
     interval = float(frames["frame_interval"])
+    shortest = min(np.diff(t[u]).min(initial=interval) for t, u in zip(time, used, strict=True))
     found = np.zeros(used.shape)
     passed = np.zeros((2, *residual.shape)) if passed is None else np.nan_to_num(passed)
     freedom = np.maximum(present.sum(axis=1), 1)[:, None]
@@ -85,7 +86,7 @@ def find_outliers(
             else:
                 sizes = measure_distance_array(rows, gap, *_read(noise, here), low, high)
             distance[trial, some], judged[trial, some] = sizes
-        usual = find_usual_excess_array(distance / chi2.median(freedom), since)
+        usual = find_usual_excess_array(distance / chi2.median(freedom), since, shortest)
         far = usual * chi2.isf(DECISIONS.good_lost, freedom)
         standing = (judged > far) & _find_peaks(judged)
         found = np.where(standing, judged, found)

@@ -117,6 +117,31 @@ def test_a_delay_shifts_the_clock_and_leaves_the_motion(folder, tmp_path):
     np.testing.assert_allclose(after["motion"], before["motion"], atol=1e-8)
 
 
+def test_rounded_readings_are_rounded_again_and_others_are_not(folder, tmp_path):
+    rounded = read(folder, 2)
+    rounded["motion"] = (rounded["motion"] / 0.02).round() * 0.02
+    rounded.to_csv(folder / "angles/t2.csv", index=False, float_format="%.9f")
+    bodies, scale = read_bodies(folder)
+    addition = Addition("actuator_lag", Dose(0.3, {}, (0,)), 1)
+    write_added(folder, tmp_path / "added", bodies, scale, addition)
+    for number, largest in ((2, 1e-6), (1, 0.5)):
+        step = read(tmp_path / "added", number)["motion"].dropna() / 0.02
+        assert np.abs(step - step.round()).max() <= largest
+    assert np.abs(step - step.round()).max() > 0.1
+
+
+def test_what_is_taken_off_is_what_is_added(folder, tmp_path):
+    bodies, scale = read_bodies(folder)
+    for effect, column in (("actuator_lag", "motion"), ("camera_delay", "time_s")):
+        addition, change = Addition(effect, Dose(0.1, {}, (0,)), 1), []
+        for times in (1.0, -1.0):
+            place = tmp_path / f"{effect}{times}"
+            write_added(folder, place, bodies, scale, addition, times)
+            change.append(read(place, 2)[column] - read(folder, 2)[column])
+        assert np.nanmax(np.abs(change[0])) > 0.01
+        np.testing.assert_allclose(change[0], -change[1], atol=1e-6)
+
+
 def test_a_temperature_becomes_a_covariate(folder, tmp_path):
     bodies, scale = read_bodies(folder)
     addition = Addition("temperature", Dose(0.05, {"stiffness": 1.0}, (0,)), 1)

@@ -23,6 +23,14 @@ def test_frames_sooner_and_later_compare_where_few_are_alike():
     assert (usual[3:6] < excess[0, 1:4]).all()
 
 
+def test_the_first_frames_of_a_long_trial_are_not_compared_with_later_ones():
+    """Frames each second of hours, and each tenth of the first: a misfit that rings is no error."""
+    since = np.concatenate([np.arange(0.0, 3.0, 0.1), np.arange(3.0, 9000.0, 1.0)])[None]
+    excess = np.where(since < 0.5, 100.0, 1.0)
+    assert (find_usual_excess_array(excess, since)[0, :5] == 1.0).all()
+    assert np.isinf(find_usual_excess_array(excess, since, 0.1)[0, :2]).all()
+
+
 def test_a_gross_error_is_not_compared_with_what_it_raises():
     """A single trial: beside the error are the frames that are most alike."""
     excess = np.array([[1.0, 1.0, 40.0, 100.0, 40.0, 1.0, 1.0]])

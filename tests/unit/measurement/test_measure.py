@@ -113,6 +113,20 @@ def test_what_every_trial_does_after_a_change_of_load_is_no_outlier(drawn):
     assert found["used"].all()
 
 
+def test_what_a_long_trial_does_in_its_first_frames_is_no_outlier(make_campaign):
+    """A single trial, at first ten frames a second: no later frame is as soon after the load."""
+    time = np.concatenate([np.arange(0.0, 4.0, 0.1), np.arange(4.0, 60000.0, 30.0)])
+    rng, load = np.random.default_rng(20), ([0.0, 60000.0], [0.04, 0.04])
+    angles = make_campaign(rng, 1, time=time, load=load, rho=0.0)[0]
+    motion = make_campaign(rng, 1, time=time, load=load, rho=0.0, sd=1e-12)[0]
+    rings = 0.1 * np.exp(-time / 0.3) * np.cos(time / 0.1)
+    still = motion["joint_angle"].values
+    missed = still + rings + 0.003 * rng.standard_normal(still.shape)
+    angles = angles.assign(joint_angle=(angles["joint_angle"].dims, missed))
+    found = measure(angles, motion["joint_angle"].values)
+    assert found["used"].values[0, :10].all()
+
+
 def test_frames_whose_times_jitter_are_no_outliers(drawn):
     """Frames on their way after a step are off by many sds, and are where the motion passes."""
     angles, motion = drawn(sd=0.0003)

@@ -6,7 +6,8 @@ the effect does to a body that is fitted to each trial, by the proof's own equat
     q'(t) = q(t) + [q_effect(t; η) − q_plain(t; η)],
 
 η the three elements and the ladder of others that follow the trial. Where the effect is a shift of
-the clock, the time stamps are shifted and the angles stay as they are.
+the clock, the time stamps are shifted and the angles stay as they are. Readings that were rounded
+to a step are rounded to it again.
 """
 
 import hashlib
@@ -24,6 +25,8 @@ from softfinger.concealed.forward import simulate_trial
 from softfinger.concealed.registry import EFFECTS
 
 REFERENCE_C, SPREAD_K = 22.0, 6.0
+BLOCK = 100  # readings in which a step is sought: an instrument may change its range
+OFF_STEP = 1e-3  # of a step, by which its multiples err that a table has with few decimals
 ADDED = (
     *("second_retardation", "fractional_creep", "strain_stiffening", "actuator_lag"),
     *("fatigue_softening", "temperature", "contact_stop", "yield_threshold"),
@@ -67,7 +70,12 @@ def strengthen(addition: Addition, strength: float) -> Addition:
 
 
 def write_added(
-    source: Path, target: Path, bodies: list[Body], scale: Scale, addition: Addition
+    source: Path,
+    target: Path,
+    bodies: list[Body],
+    scale: Scale,
+    addition: Addition,
+    times: float = 1.0,
 ) -> None:
     """Write a campaign with an effect added.
 
@@ -77,17 +85,18 @@ def write_added(
         The campaign folder, and the one that is made; `raw` stays behind.
     bodies, scale
         As `read_bodies` gives them.
+    times
+        How often the change is added; −1 takes it off recordings that never had it.
     """
     shutil.copytree(source, target, ignore=shutil.ignore_patterns("raw", "*.md", "expected.yaml"))
     luck = draw_circumstances(bodies, addition)
     for body, trial in zip(bodies, luck, strict=True):
-        time, motion = add(body, trial, addition)
+        time, motion = add(body, trial, addition, times)
         table = pd.read_csv(target / body.path, skipinitialspace=True, dtype=str)
         table["time_s"] = [f"{value:.10g}" for value in time * scale.time]
-        table[body.column] = [
-            f"{value:.10g}" if np.isfinite(value) else ""
-            for value in motion * scale.motion + scale.rest
-        ]
+        before = table[body.column].to_numpy(float)
+        after = round_alike(motion * scale.motion + scale.rest, before)
+        table[body.column] = [f"{value:.10g}" if np.isfinite(value) else "" for value in after]
         table.to_csv(target / body.path, index=False)
     if EFFECTS[addition.effect].covariate == "temperature_c":
         trials = pd.read_csv(target / "trials.csv", dtype=str)
@@ -110,7 +119,9 @@ def draw_circumstances(bodies: list[Body], addition: Addition) -> list[Circumsta
     ]
 
 
-def add(body: Body, trial: Circumstances, addition: Addition) -> tuple[Array, Array]:
+def add(
+    body: Body, trial: Circumstances, addition: Addition, times: float = 1.0
+) -> tuple[Array, Array]:
     """Time and motion of a trial with the effect.
 
     A frame that repeats the one before still does.
@@ -118,7 +129,8 @@ def add(body: Body, trial: Circumstances, addition: Addition) -> tuple[Array, Ar
     doses = {addition.effect: addition.dose}
     clock = EFFECTS[addition.effect].clock
     if clock is not None:
-        return 2.0 * body.time - clock(body.time, addition.dose, trial), body.motion
+        shift = body.time - clock(body.time, addition.dose, trial)
+        return body.time + times * shift, body.motion
     taken = body.time[find_first(body.motion)]
     order = np.argsort(taken, kind="stable")
     moved, plain = (
@@ -128,8 +140,42 @@ def add(body: Body, trial: Circumstances, addition: Addition) -> tuple[Array, Ar
         for some in (doses, {})
     )
     motion = body.motion.copy()
-    motion[order] += moved - plain
+    motion[order] += times * (moved - plain)
     return body.time, motion
+
+
+def round_alike(value: Array, reading: Array) -> Array:
+    """Round values (row,) to the steps of readings (row,); NaN where a reading is.
+
+    >>> round_alike(np.array([0.12, 0.68, 1.1]), np.array([0.0, 0.5, 1.5]))
+    array([0. , 0.5, 1. ])
+    >>> round_alike(np.array([0.12, 0.68, 1.1]), np.array([0.0, 0.5, 1.7]))
+    array([0.12, 0.68, 1.1 ])
+    """
+    blocks = [slice(start, start + BLOCK) for start in range(0, value.size, BLOCK)]
+    steps = [find_step(reading[block]) for block in blocks]
+    known = [step for step in steps if step is not None]
+    rounded = value.copy()
+    for block, step in zip(blocks, steps, strict=True):
+        step = np.median(known) if step is None and known else step
+        if step:
+            rounded[block] = np.round(value[block] / step) * step
+    return rounded
+
+
+def find_step(reading: Array) -> float | None:
+    """Step to which readings are rounded; 0 without, None where all are equal.
+
+    >>> find_step(np.array([0.5, 2.0, 2.0, 1.0])), find_step(np.array([0.5, 2.0, 2.2, 1.0]))
+    (0.5, 0.0)
+    """
+    seen = reading[np.isfinite(reading)]
+    gap = np.diff(np.unique(seen))
+    gap = gap[gap > 1e-9 * np.abs(seen).max(initial=0.0)]
+    if gap.size == 0:
+        return None
+    off = np.abs(seen / gap.min() - np.round(seen / gap.min()))
+    return float(gap.min()) if off.max() < OFF_STEP else 0.0
 
 
 def find_first(motion: Array) -> Array:

@@ -3,6 +3,7 @@
 import math
 
 from softfinger.compiled import compiled
+from softfinger.mechanics.effects.creep_spectrum import CREEP
 from softfinger.mechanics.effects.effect import Effect, Form, Parameter, Setting, Values, positive
 from softfinger.mechanics.effects.load_response import RESPONSE, build_response
 from softfinger.mechanics.forward.advance import delay_jump
@@ -145,6 +146,7 @@ EFFECT = Effect(
     "the load that acts lags the logged one",
     "within_trial",
     _build_forms,
+    place_of_one=CREEP,
     hooks=(
         Hook("follow", follow_log, ("lag",)),
         Hook("rest", set_pace, ("lag",)),

@@ -273,6 +273,9 @@ class Effect:
     place_in_time
         The same under one load in each trial: there its law is a course in time, as is that of any
         effect of that place.
+    place_of_one
+        The same where there is but one joint besides: a response that all joints share is no other
+        than that joint's own.
     """
 
     id: str
@@ -284,10 +287,13 @@ class Effect:
     of_motion: bool = False
     place: str = ""
     place_in_time: str = ""
+    place_of_one: str = ""
 
     def find_place(self, setting: Setting) -> str:
         """The place that it shares with others; else its id."""
-        return self.place or (not setting.levels and self.place_in_time) or self.id
+        if self.place or setting.levels:
+            return self.place or self.id
+        return self.place_in_time or (setting.joints == 1 and self.place_of_one) or self.id
 
     def list_forms(self, setting: Setting) -> list[Form] | str:
         """Forms that a campaign allows, or why none."""

@@ -250,3 +250,16 @@ def test_a_free_response_of_the_load_needs_loads_and_joints(levels, joints):
 def test_a_hook_that_effects_share_is_called_once():
     hooks = [hook for effect in list_effects().values() for hook in effect.hooks]
     assert len(find_hooks(hooks, {"spectrum"})) == 1
+
+
+@pytest.mark.parametrize(
+    ("levels", "joints", "shared"),
+    [(False, 1, True), (False, 3, False), (True, 1, False), (True, 3, False)],
+)
+def test_the_response_of_one_joint_to_one_load_is_in_the_place_of_creep(levels, joints, shared):
+    setting = build_setting(levels=levels, joints=joints)
+    known = list_effects()
+    places = {
+        name: known[name].find_place(setting) for name in ("actuator_lag", "second_retardation")
+    }
+    assert (len(set(places.values())) == 1) == shared
