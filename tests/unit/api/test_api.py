@@ -12,7 +12,7 @@ from softfinger.provenance import PROJECT
 SIGNATURES = {
     "Effect": "id sentence level build_forms part hooks of_motion place place_in_time place_of_one",
     "Fault": "said",
-    "Form": "name parameters slots covariate local law kin finer lent",
+    "Form": "name parameters slots covariate local law kin finer lent linear",
     "Law": "name argument reach size terms per kind smooth",
     "Parameter": "name mean sd per log low high amplitude floor starts report term",
     "Results": "folder",

@@ -10,6 +10,7 @@ from softfinger.mechanics.forward.slots import (
     build_tangent,
     check_slots,
     find_moved_slots,
+    stack_tangents,
 )
 
 
@@ -38,7 +39,8 @@ def test_tangents_are_zero_where_nothing_is_given():
 
 def find_kinds(slots, tangents):
     hooks = [hook for effect in list_effects().values() for hook in effect.hooks]
-    return [hook.kind for hook in find_hooks(hooks, find_moved_slots(slots, tangents))]
+    moved = find_moved_slots(slots, stack_tangents(slots, tangents))
+    return [hook.kind for hook in find_hooks(hooks, moved)]
 
 
 def test_physics_is_on_where_a_value_or_a_direction_says_so():
@@ -80,4 +82,4 @@ def test_what_is_no_slot_is_refused(build, values, sentence):
 )
 def test_values_that_no_finger_has_are_refused(values, sentence):
     with pytest.raises(Fault, match=sentence):
-        check_slots(build_slots(5, 3, values))
+        check_slots(build_slots(5, 3, values), values)

@@ -96,4 +96,4 @@ def build_spectrum(setting: Setting, *, own_time: bool = False) -> Form:
         return {"spectrum": stacked @ hats, "spectrum_own_time": float(own_time), **reach}
 
     name = f"{FREE}_in_own_time" if own_time else FREE
-    return Form(name, heights, spectrum, kin=CREEP)
+    return Form(name, heights, spectrum, kin=CREEP, linear=True)

@@ -226,6 +226,8 @@ class Form:
         The same law with more terms, which a further effect has to beat.
     lent
         Whether the law is another effect's: where the form's own amplitudes vanish, it is that one.
+    linear
+        Whether the slots are linear in the law's terms, by slopes that depend on nothing else.
     """
 
     name: str
@@ -237,6 +239,7 @@ class Form:
     kin: str = ""
     finer: "Form | None" = None
     lent: bool = False
+    linear: bool = False
 
     @property
     def is_free(self) -> bool:

@@ -52,7 +52,7 @@ def _build_free_form(target: str, setting: Setting, *, alike: bool) -> Form:
         drift = np.atleast_2d(law.evaluate(values, setting.number)).T
         return dict.fromkeys(TARGETS[target], drift)
 
-    return Form(f"{name}_{target}", law.parameters, slots, law=law)
+    return Form(f"{name}_{target}", law.parameters, slots, law=law, linear=True)
 
 
 def _build_forms(setting: Setting) -> list[Form] | str:

@@ -12,7 +12,7 @@ The terms are parameters like any other, so fit, evidence and prediction know no
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 from typing import Literal
 
 import numpy as np
@@ -78,7 +78,7 @@ class Law:
             if is_there:
                 raise Fault(f"law {self.name!r} of {self.argument!r}: its {fault}")
 
-    @property
+    @cached_property
     def parameters(self) -> tuple[Parameter, ...]:
         """One parameter for each term."""
         sizes = [float(self.size / k**self.smooth) for k in range(1, self.terms + 1)]
@@ -172,7 +172,8 @@ def free_form(
             return {**rest, **constants, law.name: law.fill(values)}
 
         parameters = (*known, *law.parameters)
-        return Form(name, parameters, slots, local=local, law=law, finer=finer, lent=lent)
+        kinds = {"local": local, "lent": lent, "linear": True}
+        return Form(name, parameters, slots, law=law, finer=finer, **kinds)
 
     finer = build(f"{name}_finer", replace(law, terms=MOST_TERMS, smooth=1), None)
     return build(name, law, finer)

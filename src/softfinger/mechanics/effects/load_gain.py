@@ -25,7 +25,7 @@ def _build_forms(setting: Setting) -> list[Form] | str:
     def free(values: Values) -> dict:
         return scale(law.evaluate(values, setting.number))
 
-    return [Form("linear", (gain,), linear), Form(FREE, law.parameters, free, law=law)]
+    return [Form("linear", (gain,), linear), Form(FREE, law.parameters, free, law=law, linear=True)]
 
 
 EFFECT = Effect(

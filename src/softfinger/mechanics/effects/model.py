@@ -222,17 +222,30 @@ class EffectModel:
         """Differentiate slots by φ, or `only` some, centrally."""
         tangents = []
         for k in range(len(shared)) if only is None else only:
-            number, step = self.entries[k].piece, DIFFERENCE * self.entries[k].parameter.sd
-            up, down = shared.copy(), shared.copy()
-            up[k], down[k] = shared[k] + step, shared[k] - step
-            up, down = self._fill_piece(number, up), self._fill_piece(number, down)
-            slope = {
-                name: (np.asarray(up[name]) - down[name]) / (2.0 * step)
-                for name in up
-                if not SLOTS[name].constant
-            }
-            tangents.append(build_tangent(self.setting.trials, self.setting.joints, slope))
+            entry, tangent = self.entries[k], self._constant_tangents.get(k)
+            if tangent is None:
+                tangent = self._differentiate(k, shared)
+            if entry.parameter.term and self.pieces[entry.piece].form.linear:
+                self._constant_tangents[k] = tangent
+            tangents.append(tangent)
         return tangents
+
+    def _differentiate(self, k: int, shared: NDArray[np.float64]) -> SlotArrays:
+        number, step = self.entries[k].piece, DIFFERENCE * self.entries[k].parameter.sd
+        up, down = shared.copy(), shared.copy()
+        up[k], down[k] = shared[k] + step, shared[k] - step
+        up, down = self._fill_piece(number, up), self._fill_piece(number, down)
+        slope = {
+            name: (np.asarray(up[name]) - down[name]) / (2.0 * step)
+            for name in up
+            if not SLOTS[name].constant
+        }
+        return build_tangent(self.setting.trials, self.setting.joints, slope)
+
+    @cached_property
+    def _constant_tangents(self) -> dict[int, SlotArrays]:
+        """Tangents by numbers of φ in which the slots are linear, as they become known."""
+        return {}
 
     def _fill_piece(self, number: int, shared: NDArray[np.float64]) -> dict[str, NDArray]:
         """Slots of one piece, null in joints without it."""
@@ -255,15 +268,26 @@ class EffectModel:
         }
 
     def _physical(self, piece: int, shared: NDArray[np.float64]) -> dict[str, NDArray]:
+        blank, mine = self._layouts[piece]
+        values = {name: np.full(shape, fill) for name, (shape, fill) in blank.items()}
+        for k, name, place, is_log in mine:
+            values[name][place] = np.exp(shared[k]) if is_log else shared[k]
+        return values
+
+    @cached_property
+    def _layouts(self) -> list[tuple[dict, list]]:
+        """Of each piece, parameters' shapes and fillings, and its numbers' places in φ."""
         joints = self.setting.joints
         pairs = (joints, joints)
         empty = {"chain": (), "joint": (joints,), "pair": pairs, "neighbours": pairs}
-        values = {}
-        for parameter in self.pieces[piece].form.parameters:
-            fill = 0.0 if parameter.amplitude else np.exp(parameter.mean * parameter.log)
-            values[parameter.name] = np.full(empty[parameter.per], fill)
-        for entry, value in zip(self.entries, shared, strict=True):
-            if entry.piece == piece:
-                physical = np.exp(value) if entry.parameter.log else value
-                values[entry.parameter.name][entry.place] = physical
-        return values
+        layouts: list[tuple[dict, list]] = []
+        for piece in self.pieces:
+            blank = {}
+            for p in piece.form.parameters:
+                fill = 0.0 if p.amplitude else float(np.exp(p.mean * p.log))
+                blank[p.name] = empty[p.per], fill
+            layouts.append((blank, []))
+        for k, entry in enumerate(self.entries):
+            name, is_log = entry.parameter.name, entry.parameter.log
+            layouts[entry.piece][1].append((k, name, entry.place, is_log))
+        return layouts

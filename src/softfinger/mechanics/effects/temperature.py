@@ -42,7 +42,8 @@ def _build_free_form(name: str, target: str, setting: Setting) -> Form:
         shift = law.evaluate(values, covariate - covariate.min())
         return dict.fromkeys(TARGETS[target], shift[:, None] * np.ones(setting.joints))
 
-    return Form(f"{FREE}_{target}_with_{name}", law.parameters, slots, covariate=name, law=law)
+    more = {"covariate": name, "law": law, "linear": True}
+    return Form(f"{FREE}_{target}_with_{name}", law.parameters, slots, **more)
 
 
 def _build_forms(setting: Setting) -> list[Form] | str:

@@ -27,6 +27,7 @@ from softfinger.mechanics.forward.slots import (
     build_tangent,
     check_slots,
     find_moved_slots,
+    stack_tangents,
 )
 from softfinger.mechanics.forward.trials import run_trials
 from softfinger.mechanics.geometry import FingerGeometry
@@ -214,8 +215,9 @@ def simulate_joint_angle_array(
             f"the parameters have {joints} joints and the finger {finger.moment.size}: "
             "they must have the same number"
         )
-    check_slots(slots)
-    moved = find_moved_slots(slots, tangents)
+    changes = stack_tangents(slots, tangents)
+    moved = find_moved_slots(slots, changes)
+    check_slots(slots, sorted(moved))
     on = find_hooks((hook for effect in list_effects().values() for hook in effect.hooks), moved)
     _check_finger(finger, moved)
     rows = [np.asarray(a, float) for a in (time, load_time, load_torque)]
@@ -224,8 +226,7 @@ def simulate_joint_angle_array(
         rows[1:] = drop_idle_knots(*rows[1:])
     joint = slots.joint.copy()
     joint[..., :4] += parameters
-    values, none = (joint, *slots[1:]), [np.zeros((0, *s.shape)) for s in slots]
-    changes = [np.stack(parts) for parts in zip(*tangents, strict=True)] or none
+    values = joint, *slots[1:]
 
     closed = _choose_closed_form(route, moved)
     sizes = [np.array(field, float, order="C") for field in finger[1:]]

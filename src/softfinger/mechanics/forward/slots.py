@@ -5,7 +5,8 @@ They are physics that may be left out, as numbers.
 An effect declares its slots in its own file (`slot.declare`); those of the base joint come first.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -81,10 +82,22 @@ def build_tangent(trials: int, joints: int, values: Mapping[str, ArrayLike]) -> 
 def _gather_nulls() -> list[NDArray[np.float64]]:
     """Null values (slot,) of each kind, plug-ins' included."""
     list_effects()
+    return _gather_nulls_of(tuple(SLOTS))
+
+
+@cache
+def _gather_nulls_of(names: tuple[str, ...]) -> list[NDArray[np.float64]]:
+    slots = [SLOTS[name] for name in names]
     return [
-        np.array([slot.null for slot in SLOTS.values() if slot.kind == kind])
-        for kind in SlotArrays._fields
+        np.array([slot.null for slot in slots if slot.kind == kind]) for kind in SlotArrays._fields
     ]
+
+
+def stack_tangents(slots: SlotArrays, tangents: Sequence[SlotArrays]) -> SlotArrays:
+    """Stack tangents (direction, …), which may be none."""
+    if not tangents:
+        return SlotArrays(*(np.zeros((0, *part.shape)) for part in slots))
+    return SlotArrays(*(np.stack(parts) for parts in zip(*tangents, strict=True)))
 
 
 def _fill(
@@ -114,12 +127,10 @@ def _fill(
     return slots
 
 
-def find_moved_slots(slots: SlotArrays, tangents: Sequence[SlotArrays]) -> set[str]:
-    """Names of slots not null, or moved."""
+def find_moved_slots(slots: SlotArrays, tangents: SlotArrays) -> set[str]:
+    """Names of slots not null, or moved along a direction of `stack_tangents`."""
     nulls = _gather_nulls()
-    on = _find_moved(slots, nulls)
-    for tangent in tangents:
-        on |= _find_moved(tangent, [0.0 * null for null in nulls])
+    on = _find_moved(slots, nulls) | _find_moved(tangents, [0.0 * null for null in nulls])
     names = [name for kind in SlotArrays._fields for name in list_slots(kind)]
     return {name for name, is_on in zip(names, on, strict=True) if is_on}
 
@@ -135,9 +146,10 @@ def _find_moved(slots: SlotArrays, nulls: Sequence[NDArray[np.float64]]) -> NDAr
     return np.concatenate([m.reshape(-1, m.shape[-1]).any(axis=0) for m in moved])
 
 
-def check_slots(slots: SlotArrays) -> None:
-    """Refuse, by `Fault`, slots that no finger has."""
-    for name, slot in SLOTS.items():
+def check_slots(slots: SlotArrays, names: Iterable[str]) -> None:
+    """Refuse, by `Fault`, slots that no finger has; those of these names."""
+    for name in names:
+        slot = SLOTS[name]
         value = slots.pick(slot)
         if slot.sign == "positive":
             require_positive(f"slot {name}", value, slot.unit)

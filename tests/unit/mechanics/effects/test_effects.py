@@ -6,6 +6,7 @@ from softfinger.mechanics import effects
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.effect import Setting
 from softfinger.mechanics.effects.model import EffectModel, Piece
+from softfinger.mechanics.effects.places import list_places
 from softfinger.mechanics.forward.hooks import find_hooks
 from softfinger.mechanics.forward.simulate import (
     describe_finger,
@@ -263,3 +264,31 @@ def test_the_response_of_one_joint_to_one_load_is_in_the_place_of_creep(levels, 
         name: known[name].find_place(setting) for name in ("actuator_lag", "second_retardation")
     }
     assert (len(set(places.values())) == 1) == shared
+
+
+def list_linear_forms():
+    found = [
+        (effect, part)
+        for effect, form in list_forms(build_setting())
+        for part in (form, form.finer)
+    ]
+    return [(effect, part) for effect, part in found if part is not None and part.linear]
+
+
+def test_slots_of_linear_forms_have_the_same_slopes_everywhere():
+    """Their tangents are kept, so they may depend on nothing."""
+    found = list_linear_forms()
+    assert len({effect.id for effect, _ in found}) > 10
+    for effect, form in found:
+        setting = build_setting()
+        piece = Piece(effect, form, list_places(form.parameters, setting))
+        slopes = []
+        for seed in (1, 2):
+            model = EffectModel(setting, (piece,))
+            mean, sd = model.shared_prior
+            shared = mean + sd * np.abs(np.random.default_rng(seed).normal(size=len(sd)))
+            terms = np.flatnonzero([entry.parameter.term for entry in model.entries])
+            slopes.append(model.fill_tangents(shared.clip(model.low, model.high), terms))
+        for one, other in zip(*slopes, strict=True):
+            for part, again in zip(one, other, strict=True):
+                np.testing.assert_allclose(part, again, rtol=1e-6, atol=1e-6, err_msg=form.name)
