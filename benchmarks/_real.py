@@ -14,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 from ruamel.yaml import YAML
@@ -97,7 +98,8 @@ def list_cases(folders: list[Path], out: Path) -> Iterator[tuple[Path, Addition]
     """Additions that are new to their recordings, quick campaigns first and in turn.
 
     What the verdict on the plain recordings has already could not be gained, nor an effect of the
-    same place: one free law is both.
+    same place: one free law is both. Nor could what the recordings cannot show, whatever they are,
+    as one trial under one load shows no law of the motion: the verdict has it under `not_tried`.
     """
     waiting = []
     for folder in folders:
@@ -110,13 +112,23 @@ def list_cases(folders: list[Path], out: Path) -> Iterator[tuple[Path, Addition]
         setting = read_plain(out / "diagnoses" / folder.name).problem.setting
         taken = {find_place(effect, setting) for effect in plain["claims"]}
         every = draw_additions(folder.name, trials)
-        drawn = [a for a in every if find_place(a.effect, setting) not in taken]
+        drawn = [
+            a
+            for a in every
+            if find_place(a.effect, setting) not in taken and can_show(a.effect, setting)
+        ]
         waiting.append((plain["cpu_seconds"], folder, drawn))
     waiting.sort(key=lambda entry: entry[0])
     for turn in range(max((len(drawn) for *_, drawn in waiting), default=0)):
         for place, (_, folder, drawn) in enumerate(waiting):
             if turn < len(drawn):  # each campaign begins with another effect
                 yield folder, drawn[(turn + 3 * place) % len(drawn)]
+
+
+def can_show(effect: str, setting: Setting) -> bool:
+    """Whether such recordings show an effect; with it comes the covariate that it depends on."""
+    warm = replace(setting, covariates={"temperature_c": setting.number})
+    return not isinstance(list_effects()[effect].list_forms(warm), str)
 
 
 def find_place(effect: str, setting: Setting) -> str:

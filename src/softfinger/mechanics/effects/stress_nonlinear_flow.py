@@ -75,7 +75,9 @@ def _shear(b: float, torque: float) -> tuple[float, float, float]:
     return sheared, steep, (torque * steep - sheared) / b
 
 
-def _build_forms(setting: Setting) -> list[Form]:
+def _build_forms(setting: Setting) -> list[Form] | str:
+    if setting.one_course:
+        return "one trial under one load cannot separate a law of the load from another viscosity"
     square = positive("inverse_scale_torque_squared_per_nm2", (2 / setting.torque) ** 2)
     bend = replace(
         square,

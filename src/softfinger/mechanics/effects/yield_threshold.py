@@ -87,7 +87,9 @@ def _build_form(kind: str, setting: Setting) -> Form:
     return Form(kind, (threshold,), slots, local=True)
 
 
-def _build_forms(setting: Setting) -> list[Form]:
+def _build_forms(setting: Setting) -> list[Form] | str:
+    if setting.one_course:
+        return "one trial under one load cannot separate a law of the load from another viscosity"
     excess, whole = (_build_form(kind, setting) for kind in ("excess", "whole_torque"))
     reach = 1.2 * float(setting.largest_torque.max())
     law = Law("flow_law", "torque_nm", reach, 1.0, terms=5, kind="exponential")

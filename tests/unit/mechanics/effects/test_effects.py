@@ -292,3 +292,11 @@ def test_slots_of_linear_forms_have_the_same_slopes_everywhere():
         for one, other in zip(*slopes, strict=True):
             for part, again in zip(one, other, strict=True):
                 np.testing.assert_allclose(part, again, rtol=1e-6, atol=1e-6, err_msg=form.name)
+
+
+@pytest.mark.parametrize("name", ["stress_nonlinear_flow", "yield_threshold"])
+def test_a_law_of_the_load_needs_more_than_one_load(name):
+    effect = list_effects()[name]
+    assert "another viscosity" in effect.list_forms(build_setting(trials=1, levels=False))
+    for several in ({"trials": 4, "levels": False}, {"trials": 1, "levels": True}):
+        assert not isinstance(effect.list_forms(build_setting(**several)), str)
