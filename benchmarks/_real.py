@@ -21,7 +21,7 @@ from ruamel.yaml import YAML
 
 from benchmarks.__main__ import RESULTS, merge_figures
 from benchmarks._real_page import write_page
-from benchmarks._real_weigh import choose_strength, read_plain
+from benchmarks._real_weigh import choose_strength, measure_lead, read_plain
 from softfinger.concealed.added import (
     Addition,
     accepts,
@@ -84,8 +84,9 @@ def answer_added(folder: Path, addition: Addition, out: Path) -> None:
         answered = diagnose_blind(
             Path(place) / "added", out / "diagnoses" / name, PATIENCE_S, threads=THREADS
         )
-    gained = claims(answered["verdict"]) - known
-    found |= answered | {"right": addition.effect in gained}
+    right = addition.effect in claims(answered["verdict"]) - known
+    places = (out / "diagnoses" / each for each in (folder.name, name))
+    found |= answered | {"right": right, "lead": None if right else measure_lead(*places)}
     _write(found, out / f"{name}.json")
 
 
@@ -152,7 +153,10 @@ def summarise(out: Path) -> dict[str, float]:
         figures["real_seconds_most"] = max(one["seconds"] for one in plain)
         figures["real_cpu_seconds_most"] = max(one["cpu_seconds"] for one in plain)
     if added:
-        figures["real_added_named_share"] = sum(one["right"] for one in added) / len(added)
+        right = sum(one["right"] for one in added)
+        figures["real_added_named_share"] = right / len(added)
+        missed = sum(not one["right"] and one["lead"] >= VISIBLE_NATS for one in added)
+        figures["real_added_named_share_of_nameable"] = right / max(right + missed, 1)
     write_page(plain, [one for one in found if one["added"] is not None], figures, out)
     (out / "figures.json").write_text(json.dumps(figures, indent=2, sort_keys=True) + "\n")
     return figures

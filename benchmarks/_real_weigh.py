@@ -69,6 +69,17 @@ def read_plain(known: Path) -> Plain:
     return Plain(problem, found, _measure(softer, found), content.measurement)
 
 
+def measure_lead(known: Path, found: Path) -> float:
+    """What the addition's removal explains beyond an answer [nats].
+
+    Parameters
+    ----------
+    known, found
+        Folders of the diagnoses without and with the addition: evidence is that of their models.
+    """
+    return read_plain(known).evidence - read_plain(found).evidence
+
+
 def choose_strength(
     folder: Path, bodies: list[Body], scale: Scale, addition: Addition, known: Path, place: Path
 ) -> tuple[Addition, float]:
