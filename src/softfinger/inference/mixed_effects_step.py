@@ -31,7 +31,7 @@ from softfinger.inference.mixed_effects_quadratic import (
     settle,
 )
 
-TINY = np.finfo(float).tiny  # no division by nothing
+TINY = float(np.finfo(float).tiny)  # no division by nothing; Python's own overflows quietly
 Linearise = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 
 

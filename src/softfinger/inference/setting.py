@@ -4,8 +4,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from softfinger.campaign.load_log import STEP_WITHIN_FRAME_INTERVALS
 from softfinger.inference.decisions import DECISIONS
+from softfinger.measurement.step_time import find_step_gaps_array
 from softfinger.measurement.trials import Trials
 from softfinger.mechanics.effects.effect import Setting
 from softfinger.mechanics.geometry import FingerGeometry
@@ -91,10 +91,8 @@ def _has_levels(load: NDArray, torque: float) -> bool:
 
 def find_step_gap(trials: Trials) -> float:
     """Widest gap [s] in a step, or 0."""
-    gap = np.diff(trials.load_time, axis=1)
-    jump = (gap == 0.0) & (np.diff(trials.load_torque, axis=1) != 0.0)
-    stated = gap[:, :-1][jump[:, 1:]]
-    return float(stated[stated <= STEP_WITHIN_FRAME_INTERVALS * trials.interval].max(initial=0.0))
+    load = trials.load_time, trials.load_torque
+    return float(find_step_gaps_array(*load, trials.interval).max(initial=0.0))
 
 
 def find_first_seen(time: NDArray, trials: Trials) -> float:

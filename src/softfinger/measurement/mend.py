@@ -9,12 +9,17 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from softfinger.measurement.frames import compute_frame_interval_array
 from softfinger.measurement.steady import steady_log
+from softfinger.measurement.step_time import advance_steps_array
 from softfinger.mechanics.effects.measurement_file import HumEntry, MeasurementEntry
+
+MENDED = frozenset({"step_time"})
+"""Components of what was set right that are no disturbance of the noise."""
 
 
 def mend_recordings(angles: xr.Dataset, known: MeasurementEntry) -> xr.Dataset:
-    """Steady the log, set the clock and take hums off.
+    """Steady the log, place its steps, set the clock and take hums off.
 
     Parameters
     ----------
@@ -26,9 +31,12 @@ def mend_recordings(angles: xr.Dataset, known: MeasurementEntry) -> xr.Dataset:
     Returns
     -------
     Dataset
-        As `angles`, with time multiplied by 1 + rate, plateaus of the load at their mean, and
-        each hum a cos ωt + b sin ωt taken off, t being the time that was set right.
+        As `angles`, with time multiplied by 1 + rate, plateaus of the load at their mean, steps
+        sooner by a share of their gaps, and each hum a cos ωt + b sin ωt taken off, t being the
+        time that was set right.
     """
+    if known.steps_early:
+        angles = _advance_steps(angles, known.steps_early)
     if known.steady_load:
         angles = steady_log(angles)[0]
     if known.clock_rate:
@@ -38,6 +46,16 @@ def mend_recordings(angles: xr.Dataset, known: MeasurementEntry) -> xr.Dataset:
         moved = sum(_move_hum(angles, hum) for hum in known.hums)
         angles = angles.assign(joint_angle=angle - moved)
     return angles
+
+
+def _advance_steps(angles: xr.Dataset, share: float) -> xr.Dataset:
+    time = angles["time"].transpose("trial", "frame").values
+    knots, torque = (
+        angles[name].transpose("trial", "knot") for name in ("load_time", "load_torque")
+    )
+    interval = compute_frame_interval_array(time, np.isfinite(time))
+    sooner = advance_steps_array(knots.values, torque.values, share, interval)
+    return angles.assign(load_time=(knots.dims, sooner))
 
 
 def _move_hum(angles: xr.Dataset, hum: HumEntry) -> NDArray[np.float64]:

@@ -119,6 +119,13 @@ WORDS = {
     "clock_offset": Words(
         "sd_s", lambda s, _: f"Camera and load log are apart by {1e3 * s:.2g} ms, trial by trial."
     ),
+    "step_time": Words(
+        "sd_s",
+        lambda s, _: (
+            f"Steps of the load come {1e3 * s:.2g} ms before the rows of the log that state them."
+        ),
+        "clock_offset",
+    ),
     "clock_rate": Words(
         "relative_sd",
         lambda s, _: f"The clocks of camera and load log differ by {100 * s:.2g} % in rate.",

@@ -8,36 +8,39 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from softfinger.inference.disturbances import CLOCKS, DRIFTS, find_kind, fit_disturbances
+from softfinger.inference.disturbances import find_kind
 from softfinger.inference.problem import Candidate, Problem, pose_problem
 from softfinger.inference.tails import list_freedom
-from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.measure import add_components
 from softfinger.measurement.mend import mend_recordings
-from softfinger.measurement.steady import steady_log
 from softfinger.mechanics.effects.measurement_file import MeasurementEntry
-from softfinger.mechanics.effects.model import Piece
 from softfinger.mechanics.effects.model_file import ModelFile
 from softfinger.mismatch.budget import BUDGET
-from softfinger.mismatch.candidates.columns import ScoreColumns, collect_columns
-from softfinger.mismatch.candidates.rank import Progress, Score, list_pieces, rank_pieces
+from softfinger.mismatch.candidates.columns import collect_columns
+from softfinger.mismatch.candidates.rank import Progress, list_pieces, rank_pieces
 from softfinger.mismatch.checks.findings import Findings, examine
-from softfinger.mismatch.checks.hums import Hum, describe_hums, hear_hums, note_hums
+from softfinger.mismatch.checks.hums import hear_hums, note_hums
 from softfinger.mismatch.config import MismatchSettings
 from softfinger.mismatch.experiment.masking import list_invisible, tabulate_masking
+from softfinger.mismatch.posed import (
+    Posed,
+    Survey,
+    add_hums,
+    mend_clock,
+    mend_hums,
+    mend_log,
+    mend_steps,
+)
 from softfinger.mismatch.search.calibrate import FalseAlarms, calibrate_false_alarms
-from softfinger.mismatch.search.demand import Demand, build_demand, list_free
+from softfinger.mismatch.search.demand import list_free
 from softfinger.mismatch.search.eliminate import fit_less
-from softfinger.mismatch.search.extend import Task
 from softfinger.mismatch.search.finalists import list_best
 from softfinger.mismatch.search.judge import (
     compare_levels,
-    find_leader,
     judge_finalists,
     needs_disturbance,
     settle_measurement,
 )
-from softfinger.mismatch.search.log_and_clock import find_clock_rate, weigh_log
 from softfinger.mismatch.search.one_load import share_with_creep
 from softfinger.mismatch.search.patience import Patience
 from softfinger.mismatch.search.settle import (
@@ -51,7 +54,6 @@ from softfinger.mismatch.search.species import name_species
 from softfinger.mismatch.search.stepwise import (
     Search,
     hold_against_shape,
-    search_effects,
     shape_rest,
 )
 from softfinger.mismatch.verdict.conclude import conclude
@@ -76,49 +78,6 @@ class Diagnosis(NamedTuple):
     cut_short: bool
     angles: xr.Dataset
     mended: MeasurementEntry
-
-
-class Survey(NamedTuple):
-    """The catalogue alone: columns, chance, need, ranking."""
-
-    catalogue: tuple[list[Piece], dict[str, str]]
-    columns: ScoreColumns
-    alarms: FalseAlarms
-    needed: float
-    ranked: tuple[list[Candidate], list[Score]]
-
-    @property
-    def demand(self) -> Demand:
-        """What a first and a further effect must gain [nats]."""
-        return build_demand(self.needed, len({piece.effect.id for piece in self.catalogue[0]}))
-
-    def search(
-        self, problem: Problem, base: Candidate, progress: Progress, worth: float = 0.0
-    ) -> Search:
-        """Search for effects that act together.
-
-        `worth` as in `search_effects`.
-        """
-        found = *self.catalogue, self.columns, *self.ranked
-        return search_effects(Task(problem, base, *found, progress), self.needed, worth)
-
-
-class Posed(NamedTuple):
-    """Recordings with the base model fitted to them.
-
-    They were set right by `mended`; `known` has what was wrong with log and clock: component →
-    size and evidence [nats].
-    """
-
-    angles: xr.Dataset
-    plain: Problem
-    base: Candidate
-    survey: Survey
-    known: Mapping[str, tuple[float, float]]
-    mended: MeasurementEntry
-
-
-Pose = Callable[[MeasurementEntry, Mapping[str, tuple[float, float]]], Posed]
 
 
 def diagnose(
@@ -167,7 +126,8 @@ def diagnose(
         base = Candidate(plain.base, fit, fit.log_evidence)
         return Posed(right, plain, base, survey(plain, base), known, mended)
 
-    posed = mend_clock(mend_log(pose(MeasurementEntry(), {}), pose), pose)
+    posed = mend_log(pose(MeasurementEntry(), {}), pose)
+    posed = mend_clock(mend_steps(posed, pose), pose)
     posed, hums = mend_hums(posed, pose)
     patience = Patience(settings.longest_search_s, progress)
     problem, found, search = search_jointly(posed, survey, patience)
@@ -204,57 +164,6 @@ def search_jointly(
         asked = found.demand, found.catalogue[0]
         problem, search = judge_finalists(plain, problem, search, rivals, right, *asked)
     return problem, found, search
-
-
-def mend_log(posed: Posed, pose: Pose) -> Posed:
-    """Take steady plateaus where the motion prefers them."""
-    steady, error = steady_log(posed.angles)
-    if error == 0.0 or not posed.plain.setting.load_known:
-        return posed
-    nats = weigh_log(posed.plain, posed.base, posed.survey.ranked[0], steady, posed.survey.needed)
-    if nats <= 0.0:  # that the log scatters is seen in the log: no further evidence is asked for
-        return posed
-    mended = posed.mended.model_copy(update={"steady_load": True})
-    return pose(mended, {"noisy_load": (error, nats)})
-
-
-def mend_clock(posed: Posed, pose: Pose) -> Posed:
-    """Set the camera's clock to the log's rate.
-
-    It is set where that explains more than any effect alone, less what chance gains. Under one
-    step of the load a rate moves the step, as a clock that starts elsewhere does.
-    """
-    plain, base, found = posed.plain, posed.base, posed.survey
-    if not plain.setting.load_known or CLOCKS.isdisjoint(fit_disturbances(plain, base)[0]):
-        return posed
-    rate, nats = find_clock_rate(plain, base)
-    rival = find_leader(base, found.ranked[0], found.needed).log_evidence - base.log_evidence
-    if nats < max(MEASURING.present_nats, rival - found.needed):
-        return posed
-    mended = posed.mended.model_copy(update={"clock_rate": rate})
-    return pose(mended, {**posed.known, "clock_rate": (abs(rate), nats)})
-
-
-def mend_hums(posed: Posed, pose: Pose) -> tuple[Posed, list[Hum]]:
-    """Take hums, neither motion nor noise, off recordings.
-
-    A few slow waves imitate a drift. They are hums where they explain more than it does.
-    """
-    leader = find_leader(posed.base, posed.survey.ranked[0], posed.survey.needed)
-    hums = hear_hums(posed.plain, leader, posed.angles)
-    if not hums:
-        return posed, hums
-    found = fit_disturbances(posed.plain, leader)[1]
-    drift = sum(nats for name, nats in found.items() if find_kind(name) in DRIFTS)
-    if drift > sum(hum.evidence for hum in hums):
-        return posed, []
-    mended = add_hums(posed.mended, hums, posed.plain.trials.name)
-    return pose(mended, posed.known), hums
-
-
-def add_hums(known: MeasurementEntry, hums: list[Hum], trials: list[str]) -> MeasurementEntry:
-    """Add hums of some trials to what is known."""
-    return known.model_copy(update={"hums": [*known.hums, *describe_hums(hums, trials)]})
 
 
 def _close(

@@ -63,6 +63,12 @@ SPEC = ArtifactSpec(
         "steady_load": Variable(
             (), "1", "a load at rest counts as one reading", "truth value", optional=True
         ),
+        "steps_early": Variable(
+            (),
+            "1",
+            "how much sooner steps of the load come, as a share of the gaps of its log",
+            optional=True,
+        ),
         "hum_frequency": Variable(
             ("hum",), "Hz", "of what the angles hum, strongest first", at_least=0.0
         ),

@@ -38,10 +38,13 @@ class MeasurementEntry(Part):
     """What recordings suffer from, found together with the physics.
 
     `steady_load`: readings while the load rests count as one; `clock_rate`: how slow the
-    camera's clock runs, as a share; `disturbances`: their sds, each in its own unit.
+    camera's clock runs, as a share; `steps_early`: how much sooner than at its later row a step of
+    the load comes, as a share of the gap between the two rows that state it; `disturbances`: their
+    sds, each in its own unit.
     """
 
     steady_load: bool = False
+    steps_early: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
     clock_rate: Annotated[float, Field(gt=-0.5, lt=0.5)] = 0.0
     hums: list[HumEntry] = Field(default_factory=list)
     disturbances: dict[Disturbance | LinkTurn, Positive] = Field(default_factory=dict)

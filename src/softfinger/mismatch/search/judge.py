@@ -21,6 +21,7 @@ from softfinger.inference.problem import Candidate, Problem, predict_frames
 from softfinger.inference.spreads import find_effect, is_spread
 from softfinger.inference.tails import weigh_tails
 from softfinger.measurement.measure import add_components, measure
+from softfinger.measurement.mend import MENDED
 from softfinger.measurement.trials import prepare_trials
 from softfinger.mechanics.effects.model import Piece
 from softfinger.mismatch.budget import BUDGET
@@ -235,7 +236,8 @@ def measure_again(problem: Problem, candidate: Candidate, angles: xr.Dataset) ->
 
 def _carry_over(noise: xr.Dataset, known: xr.Dataset) -> xr.Dataset:
     """Keep what was mended in log and clock before."""
-    mended = [name for name in known["component"].values.tolist() if find_kind(name)]
+    names = known["component"].values.tolist()
+    mended = [name for name in names if find_kind(name) or name in MENDED]
     size, nats = (
         {name: float(known[part].sel(component=name)) for name in mended}
         for part in ("component_size", "component_evidence")

@@ -8,7 +8,11 @@ from scipy.optimize import minimize_scalar
 
 from softfinger.inference.disturbances import SIZES
 from softfinger.inference.problem import Candidate, Problem
+from softfinger.measurement.decisions import DECISIONS as MEASURING
+from softfinger.measurement.step_time import advance_steps_array
 from softfinger.mismatch.search.judge import fit_again, list_leaders
+
+SHARE_DIGITS = 2e-3  # of a gap, to which a step's time is sought
 
 
 def weigh_log(
@@ -55,6 +59,46 @@ def find_clock_rate(plain: Problem, base: Candidate) -> tuple[float, float]:
     bounds = (-largest, largest)
     found = minimize_scalar(lose, bounds=bounds, method="bounded", options={"xatol": 1e-5})
     return float(found.x), -float(found.fun)
+
+
+def find_steps_early(
+    plain: Problem, base: Candidate, singles: list[Candidate], needed: float
+) -> tuple[float, float]:
+    """Find how early in the gaps of its log the load's steps come.
+
+    Also what that gains [nats]; both 0 where a model of the log as it is explains more.
+
+    By the base model or the best effects, each at its best and an effect less what chance gains.
+
+    Parameters
+    ----------
+    plain, base, singles
+        Fitted to steps at the later of the two rows that state them.
+    """
+    leaders = base, *list_leaders(base, singles, needed)
+    known = max(_discount(c, base, needed) for c in leaders)
+    load = plain.trials.load_time, plain.trials.load_torque
+
+    def refit(candidate: Candidate, share: float) -> Candidate | None:
+        sooner = advance_steps_array(*load, share, plain.trials.interval)
+        moved = replace(plain, trials=plain.trials._replace(load_time=sooner))
+        return fit_again(moved, candidate, base)
+
+    def lose(share: float, candidate: Candidate) -> float:
+        again = refit(candidate, share)
+        return np.inf if again is None else candidate.log_evidence - again.log_evidence
+
+    best, nats, most = 0.0, 0.0, 0.0
+    for candidate in leaders:
+        options = {"xatol": SHARE_DIGITS}
+        found = minimize_scalar(
+            lose, bounds=(0.0, 1.0), args=(candidate,), method="bounded", options=options
+        )
+        gain = -float(found.fun)
+        lead = _discount(candidate, base, needed) + gain - known
+        if gain > MEASURING.present_nats and lead >= most:
+            best, nats, most = float(found.x), gain, lead
+    return best, nats
 
 
 def _discount(candidate: Candidate, base: Candidate, needed: float) -> float:

@@ -4,7 +4,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from softfinger.mismatch.diagnose import Posed, search_jointly
+from softfinger.mismatch.diagnose import search_jointly
+from softfinger.mismatch.posed import Posed
 
 
 class Searched:

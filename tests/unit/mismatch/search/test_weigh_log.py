@@ -14,11 +14,12 @@ from softfinger.inference.simulate import (
     draw_parameters,
 )
 from softfinger.measurement.measure import add_components
+from softfinger.measurement.mend import mend_recordings
 from softfinger.measurement.steady import steady_log
 from softfinger.mechanics.effects.measurement_file import MeasurementEntry
-from softfinger.mismatch.diagnose import Posed, mend_clock
+from softfinger.mismatch.posed import Posed, mend_clock, mend_steps
 from softfinger.mismatch.search.judge import _carry_over
-from softfinger.mismatch.search.log_and_clock import find_clock_rate, weigh_log
+from softfinger.mismatch.search.log_and_clock import find_clock_rate, find_steps_early, weigh_log
 
 TIME = np.arange(300) / 15
 ROWS = np.arange(21.0)
@@ -109,11 +110,73 @@ def test_under_one_step_a_rate_is_an_offset_that_all_trials_share(monkeypatch):
     assert mended.clock_rate == pytest.approx(0.002, rel=0.2)
 
 
+def record_steps(early):
+    """Record 8 trials of one step, so much sooner than its row; the log has one each 40 ms."""
+    rng, names = np.random.default_rng(6), [f"t{i}" for i in range(8)]
+    load = np.tile([0.0, 0.0, 0.04, 0.04], (8, 1))
+    came = np.tile([0.0, 1.0 - early, 1.0 - early, 20.0], (8, 1))
+    recording = build_recording(TIME, came, load, 1, names)
+    mean = np.array([[-2.4, -3.6, 2.9, 0.02]])
+    own = draw_parameters(mean, np.array([0.2, 0.4, 0.7, 0.01]), recording, rng)
+    noise = describe_noise(np.full(1, 0.001), np.zeros(1), 0.0)
+    rows = np.tile([0.0, 0.96, 1.0, 1.0, 20.0], (8, 1))
+    read = np.tile([0.0, 0.0, 0.0, 0.04, 0.04], (8, 1))
+    drawn = draw_angles(recording, own, noise, rng).drop_dims("knot")
+    return drawn.assign(
+        load_time=(("trial", "knot"), rows),
+        load_torque=(("trial", "knot"), read),
+        started_at=("trial", np.full(8, np.nan)),
+        joint_length=np.nan,
+        wire_offset=np.nan,
+        **UNKNOWN,
+    )
+
+
+@pytest.mark.parametrize("early", [0.0, 0.018, 0.04])
+def test_a_step_comes_within_the_gap_of_its_log(early):
+    angles = record_steps(early)
+    problem, fit = pose_problem(angles)
+    assert problem.setting.step_gap == pytest.approx(0.04)
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    share, nats = find_steps_early(problem, base, [], 7.0)
+    assert share == pytest.approx(early / 0.04, abs=0.05)
+    assert (nats > 20.0) == (early > 0.0)
+    survey = SimpleNamespace(ranked=([], []), needed=7.0)
+    posed = Posed(angles, problem, base, survey, {}, MeasurementEntry())
+    found = mend_steps(posed, lambda mended, known: (mended, known))
+    if early == 0.0:
+        assert found is posed
+        return
+    assert found[0].steps_early == share
+    assert found[1]["step_time"] == (pytest.approx(share * 0.04), nats)
+    mended = mend_recordings(angles, found[0])
+    np.testing.assert_allclose(mended["load_time"].values[:, 2:4], 1.0 - early, atol=2e-3)
+
+
+def test_a_step_stays_where_an_effect_explains_more_at_its_row():
+    angles = record_steps(0.018)
+    problem, fit = pose_problem(angles)
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    effect = SimpleNamespace(
+        model=SimpleNamespace(ids=frozenset({"inertia"})),
+        fit=None,
+        log_evidence=fit.log_evidence + 1e5,
+    )
+    assert find_steps_early(problem, base, [effect], 7.0)[0] > 0.0
+    led = {"list_leaders": lambda *_: [effect], "fit_again": lambda *_: base}
+    with pytest.MonkeyPatch.context() as patch:
+        for name, made in led.items():
+            patch.setitem(find_steps_early.__globals__, name, made)
+        assert find_steps_early(problem, base, [effect], 7.0) == (0.0, 0.0)
+
+
 def test_what_was_mended_is_kept_where_other_frames_count():
     problem, _ = pose_problem(record(follows=True))
     mended = add_components(problem.noise, {"noisy_load": 0.003}, {"noisy_load": 10.0})
     kept = _carry_over(problem.noise, mended)
     assert float(kept["component_size"].sel(component="noisy_load")) == pytest.approx(0.003)
+    placed = add_components(problem.noise, {"step_time": 0.01}, {"step_time": 10.0})
+    assert "step_time" in _carry_over(problem.noise, placed)["component"]
     assert _carry_over(problem.noise, problem.noise) is problem.noise
 
 

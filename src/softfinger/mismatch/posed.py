@@ -1,0 +1,137 @@
+"""Recordings with the base model fitted, set right before effects are sought together."""
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import xarray as xr
+
+from softfinger.inference.disturbances import CLOCKS, DRIFTS, find_kind, fit_disturbances
+from softfinger.inference.problem import Candidate, Problem
+from softfinger.measurement.decisions import DECISIONS as MEASURING
+from softfinger.measurement.steady import steady_log
+from softfinger.mechanics.effects.measurement_file import MeasurementEntry
+from softfinger.mechanics.effects.model import Piece
+from softfinger.mismatch.candidates.columns import ScoreColumns
+from softfinger.mismatch.candidates.rank import Progress, Score
+from softfinger.mismatch.checks.hums import Hum, describe_hums, hear_hums
+from softfinger.mismatch.search.calibrate import FalseAlarms
+from softfinger.mismatch.search.demand import Demand, build_demand
+from softfinger.mismatch.search.extend import Task
+from softfinger.mismatch.search.judge import find_leader
+from softfinger.mismatch.search.log_and_clock import (
+    find_clock_rate,
+    find_steps_early,
+    weigh_log,
+)
+from softfinger.mismatch.search.stepwise import Search, search_effects
+
+
+class Survey(NamedTuple):
+    """The catalogue alone: columns, chance, need, ranking."""
+
+    catalogue: tuple[list[Piece], dict[str, str]]
+    columns: ScoreColumns
+    alarms: FalseAlarms
+    needed: float
+    ranked: tuple[list[Candidate], list[Score]]
+
+    @property
+    def demand(self) -> Demand:
+        """What a first and a further effect must gain [nats]."""
+        return build_demand(self.needed, len({piece.effect.id for piece in self.catalogue[0]}))
+
+    def search(
+        self, problem: Problem, base: Candidate, progress: Progress, worth: float = 0.0
+    ) -> Search:
+        """Search for effects that act together.
+
+        `worth` as in `search_effects`.
+        """
+        found = *self.catalogue, self.columns, *self.ranked
+        return search_effects(Task(problem, base, *found, progress), self.needed, worth)
+
+
+class Posed(NamedTuple):
+    """Recordings with the base model fitted to them.
+
+    They were set right by `mended`; `known` has what was wrong with log and clock: component →
+    size and evidence [nats].
+    """
+
+    angles: xr.Dataset
+    plain: Problem
+    base: Candidate
+    survey: Survey
+    known: Mapping[str, tuple[float, float]]
+    mended: MeasurementEntry
+
+
+Pose = Callable[[MeasurementEntry, Mapping[str, tuple[float, float]]], Posed]
+
+
+def mend_log(posed: Posed, pose: Pose) -> Posed:
+    """Take steady plateaus where the motion prefers them."""
+    steady, error = steady_log(posed.angles)
+    if error == 0.0 or not posed.plain.setting.load_known:
+        return posed
+    nats = weigh_log(posed.plain, posed.base, posed.survey.ranked[0], steady, posed.survey.needed)
+    if nats <= 0.0:  # that the log scatters is seen in the log: no further evidence is asked for
+        return posed
+    mended = posed.mended.model_copy(update={"steady_load": True})
+    return pose(mended, {"noisy_load": (error, nats)})
+
+
+def mend_steps(posed: Posed, pose: Pose) -> Posed:
+    """Place the load's steps within the gaps of its log.
+
+    Where a log is as slow as the frames, all motion seems too early: no delay of the camera, which
+    the log cannot show.
+    """
+    plain, gap = posed.plain, posed.plain.setting.step_gap
+    if not plain.setting.load_known or gap <= plain.setting.time_floor:
+        return posed
+    survey = posed.survey
+    share, nats = find_steps_early(plain, posed.base, survey.ranked[0], survey.needed)
+    if share == 0.0:
+        return posed
+    mended = posed.mended.model_copy(update={"steps_early": share})
+    return pose(mended, {**posed.known, "step_time": (share * gap, nats)})
+
+
+def mend_clock(posed: Posed, pose: Pose) -> Posed:
+    """Set the camera's clock to the log's rate.
+
+    It is set where that explains more than any effect alone, less what chance gains. Under one
+    step of the load a rate moves the step, as a clock that starts elsewhere does.
+    """
+    plain, base, found = posed.plain, posed.base, posed.survey
+    if not plain.setting.load_known or CLOCKS.isdisjoint(fit_disturbances(plain, base)[0]):
+        return posed
+    rate, nats = find_clock_rate(plain, base)
+    rival = find_leader(base, found.ranked[0], found.needed).log_evidence - base.log_evidence
+    if nats < max(MEASURING.present_nats, rival - found.needed):
+        return posed
+    mended = posed.mended.model_copy(update={"clock_rate": rate})
+    return pose(mended, {**posed.known, "clock_rate": (abs(rate), nats)})
+
+
+def mend_hums(posed: Posed, pose: Pose) -> tuple[Posed, list[Hum]]:
+    """Take hums, neither motion nor noise, off recordings.
+
+    A few slow waves imitate a drift. They are hums where they explain more than it does.
+    """
+    leader = find_leader(posed.base, posed.survey.ranked[0], posed.survey.needed)
+    hums = hear_hums(posed.plain, leader, posed.angles)
+    if not hums:
+        return posed, hums
+    found = fit_disturbances(posed.plain, leader)[1]
+    drift = sum(nats for name, nats in found.items() if find_kind(name) in DRIFTS)
+    if drift > sum(hum.evidence for hum in hums):
+        return posed, []
+    mended = add_hums(posed.mended, hums, posed.plain.trials.name)
+    return pose(mended, posed.known), hums
+
+
+def add_hums(known: MeasurementEntry, hums: list[Hum], trials: list[str]) -> MeasurementEntry:
+    """Add hums of some trials to what is known."""
+    return known.model_copy(update={"hums": [*known.hums, *describe_hums(hums, trials)]})

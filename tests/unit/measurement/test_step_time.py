@@ -1,0 +1,27 @@
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from softfinger.campaign.load_log import build_load_array
+from softfinger.measurement.step_time import advance_steps_array, find_step_gaps_array
+
+ROWS = st.lists(
+    st.tuples(st.floats(1e-3, 3.0), st.sampled_from([0.0, 1.0, 2.0])), min_size=1, max_size=12
+)
+
+
+@given(ROWS, st.floats(0.0, 1.0))
+def test_knots_stay_in_their_order_wherever_steps_come(rows, share):
+    time = np.cumsum([gap for gap, _ in rows])
+    knots, load = build_load_array(time, np.array([value for _, value in rows]), 1.5)
+    moved = advance_steps_array(knots, load, share, 1.0)
+    assert (np.diff(moved) >= -1e-12).all()
+    assert (moved <= knots).all()
+    assert (knots - moved <= 1.5).all()
+
+
+def test_a_step_that_is_stated_at_once_has_no_gap():
+    knots, load = np.array([0.0, 5.0, 5.0, 9.0]), np.array([0.0, 0.0, 1.0, 1.0])
+    assert not find_step_gaps_array(knots, load, 0.03).any()
+    knots, load = build_load_array(np.array([0.0, 4.98, 5.0]), np.array([0.0, 0.0, 1.0]), 0.045)
+    assert find_step_gaps_array(knots, load, 0.03).max() == np.float64(5.0) - 4.98
