@@ -75,6 +75,12 @@ class MeasurementDecisions:
     Why: if one of two is an outlier as well, their median is too large to find any.
     Test: `test_alike.py::test_where_few_frames_compare_none_is_an_outlier`.
     """
+    step_rows: float = 1.5
+    """Frame intervals within which two rows of a log state a step.
+
+    Why: the campaign's reader takes them for one.
+    Test: `test_step_time.py::test_the_gaps_are_those_in_which_the_reader_sees_steps`.
+    """
     alike_per_decade: int = 8
     """Groups of such frames in a decade of time.
 

@@ -8,7 +8,7 @@ frames has steps that come half a gap sooner on average: all motion then seems t
 import numpy as np
 from numpy.typing import NDArray
 
-from softfinger.campaign.load_log import STEP_WITHIN_FRAME_INTERVALS
+from softfinger.measurement.decisions import DECISIONS
 
 Array = NDArray[np.float64]
 
@@ -24,7 +24,7 @@ def find_step_gaps_array(load_time: Array, load_torque: Array, frame_interval: f
     """
     apart, rise = np.diff(load_time), np.diff(load_torque)
     step = (apart[..., 1:] == 0.0) & (rise[..., 1:] != 0.0)
-    stated = apart[..., :-1] <= STEP_WITHIN_FRAME_INTERVALS * frame_interval
+    stated = apart[..., :-1] <= DECISIONS.step_rows * frame_interval
     gap = np.where(step & stated, apart[..., :-1], 0.0)
     found = np.zeros(load_time.shape)
     found[..., 1:-1] = gap

@@ -2,7 +2,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from softfinger.campaign.load_log import build_load_array
+from softfinger.campaign.load_log import STEP_WITHIN_FRAME_INTERVALS, build_load_array
+from softfinger.measurement.decisions import DECISIONS
 from softfinger.measurement.step_time import advance_steps_array, find_step_gaps_array
 
 ROWS = st.lists(
@@ -25,3 +26,7 @@ def test_a_step_that_is_stated_at_once_has_no_gap():
     assert not find_step_gaps_array(knots, load, 0.03).any()
     knots, load = build_load_array(np.array([0.0, 4.98, 5.0]), np.array([0.0, 0.0, 1.0]), 0.045)
     assert find_step_gaps_array(knots, load, 0.03).max() == np.float64(5.0) - 4.98
+
+
+def test_the_gaps_are_those_in_which_the_reader_sees_steps():
+    assert DECISIONS.step_rows == STEP_WITHIN_FRAME_INTERVALS

@@ -177,10 +177,7 @@ class Setting:
 
     @property
     def shortest(self) -> float:
-        """The shortest time [s] that the frames resolve.
-
-        It is less than usual where they come denser.
-        """
+        """The shortest time [s] that frames resolve, where they are densest."""
         return min(self.interval, self.first_seen or self.interval)
 
     @property
@@ -260,25 +257,20 @@ class Effect:
     level
         Where it shows.
     build_forms
-        The forms that a campaign allows; a sentence that states why it cannot show the effect at
-        all, instead.
+        The forms that a campaign allows, or a sentence that states why there are none.
     part
         The part of a finger that it needs and a specimen lacks; empty where it needs none.
     hooks
         Its physics in the forward model (`forward.hooks`); empty where it moves slots of others.
     of_motion
-        Whether its law is of the motion: angle, rate, or torque of the spring. A trial under one
-        load shows such a law as a course in time, and creep may have any course. So it needs
-        several loads, or several trials, each with another motion.
+        Whether its law is of the motion: angle, rate, or torque of the spring. One trial under one
+        load shows it as a course in time, and creep may have any.
     place
-        Names a place in which several effects act: two of them are not claimed together, for one
-        freer law is both.
+        Of several effects: two of them are not claimed together, for one freer law is both.
     place_in_time
-        The same under one load in each trial: there its law is a course in time, as is that of any
-        effect of that place.
+        The same under one load in each trial, where its law is a course in time.
     place_of_one
-        The same where there is but one joint besides: a response that all joints share is no other
-        than that joint's own.
+        The same where there is but one joint besides: what all joints share is that joint's own.
     """
 
     id: str

@@ -10,9 +10,8 @@ from softfinger.inference.disturbances import SIZES
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.step_time import advance_steps_array
+from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.search.judge import fit_again, list_leaders
-
-SHARE_DIGITS = 2e-3  # of a gap, to which a step's time is sought
 
 
 def weigh_log(
@@ -90,7 +89,7 @@ def find_steps_early(
 
     best, nats, most = 0.0, 0.0, 0.0
     for candidate in leaders:
-        options = {"xatol": SHARE_DIGITS}
+        options = {"xatol": BUDGET.step_digits}
         found = minimize_scalar(
             lose, bounds=(0.0, 1.0), args=(candidate,), method="bounded", options=options
         )
