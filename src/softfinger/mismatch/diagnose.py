@@ -28,8 +28,7 @@ from softfinger.mismatch.posed import (
     add_hums,
     mend_clock,
     mend_hums,
-    mend_log,
-    mend_steps,
+    pose_load,
 )
 from softfinger.mismatch.search.calibrate import FalseAlarms, calibrate_false_alarms
 from softfinger.mismatch.search.demand import list_free
@@ -126,8 +125,7 @@ def diagnose(
         base = Candidate(plain.base, fit, fit.log_evidence)
         return Posed(right, plain, base, survey(plain, base), known, mended)
 
-    posed = mend_log(pose(MeasurementEntry(), {}), pose)
-    posed = mend_clock(mend_steps(posed, pose), pose)
+    posed = mend_clock(pose_load(angles, pose), pose)
     posed, hums = mend_hums(posed, pose)
     patience = Patience(settings.longest_search_s, progress)
     problem, found, search = search_jointly(posed, survey, patience)

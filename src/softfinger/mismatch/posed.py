@@ -1,6 +1,7 @@
 """Recordings with the base model fitted, set right before effects are sought together."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
 import xarray as xr
@@ -8,6 +9,7 @@ import xarray as xr
 from softfinger.inference.disturbances import CLOCKS, DRIFTS, find_kind, fit_disturbances
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.measurement.decisions import DECISIONS as MEASURING
+from softfinger.measurement.measure import add_components
 from softfinger.measurement.steady import steady_log
 from softfinger.mechanics.effects.measurement_file import MeasurementEntry
 from softfinger.mechanics.effects.model import Piece
@@ -69,16 +71,24 @@ class Posed(NamedTuple):
 Pose = Callable[[MeasurementEntry, Mapping[str, tuple[float, float]]], Posed]
 
 
-def mend_log(posed: Posed, pose: Pose) -> Posed:
-    """Take steady plateaus where the motion prefers them."""
-    steady, error = steady_log(posed.angles)
-    if error == 0.0 or not posed.plain.setting.load_known:
+def pose_load(angles: xr.Dataset, pose: Pose) -> Posed:
+    """Take steady plateaus unless the motion prefers every reading, and place the steps.
+
+    A load that changes in every row costs most of a diagnosis, so the steady one comes first.
+    """
+    error = steady_log(angles)[1]
+    posed = mend_steps(pose(MeasurementEntry(steady_load=error > 0.0), {}), pose)
+    if error == 0.0:
         return posed
-    nats = weigh_log(posed.plain, posed.base, posed.survey.ranked[0], steady, posed.survey.needed)
-    if nats <= 0.0:  # that the log scatters is seen in the log: no further evidence is asked for
+    survey = posed.survey
+    more = weigh_log(posed.plain, posed.base, survey.ranked[0], angles, survey.needed)
+    if more >= MEASURING.present_nats:
+        return mend_steps(pose(MeasurementEntry(), {}), pose)
+    if more >= 0.0:
         return posed
-    mended = posed.mended.model_copy(update={"steady_load": True})
-    return pose(mended, {"noisy_load": (error, nats)})
+    noise = add_components(posed.plain.noise, {"noisy_load": error}, {"noisy_load": -more})
+    known = {**posed.known, "noisy_load": (error, -more)}
+    return posed._replace(plain=replace(posed.plain, noise=noise), known=known)
 
 
 def mend_steps(posed: Posed, pose: Pose) -> Posed:

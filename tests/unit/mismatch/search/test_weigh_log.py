@@ -17,7 +17,7 @@ from softfinger.measurement.measure import add_components
 from softfinger.measurement.mend import mend_recordings
 from softfinger.measurement.steady import steady_log
 from softfinger.mechanics.effects.measurement_file import MeasurementEntry
-from softfinger.mismatch.posed import Posed, mend_clock, mend_steps
+from softfinger.mismatch.posed import Posed, mend_clock, mend_steps, pose_load
 from softfinger.mismatch.search.judge import _carry_over
 from softfinger.mismatch.search.log_and_clock import find_clock_rate, find_steps_early, weigh_log
 
@@ -54,6 +54,31 @@ def test_the_motion_decides_whether_the_load_or_its_log_scatters(follows, sign):
     steady, error = steady_log(angles)
     assert error == pytest.approx(0.01, rel=0.25)
     assert sign * weigh_log(problem, base, [], steady, 7.0) > 20.0
+
+
+@pytest.mark.parametrize("follows", [False, True])
+def test_the_steady_log_comes_first_and_stays_where_the_motion_prefers_it(follows):
+    angles, posed = record(follows), []
+
+    def pose(mended, known):
+        right = mend_recordings(angles, mended)
+        problem, fit = pose_problem(right)
+        base = Candidate(problem.base, fit, fit.log_evidence)
+        survey = SimpleNamespace(ranked=([], []), needed=7.0)
+        posed.append(mended.steady_load)
+        return Posed(right, problem, base, survey, known, mended)
+
+    found = pose_load(angles, pose)
+    assert posed == ([True, False] if follows else [True])
+    assert found.mended.steady_load == (not follows)
+    assert ("noisy_load" in found.known) == (not follows)
+    if not follows:
+        component = found.plain.noise["component"].values.tolist()
+        assert component.count("noisy_load") == 1
+    posed.clear()
+    angles = steady_log(angles)[0]
+    pose_load(angles, pose)
+    assert posed == [False]
 
 
 def test_a_log_of_steady_plateaus_stays_as_it_is():
