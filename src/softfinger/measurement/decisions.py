@@ -75,6 +75,12 @@ class MeasurementDecisions:
     Why: if one of two is an outlier as well, their median is too large to find any.
     Test: `test_alike.py::test_where_few_frames_compare_none_is_an_outlier`.
     """
+    on_the_way: float = 0.1
+    """Share of a plateau's rows that may be on the way to it.
+
+    Why: a ramp's last rows hardly differ from the plateau; with more, the load drifts.
+    Test: `test_mend.py::test_a_ramp_ends_in_a_plateau_that_is_steadied`.
+    """
     step_rows: float = 1.5
     """Frame intervals within which two rows of a log state a step.
 

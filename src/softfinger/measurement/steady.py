@@ -17,19 +17,27 @@ def steady_load_array(torque: NDArray[np.float64]) -> NDArray[np.float64]:
     """Replace each plateau's readings (knot,) by their mean.
 
     A plateau is a run of rows without a jump that stays within the share of the load's range that
-    counts as a change.
+    counts as a change, but for a few rows on the way to it.
 
     >>> steady_load_array(np.array([0.0, 0.0, 1.0, 1.02, 0.98, 0.5, 0.5]))
     array([0. , 0. , 1. , 1. , 1. , 0.5, 0.5])
     """
-    change = DECISIONS.load_change * max(np.ptp(torque), np.abs(torque).max(), 1e-300)
+    change = _find_change(torque)
     steady = torque.copy()
     for run in np.split(
         np.arange(len(torque)), np.flatnonzero(np.abs(np.diff(torque)) > change) + 1
     ):
-        if 0.0 < np.ptp(torque[run]) <= change:
-            steady[run] = torque[run].mean()
+        away = np.abs(torque[run] - np.median(torque[run])) > 0.5 * change
+        if away.mean() > DECISIONS.on_the_way:
+            continue
+        there = run[~away]
+        if 0.0 < np.ptp(torque[there]) <= change:
+            steady[there] = torque[there].mean()
     return steady
+
+
+def _find_change(torque: NDArray[np.float64]) -> float:
+    return DECISIONS.load_change * max(np.ptp(torque), np.abs(torque).max(), 1e-300)
 
 
 def steady_log(angles: xr.Dataset) -> tuple[xr.Dataset, float]:
@@ -43,7 +51,7 @@ def steady_log(angles: xr.Dataset) -> tuple[xr.Dataset, float]:
     """
     logged = angles["load_torque"].transpose("trial", "knot")
     steady = np.stack([steady_load_array(torque) for torque in logged.values])
-    loaded = steady != 0.0
+    loaded = np.abs(steady) > np.array([[_find_change(torque)] for torque in logged.values])
     if not loaded.any():
         return angles, 0.0
     error = float(np.sqrt(np.mean((logged.values[loaded] / steady[loaded] - 1.0) ** 2)))

@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 
 from softfinger.measurement.mend import mend_recordings
+from softfinger.measurement.steady import steady_load_array
 from softfinger.mechanics.effects.measurement_file import HumEntry, MeasurementEntry
 
 TIME = np.tile(np.arange(50) / 25.0, (3, 1))
@@ -53,3 +54,12 @@ def test_a_hum_is_taken_off_at_the_times_that_were_set_right(still):
     np.testing.assert_array_equal(angle[1], 0.3)
     assert np.ptp(angle[2, 0]) > 0.05
     assert mended.attrs == {"campaign": "still"}
+
+
+def test_a_ramp_ends_in_a_plateau_that_is_steadied():
+    ramp, noise = np.array([0.0, 0.3, 0.6, 0.93, 0.965]), 0.003 * np.sin(np.arange(200.0))
+    steady = steady_load_array(np.concatenate([ramp, 1.0 + noise]))
+    assert np.ptp(steady[5:]) == 0.0
+    np.testing.assert_array_equal(steady[:4], ramp[:4])
+    drifts = np.concatenate([ramp, np.linspace(1.0, 1.2, 200)])
+    np.testing.assert_array_equal(steady_load_array(drifts), drifts)
