@@ -19,7 +19,7 @@ MENDED = frozenset({"step_time"})
 
 
 def mend_recordings(angles: xr.Dataset, known: MeasurementEntry) -> xr.Dataset:
-    """Steady the log, place its steps, set the clock and take hums off.
+    """Mend log and clock, and take hums off.
 
     Parameters
     ----------

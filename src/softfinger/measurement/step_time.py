@@ -1,4 +1,4 @@
-"""When a step of the load came, within the gap of its log.
+"""When a step of the load came within its gap.
 
 A log states a step by two rows. When between them the load changed it does not show; the later row
 is where a step counts (`campaign.load_log`). A log that reads a load as often as a camera takes
@@ -35,7 +35,9 @@ def find_step_gaps_array(load_time: Array, load_torque: Array, frame_interval: f
 def advance_steps_array(
     load_time: Array, load_torque: Array, share: float, frame_interval: float
 ) -> Array:
-    """Times [s] of knots (…, knot) with steps sooner by a share of their gaps.
+    """Move steps sooner by a share of their gaps.
+
+    Returns the times [s] of all knots (…, knot).
 
     >>> knots, load = np.array([0.0, 1.0, 1.1, 1.1, 2.0]), np.array([0.0, 0.0, 0.0, 4.0, 4.0])
     >>> advance_steps_array(knots, load, 0.5, 0.1).round(6)

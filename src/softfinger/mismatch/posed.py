@@ -1,4 +1,4 @@
-"""Recordings with the base model fitted, set right before effects are sought together."""
+"""Recordings set right, with the base model fitted."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -72,9 +72,10 @@ Pose = Callable[[MeasurementEntry, Mapping[str, tuple[float, float]]], Posed]
 
 
 def pose_load(angles: xr.Dataset, pose: Pose) -> Posed:
-    """Take steady plateaus unless the motion prefers every reading, and place the steps.
+    """Choose the load that the motion prefers.
 
-    A load that changes in every row costs most of a diagnosis, so the steady one comes first.
+    Plateaus are steady unless it prefers every reading; steps are placed within their gaps. A load
+    that changes in every row costs most of a diagnosis, so the steady one comes first.
     """
     error = steady_log(angles)[1]
     posed = mend_steps(pose(MeasurementEntry(steady_load=error > 0.0), {}), pose)

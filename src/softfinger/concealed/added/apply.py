@@ -145,7 +145,7 @@ def add(
 
 
 def round_alike(value: Array, reading: Array) -> Array:
-    """Round values (row,) to the steps of readings (row,); NaN where a reading is.
+    """Round values (row,) to the steps of readings (row,).
 
     >>> round_alike(np.array([0.12, 0.68, 1.1]), np.array([0.0, 0.5, 1.5]))
     array([0. , 0.5, 1. ])
@@ -164,7 +164,9 @@ def round_alike(value: Array, reading: Array) -> Array:
 
 
 def find_step(reading: Array) -> float | None:
-    """Step to which readings are rounded; 0 without, None where all are equal.
+    """Step to which readings are rounded.
+
+    0 where there is none, None where all are equal.
 
     >>> find_step(np.array([0.5, 2.0, 2.0, 1.0])), find_step(np.array([0.5, 2.0, 2.2, 1.0]))
     (0.5, 0.0)

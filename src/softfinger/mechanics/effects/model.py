@@ -244,7 +244,7 @@ class EffectModel:
 
     @cached_property
     def _constant_tangents(self) -> dict[int, SlotArrays]:
-        """Tangents by numbers of φ in which the slots are linear, as they become known."""
+        """Known tangents by φ in which slots are linear."""
         return {}
 
     def _fill_piece(self, number: int, shared: NDArray[np.float64]) -> dict[str, NDArray]:
@@ -276,7 +276,7 @@ class EffectModel:
 
     @cached_property
     def _layouts(self) -> list[tuple[dict, list]]:
-        """Of each piece, parameters' shapes and fillings, and its numbers' places in φ."""
+        """Each piece's empty parameters, and places in φ."""
         joints = self.setting.joints
         pairs = (joints, joints)
         empty = {"chain": (), "joint": (joints,), "pair": pairs, "neighbours": pairs}

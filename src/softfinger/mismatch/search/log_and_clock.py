@@ -63,7 +63,7 @@ def find_clock_rate(plain: Problem, base: Candidate) -> tuple[float, float]:
 def find_steps_early(
     plain: Problem, base: Candidate, singles: list[Candidate], needed: float
 ) -> tuple[float, float]:
-    """Find how early in the gaps of its log the load's steps come.
+    """Find how early in their gaps the load's steps come.
 
     Also what that gains [nats]; both 0 where a model of the log as it is explains more.
 

@@ -178,21 +178,25 @@ def test_a_step_comes_within_the_gap_of_its_log(early):
     np.testing.assert_allclose(mended["load_time"].values[:, 2:4], 1.0 - early, atol=2e-3)
 
 
-def test_a_step_stays_where_an_effect_explains_more_at_its_row():
+def explain_all(fit, name):
+    """An effect that explains far more than anything else could."""
+    model = SimpleNamespace(ids=frozenset({name}))
+    return SimpleNamespace(model=model, fit=fit, log_evidence=fit.log_evidence + 1e5)
+
+
+def test_a_step_stays_where_an_effect_explains_more_at_its_row(monkeypatch):
     angles = record_steps(0.018)
     problem, fit = pose_problem(angles)
     base = Candidate(problem.base, fit, fit.log_evidence)
-    effect = SimpleNamespace(
-        model=SimpleNamespace(ids=frozenset({"inertia"})),
-        fit=None,
-        log_evidence=fit.log_evidence + 1e5,
-    )
-    assert find_steps_early(problem, base, [effect], 7.0)[0] > 0.0
-    led = {"list_leaders": lambda *_: [effect], "fit_again": lambda *_: base}
-    with pytest.MonkeyPatch.context() as patch:
-        for name, made in led.items():
-            patch.setitem(find_steps_early.__globals__, name, made)
-        assert find_steps_early(problem, base, [effect], 7.0) == (0.0, 0.0)
+    effect = explain_all(fit, "inertia")
+    assert find_steps_early(problem, base, [], 7.0)[0] > 0.0
+    fit_again = find_steps_early.__globals__["fit_again"]
+
+    def refit(problem, candidate, base):  # the effect gains nothing from sooner steps
+        return effect if candidate is effect else fit_again(problem, candidate, base)
+
+    monkeypatch.setitem(find_steps_early.__globals__, "fit_again", refit)
+    assert find_steps_early(problem, base, [effect], 7.0) == (0.0, 0.0)
 
 
 def test_what_was_mended_is_kept_where_other_frames_count():
@@ -210,11 +214,7 @@ def test_a_clock_is_not_set_where_an_effect_explains_more():
     late = angles.assign(time=angles["time"] / 1.002)
     problem, fit = pose_problem(late)
     base = Candidate(problem.base, fit, fit.log_evidence)
-    effect = SimpleNamespace(
-        model=SimpleNamespace(ids=frozenset({"camera_delay"})),
-        fit=fit,
-        log_evidence=fit.log_evidence + 1e5,
-    )
+    effect = explain_all(fit, "camera_delay")
 
     def mend(singles):
         survey = SimpleNamespace(ranked=(singles, []), needed=7.0)
