@@ -79,31 +79,37 @@ class MeasurementDecisions:
     """Share of a plateau's rows that may be on the way to it.
 
     Why: a ramp's last rows hardly differ from the plateau; with more, the load drifts.
-    Test: `test_mend.py::test_a_ramp_ends_in_a_plateau_that_is_steadied`.
+    Test: `test_steady.py::test_a_ramp_ends_in_a_plateau_that_is_steadied`.
     """
-    plateau_rows: int = 6
-    """Rows that a plateau has at least, where a run without a jump holds several.
+    plateau_rows: int = 12
+    """Rows that a level has at least, where a run has several; either side of a split has half.
 
-    Why: von Neumann's ratio of a ramp of n rows is 12 / (n^2 - 1): 0.34 for six, 1.5 for three.
-    Test: `test_mend.py::test_a_ramp_of_few_rows_is_no_stair`.
+    Why: von Neumann's ratio of a crest of n rows is 60 / n^2, 0.42, and of a ramp 12 / n^2.
+    Test: `test_steady.py::test_a_curve_is_followed`.
     """
-    scatter_ratio: float = 0.5
-    """Von Neumann's ratio below which the readings of a plateau run.
+    ramp_rows: int = 20
+    """Rows that a straight ramp has at least.
 
-    Why: it is 2 where they scatter, 0.5 at an autocorrelation of 0.75, and near 0 on a ramp.
-    Test: `test_mend.py::test_a_slow_ramp_is_no_stair`.
+    Why: von Neumann's ratio of what a line leaves of a cubic of n rows is 168 / n^2: 0.42.
+    Test: `test_steady.py::test_a_curve_is_followed`.
     """
-    step_window: int = 80
+    scatter_ratio: float = 1.0
+    """Von Neumann's ratio above which readings scatter about a level or a line.
+
+    Why: it is 2 for white ones, 1 at an autocorrelation of 0.5, and near 0 for a curve.
+    Test: `test_steady.py::test_a_ramp_is_straight_and_no_stair`.
+    """
+    step_window: int = 40
     """Rows on either side by which a step within a run is judged.
 
-    Why: a ramp takes a few rows of a log, and a drift many; held readings take two each.
-    Test: `test_mend.py::test_small_steps_are_kept_and_a_drift_is_not`.
+    Why: a ramp takes a few rows of a log, and a drift many.
+    Test: `test_steady.py::test_small_steps_are_kept_and_a_drift_is_not`.
     """
     step_leaves: float = 0.5
     """What two levels leave of the readings near a step, as a share of what a line leaves.
 
     Why: readings that scatter by a fifth of a step or less reach it, a drift does not.
-    Test: `test_mend.py::test_small_steps_are_kept_and_a_drift_is_not`.
+    Test: `test_steady.py::test_small_steps_are_kept_and_a_drift_is_not`.
     """
     step_rows: float = 1.5
     """Frame intervals within which two rows of a log state a step.

@@ -1,9 +1,9 @@
-"""A load log whose plateaus are steady.
+"""A load log whose plateaus are steady, and whose ramps are straight.
 
 What it reads beside that is its own error.
 
-A log that scatters or drifts while the load rests shows its error by itself. The motion decides
-between this model of the log and the other, in which the load follows every reading.
+A log that scatters or drifts while the load rests or runs shows its error by itself. The motion
+decides between this model of the log and the other, in which the load follows every reading.
 """
 
 import numpy as np
@@ -12,67 +12,108 @@ from numpy.typing import NDArray
 
 from softfinger.measurement.decisions import DECISIONS
 
+Array = NDArray[np.float64]
 
-def steady_load_array(torque: NDArray[np.float64]) -> NDArray[np.float64]:
+
+def steady_load_array(time: Array, torque: Array) -> Array:
     """Replace each plateau's readings (knot,) by their mean.
 
     A plateau is a run of rows without a jump that stays within the share of the load's range that
-    counts as a change, but for a few rows on the way to it. A run of several plateaus is
-    split where its level changes most.
+    counts as a change, but for a few rows on the way to it. Any other run is split into levels and
+    ramps, about which its readings scatter.
 
-    >>> steady_load_array(np.array([0.0, 0.0, 1.0, 1.02, 0.98, 0.5, 0.5]))
+    >>> steady_load_array(np.arange(7.0), np.array([0.0, 0.0, 1.0, 1.02, 0.98, 0.5, 0.5]))
     array([0. , 0. , 1. , 1. , 1. , 0.5, 0.5])
     """
     change = _find_change(torque)
     steady = torque.copy()
+    is_row = np.append(np.diff(time) > 0.0, True)  # of two knots at one time the later one
     jumps = np.flatnonzero(np.abs(np.diff(torque)) > change) + 1
-    runs = [(run, False) for run in np.split(np.arange(len(torque)), jumps)]
-    while runs:
-        run, is_part = runs.pop()
-        away = np.abs(torque[run] - np.median(torque[run])) > 0.5 * change
-        there = run[~away]
-        first = _find_split(torque[run])
-        if away.mean() > DECISIONS.on_the_way or _is_step(torque[run], first):
-            runs += [(part, True) for part in np.split(run, [first])]
-        elif 0.0 < np.ptp(torque[there]) <= change and not (is_part and _may_run(torque[there])):
-            steady[there] = torque[there].mean()
+    for run in np.split(np.arange(len(torque)), jumps):
+        rows = run[is_row[run]]
+        if len(rows) == 0 or np.ptp(torque[run]) == 0.0:
+            continue
+        steadied, is_steady = torque[rows], np.zeros(len(rows), bool)
+        for first, end, values in _steady_rows(time[rows], torque[rows], change):
+            steadied[first:end], is_steady[first:end] = values, True
+        row = np.minimum(np.searchsorted(rows, run), len(rows) - 1)  # that a knot leads to
+        knots = run[is_steady[row]]
+        steady[knots] = np.interp(time[knots], time[rows], steadied)
     return steady
 
 
-def _find_split(torque: NDArray[np.float64]) -> int:
-    """First row (knot,) after the change of level that explains most of the squares."""
+def _steady_rows(time: Array, torque: Array, change: float) -> list[tuple[int, int, Array]]:
+    """Split readings (row,) into levels and ramps: first row, end, and what they become."""
+    parts, found = [(0, len(torque))], []
+    while parts:
+        first, end = parts.pop()
+        t, q = time[first:end], torque[first:end]
+        there = np.abs(q - np.median(q)) <= 0.5 * change
+        is_level = there.mean() >= 1.0 - DECISIONS.on_the_way
+        whole, split = len(q) == len(torque), _find_step(t, q)
+        if split is None and is_level and (whole or _scatters(q[there])):
+            found.append((first, end, np.where(there, q[there].mean(), q)))
+            continue
+        line = _fit_line(t, q)
+        if split is None and len(q) >= DECISIONS.ramp_rows and _scatters(q - line):
+            found.append((first, end, line))
+            continue
+        split = split or _find_bend(t, q)
+        if split is not None:
+            parts += [(first, first + split), (first + split, end)]
+    return found
+
+
+def _fit_line(time: Array, torque: Array) -> Array:
+    away = time - time.mean()
+    return torque.mean() + away * (away @ torque) / max(float(away @ away), 1e-300)
+
+
+def _scatters(left: Array) -> bool:
+    """Whether what a level or a line leaves (row,) scatters: von Neumann's ratio."""
+    if len(left) < DECISIONS.plateau_rows:
+        return False
+    squares = float(np.sum((left - left.mean()) ** 2))
+    return float(np.sum(np.diff(left) ** 2)) >= DECISIONS.scatter_ratio * squares
+
+
+def _find_bend(time: Array, torque: Array) -> int | None:
+    """First row after which another line fits best; None where there are too few rows."""
+    least = DECISIONS.plateau_rows // 2
+    if len(torque) < 2 * least:
+        return None
+    left = _leave_lines(time, torque)[least - 1 : len(torque) - least]
+    right = _leave_lines(-time[::-1], torque[::-1])[::-1][least : len(torque) - least + 1]
+    return least + int(np.argmin(left + right))
+
+
+def _leave_lines(time: Array, torque: Array) -> Array:
+    """Squares that a line leaves of the first rows, up to each row (row,)."""
+    t, q = time - time.mean(), torque - torque.mean()
+    number = np.arange(1, len(t) + 1)
+    st, sq, stt, stq, sqq = (np.cumsum(part) for part in (t, q, t * t, t * q, q * q))
+    across = stt - st**2 / number
+    slope = np.divide(stq - st * sq / number, across, out=np.zeros_like(t), where=across > 0.0)
+    return sqq - sq**2 / number - slope**2 * across
+
+
+def _find_step(time: Array, torque: Array) -> int | None:
+    """First row (row,) of another level, if near it two levels leave less than a line."""
+    least, window = DECISIONS.plateau_rows // 2, DECISIONS.step_window
+    if len(torque) < 2 * least:
+        return None
     before = np.arange(1, len(torque))
     fallen = np.cumsum(torque - torque.mean())[:-1]
     explained = fallen**2 / (before * (len(torque) - before))
-    return int(before[np.argmax(explained)]) if len(before) else 0
+    split = int(np.argmax(explained[least - 1 : 1 - least])) + least
+    near = slice(max(split - window, 0), split + window)
+    sides = torque[near.start : split], torque[split : near.stop]
+    line = torque[near] - _fit_line(time[near], torque[near])
+    levels = sum(float(np.var(side)) * len(side) for side in sides)
+    return split if levels < DECISIONS.step_leaves * float(line @ line) else None
 
 
-def _is_step(torque: NDArray[np.float64], first: int) -> bool:
-    """Whether readings (knot,) step at a row, near which a line leaves more of them."""
-    near = [torque[max(first - DECISIONS.step_window, 0) : first]]
-    near += [torque[first : first + DECISIONS.step_window]]
-    sides = [_drop_held(side) for side in near]
-    if min(len(side) for side in sides) < DECISIONS.plateau_rows:
-        return False
-    both = np.concatenate(sides)
-    line = np.polynomial.Polynomial.fit(np.arange(len(both)), both, 1)
-    left = np.sum((both - line(np.arange(len(both)))) ** 2)
-    return float(sum(np.var(side) * len(side) for side in sides)) < DECISIONS.step_leaves * left
-
-
-def _may_run(torque: NDArray[np.float64]) -> bool:
-    """Whether readings (knot,) may be a ramp's, by von Neumann's ratio."""
-    torque = _drop_held(torque)
-    if len(torque) < DECISIONS.plateau_rows:
-        return True
-    return float(np.mean(np.diff(torque) ** 2) / np.var(torque)) < DECISIONS.scatter_ratio
-
-
-def _drop_held(torque: NDArray[np.float64]) -> NDArray[np.float64]:
-    return torque[np.flatnonzero(np.diff(torque, prepend=np.nan))]
-
-
-def _find_change(torque: NDArray[np.float64]) -> float:
+def _find_change(torque: Array) -> float:
     return DECISIONS.load_change * max(np.ptp(torque), np.abs(torque).max(), 1e-300)
 
 
@@ -86,7 +127,8 @@ def steady_log(angles: xr.Dataset) -> tuple[xr.Dataset, float]:
         is load; 0 where every plateau was steady.
     """
     logged = angles["load_torque"].transpose("trial", "knot")
-    steady = np.stack([steady_load_array(torque) for torque in logged.values])
+    times = angles["load_time"].transpose("trial", "knot").values
+    steady = np.stack([steady_load_array(*log) for log in zip(times, logged.values, strict=True)])
     loaded = np.abs(steady) > np.array([[_find_change(torque)] for torque in logged.values])
     if not loaded.any():
         return angles, 0.0

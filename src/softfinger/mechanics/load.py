@@ -12,6 +12,8 @@ from softfinger.compiled import compiled
 from softfinger.faults import Fault
 from softfinger.mechanics.checks import require_finite, require_forward_in_time
 
+ROUNDING = 1e-12  # how far three points on a line seem to be from it, relative
+
 
 def check_load(load_time: ArrayLike, load_torque: ArrayLike) -> None:
     """Refuse knots that are no load history.
@@ -42,8 +44,8 @@ def drop_idle_knots(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Leave out knots at which the load does not turn.
 
-    They lie between two knots of exactly their own load, as most rows of a dense log of a command
-    do. The load is the same function of time, and an integrator may step across a plateau.
+    They lie on the line between their neighbours, as most rows of a dense log of a command do. The
+    load is the same function of time, and an integrator may step across a plateau.
 
     Parameters
     ----------
@@ -60,16 +62,29 @@ def drop_idle_knots(
     >>> drop_idle_knots(np.array([[0.0, 1.0, 2.0, 3.0]]), np.array([[0.0, 5.0, 5.0, 5.0]]))
     (array([[0., 1., 3.]]), array([[0., 5., 5.]]))
     """
-    kept = np.ones(load_torque.shape, bool)
-    inner = load_torque[:, 1:-1]
-    kept[:, 1:-1] = (inner != load_torque[:, :-2]) | (inner != load_torque[:, 2:])
+    log = load_time, load_torque
+    told_once = np.ones(load_torque.shape, bool)
+    told_once[:, :-1] = np.logical_or(*(np.diff(rows) != 0.0 for rows in log))
+    time, torque = log = _keep_knots(log, told_once)
+    span, rise = np.diff(time), np.diff(torque)
+    turn = np.abs(rise[:, :-1] * span[:, 1:] - rise[:, 1:] * span[:, :-1])
+    size = np.abs(torque).max(axis=1, keepdims=True) * (span[:, :-1] + span[:, 1:])
+    turns = np.ones(torque.shape, bool)
+    turns[:, 1:-1] = turn > ROUNDING * size
+    return _keep_knots(log, turns)
+
+
+def _keep_knots(
+    log: tuple[NDArray[np.float64], ...], kept: NDArray[np.bool_]
+) -> tuple[NDArray[np.float64], ...]:
+    """Keep chosen knots (trial, knot), padded by the last one."""
     count = kept.sum(axis=1)
-    if count.min() == load_torque.shape[1]:
-        return load_time, load_torque
+    if count.min() == kept.shape[1]:
+        return log
     order = np.argsort(~kept, axis=1, kind="stable")[:, : count.max()]
     last = np.minimum(np.arange(order.shape[1]), count[:, None] - 1)
     order = np.take_along_axis(order, last, axis=1)
-    return tuple(np.take_along_axis(rows, order, axis=1) for rows in (load_time, load_torque))
+    return tuple(np.take_along_axis(rows, order, axis=1) for rows in log)
 
 
 def integrate_load_array(

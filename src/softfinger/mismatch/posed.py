@@ -74,8 +74,9 @@ Pose = Callable[[MeasurementEntry, Mapping[str, tuple[float, float]]], Posed]
 def pose_load(angles: xr.Dataset, pose: Pose) -> Posed:
     """Choose the load that the motion prefers.
 
-    Plateaus are steady unless it prefers every reading; steps are placed within their gaps. A load
-    that changes in every row costs most of a diagnosis, so the steady one comes first.
+    Plateaus are steady and ramps straight unless it prefers every reading; steps are placed within
+    their gaps. A load that turns in every row costs most of a diagnosis, so the steady one comes
+    first.
     """
     error = steady_log(angles)[1]
     posed = mend_steps(pose(MeasurementEntry(steady_load=error > 0.0), {}), pose)

@@ -37,7 +37,7 @@ def test_a_load_without_idle_knots_is_the_same_function_of_time():
     ramp = np.clip(dense - 1.0, 0.0, 3.0)
     before = np.stack([dense, dense]), np.stack([steps, ramp])
     after = drop_idle_knots(*before)
-    assert after[0].shape == (2, 15)  # of the ramp; the steps are padded by their last knot
+    assert after[0].shape == (2, 6)  # of the steps; the ramp is padded by its last knot
     assert np.unique(after[0][0]).tolist() == [0.0, 1.75, 2.0, 3.75, 4.0, 5.75]
     time = np.linspace(-1.0, 8.0, 91)
     for trial in range(2):

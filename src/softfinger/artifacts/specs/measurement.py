@@ -61,7 +61,7 @@ SPEC = ArtifactSpec(
             (), "1", "how slow the camera's clock runs, which was set right", optional=True
         ),
         "steady_load": Variable(
-            (), "1", "a load at rest counts as one reading", "truth value", optional=True
+            (), "1", "levels and ramps of the load are steady", "truth value", optional=True
         ),
         "steps_early": Variable(
             (),

@@ -37,7 +37,7 @@ class HumEntry(Part):
 class MeasurementEntry(Part):
     """What recordings suffer from, found together with the physics.
 
-    `steady_load`: readings while the load rests count as one; `clock_rate`: how slow the
+    `steady_load`: readings count as levels and straight ramps; `clock_rate`: how slow the
     camera's clock runs, as a share; `steps_early`: how much sooner than at its later row a step of
     the load comes, as a share of the gap between the two rows that state it; `disturbances`: their
     sds, each in its own unit.

@@ -5,11 +5,12 @@ from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
 from softfinger.mechanics.forward.drives import drive_of
-from softfinger.mechanics.forward.hooks import TURN
+from softfinger.mechanics.forward.hooks import LOG, TURN
 from softfinger.mechanics.forward.phi import mode_response
 from softfinger.mechanics.forward.tangents import (
     add_drives,
     add_responses,
+    add_scaled,
     drive_modes,
     move_modes,
 )
@@ -21,11 +22,25 @@ _BEND = 0.1  # how far the worst quadratic inside a step moves a mode, of a cons
 
 
 @compiled
-def set_straight_drives(work: Work, load: float, rise: float) -> None:
+def set_straight_drives(model: Model, work: Work, step: float) -> None:
     """Let drives be the load, a straight line."""
-    work.linear.drive[:, :, 0] = load
-    work.linear.drive[:, :, 1] = rise
-    work.linear.drive[:, :, 2] = 0.0
+    log, d_log, linear = work.load.log, work.load.d_log, work.linear
+    linear.drive[:, :, 0] = log[0]
+    linear.drive[:, :, 1] = log[1] * step
+    linear.drive[:, :, 2] = 0.0
+    if model.count[LOG] > 0:
+        for j in range(linear.rate.shape[0]):
+            for drive in range(3):
+                linear.d_drive[j, drive, 0] = d_log[0]
+                linear.d_drive[j, drive, 1] = 0.0
+                add_scaled(step, d_log[1], linear.d_drive[j, drive, 1])
+                linear.d_drive[j, drive, 2] = 0.0
+
+
+@compiled
+def drives_change(model: Model) -> bool:
+    """Whether the drives depend on the parameters."""
+    return model.curved or model.count[LOG] > 0
 
 
 @compiled
@@ -71,7 +86,7 @@ def emit_frame(
         if row.size == 0:
             continue
         add_responses(response, state.d_mode[j], linear.d_rate[j], linear.d_gain[j], row)
-        if model.curved:
+        if drives_change(model):
             add_drives(weight, linear.d_drive[j], row)
         if moving:
             for c in range(row.size):
@@ -99,7 +114,7 @@ def commit_step(model: Model, work: Work, step: float) -> None:
         if state.d_offset.shape[1] == 0:
             continue
         move_modes(response, state.d_mode[j], linear.d_rate[j], linear.d_gain[j])
-        if model.curved:
+        if drives_change(model):
             drive_modes(response, work.drive, linear.d_drive[j], state.d_mode[j])
     if model.curved:
         end = nodes.torque.shape[0] - 2

@@ -89,7 +89,7 @@ KINDS = tuple(SIGNATURES)
     call_damper, call_flow, call_turn, call_pull, call_balance, call_observe
 ) = map(build_call, SIGNATURES.values())  # fmt: skip
 _FEEDBACK = {"pull", "balance"}
-_CURVED = _FEEDBACK | {"log", "follow", "limit", "spring", "damper", "flow"}
+_CURVED = _FEEDBACK | {"follow", "limit", "spring", "damper", "flow"}
 
 
 @dataclass(frozen=True)

@@ -176,7 +176,7 @@ def _run_segment(
         final = now + step * 1.001 >= end
         length = end - now if final else step
         if straight:
-            set_straight_drives(work, log[VALUE], log[SLOPE] * length)
+            set_straight_drives(model, work, length)
         else:
             for i in range(4):
                 if i != START or not opened:

@@ -1,0 +1,89 @@
+"""A load log's plateaus are steady and its ramps straight; all else stays as it was read."""
+
+import numpy as np
+import pytest
+
+from softfinger.measurement.steady import steady_load_array
+from softfinger.mechanics.load import drop_idle_knots
+
+RNG = np.random.default_rng
+
+
+def steady_rows(torque, held=False):
+    """Steady readings every 10 ms; `held` up to the next one, as a dense log is."""
+    time = 0.01 * np.arange(len(torque))
+    if not held:
+        return steady_load_array(time, torque)
+    time, torque = np.repeat(time, 2)[1:], np.repeat(torque, 2)[:-1]
+    return steady_load_array(time, torque)[::2]
+
+
+def count_knots(torque):
+    time = 0.01 * np.arange(len(torque))
+    return drop_idle_knots(time[None], steady_load_array(time, torque)[None])[0].shape[1]
+
+
+def test_a_ramp_ends_in_a_plateau_that_is_steadied():
+    ramp, noise = np.array([0.0, 0.3, 0.6, 0.93, 0.965]), 0.003 * np.sin(np.arange(200.0))
+    steady = steady_rows(np.concatenate([ramp, 1.0 + noise]))
+    assert np.ptp(steady[5:]) == 0.0
+    np.testing.assert_array_equal(steady[:4], ramp[:4])
+    drifts = np.concatenate([ramp, np.linspace(1.0, 1.2, 200)])
+    np.testing.assert_allclose(steady_rows(drifts), drifts)
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_plateaus_that_no_row_separates_are_steadied_alone(held):
+    noise = 0.004 * RNG(1).normal(size=(3, 300))
+    rise, fall = np.linspace(0.6, 0.76, 6)[1:-1], np.linspace(0.76, 0.68, 4)[1:-1]
+    parts = [0.6 + noise[0], rise, 0.76 + noise[1], fall, 0.68 + noise[2]]
+    steady = steady_rows(np.concatenate(parts), held)
+    for start, level in ((0, 0.6), (304, 0.76), (606, 0.68)):
+        inside = steady[start : start + 300]
+        assert np.mean(inside == inside[150]) > 0.97
+        np.testing.assert_allclose(inside[150], level, atol=0.001)
+
+
+@pytest.mark.parametrize("held", [False, True])
+@pytest.mark.parametrize("scatter", [0.0, 0.003])
+def test_a_ramp_is_straight_and_no_stair(scatter, held):
+    triangle = np.interp(np.arange(1000), [0, 499, 999], [0.0, 1.0, 0.0])
+    read = triangle + scatter * RNG(2).normal(size=1000)
+    steady = steady_rows(read, held)
+    np.testing.assert_allclose(steady, triangle, atol=0.5 * scatter + 1e-9)
+    assert np.mean(np.diff(steady) == 0.0) < 0.02
+
+
+def test_a_noisy_ramp_has_a_few_knots():
+    triangle = np.interp(np.arange(1000), [0, 499, 999], [0.0, 1.0, 0.0])
+    assert count_knots(triangle + 0.003 * RNG(2).normal(size=1000)) < 30
+
+
+def test_readings_are_steady_up_to_a_jump():
+    time = np.repeat(0.01 * np.arange(200), 2)[1:]
+    levels = np.repeat([0.0, 1.0], 100) + 0.004 * RNG(5).normal(size=200)
+    steady = steady_load_array(time, np.repeat(levels, 2)[:-1])
+    assert np.count_nonzero(np.diff(steady)) == 1
+    np.testing.assert_allclose(np.unique(steady), [0.0, 1.0], atol=0.002)
+
+
+def test_a_ramp_of_few_rows_stays_as_it_is():
+    rows = np.concatenate([np.zeros(50), [0.04, 0.07, 0.12, 0.15, 0.18], np.full(50, 0.2)])
+    assert np.all(np.diff(steady_rows(rows)[49:56]) > 0.0)
+
+
+def test_a_curve_is_followed():
+    wave = np.sin(np.linspace(0.0, 6.0, 600))
+    np.testing.assert_allclose(steady_rows(wave), wave, atol=1e-9)
+    read = wave + 0.003 * RNG(4).normal(size=600)
+    assert np.sqrt(np.mean((steady_rows(read) - wave) ** 2)) < 0.003
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_small_steps_are_kept_and_a_drift_is_not(held):
+    noise = 0.004 * RNG(3).normal(size=(3, 300))
+    levels = np.concatenate([1.0 + noise[0], 0.97 + noise[1], 1.0 + noise[2]])
+    for part, level in zip(np.split(steady_rows(levels, held), 3), (1.0, 0.97, 1.0), strict=True):
+        np.testing.assert_allclose(part[5:-5], level, atol=0.001)
+    drift = np.linspace(1.0, 1.03, 900) + noise.ravel()
+    assert np.ptp(steady_rows(drift, held)) == 0.0
