@@ -35,6 +35,7 @@ def fill_rest(model: Model, work: Work, now: float) -> None:
     work.largest[:] = 0.0
     work.load.log[:], work.load.d_log[:] = 0.0, 0.0
     work.load.acting[:], work.load.d_acting[:], work.load.pace[:] = 0.0, 0.0, np.inf
+    work.load.stride[:] = 0.0
     for j in range(state.offset.size):
         nodes.angle[START, j] = model.joint[j, Q_INI]
         fill_modes(model, linear, j)

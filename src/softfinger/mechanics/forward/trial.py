@@ -32,6 +32,7 @@ VALUE, SLOPE = range(2)
 """Of the log on a segment: its value at the start, and its slope."""
 _MAX_STEPS = 20_000
 _INSTANT = 1e-12  # [s] knots that rounding alone keeps apart are a jump
+_ROUNDING = 1e-9  # of a load that does not jump, relative
 
 
 @compiled
@@ -66,6 +67,8 @@ def run_trial(
         end = load_time[knot + 1] if knot < last else time[max(frames - 1, 0)]
         if knot >= 0:
             jump = _limit(model, work, load_torque[knot]) - _limit(model, work, log[VALUE])
+            if abs(load_torque[knot] - log[VALUE]) > _ROUNDING * abs(load_torque[knot]):
+                work.load.stride[0] = 0.0
             _set_segment(work, load_time, load_torque, d_load, knot, end - now)
             for k in range(model.count[JUMP] if work.load.pace[0] == np.inf else 0):
                 call_jump(model.hook[JUMP, k], model, work, jump)
@@ -168,7 +171,8 @@ def _run_segment(
     """Go to the next knot; next frame, or −1."""
     tangents, log = model.d_chain.shape[0] > 0, work.load.log
     straight, start, steps, opened = not model.curved, now, 0, False
-    step = end - now if straight else min(longest, _first_step(model, work, tolerance))
+    stride = work.load.stride[0]
+    step = end - now if straight else min(longest, max(stride, _first_step(model, work, tolerance)))
     while now < end:
         steps += 1
         if steps > _MAX_STEPS or not step > _INSTANT:
@@ -203,6 +207,7 @@ def _run_segment(
     for k in range(model.count[FOLLOW]):
         call_follow(model.hook[FOLLOW, k], model, work.load, work.nodes, START, end - start, YES)
     log[VALUE] += log[SLOPE] * (end - start)
+    work.load.stride[0] = step
     return frame
 
 

@@ -72,6 +72,7 @@ class Load(structref.StructRefProxy):
     acting: Row  # (2,) what acts at the start; the second for what a hook must remember besides
     d_acting: Table  # (2, column)
     pace: Row  # (1,) [s] in which what acts follows: it does not jump, and a first step is short
+    stride: Row  # (1,) [s] of the next step where a segment begins without a jump, 0 after one
 
 
 class Linear(structref.StructRefProxy):
@@ -239,8 +240,9 @@ def allocate_work(n: int, modes: int, columns: int) -> Work:
         np.zeros(n), np.zeros((n, columns)),
     )  # fmt: skip
     load = Load(
-        np.zeros(2), np.zeros((2, columns)), np.zeros(2), np.zeros((2, columns)), np.zeros(1)
-    )
+        np.zeros(2), np.zeros((2, columns)), np.zeros(2), np.zeros((2, columns)), np.zeros(1),
+        np.zeros(1),
+    )  # fmt: skip
     linear = Linear(
         np.zeros((n, modes)), np.zeros((n, modes)),
         np.zeros((n, modes, columns)), np.zeros((n, modes, columns)),
