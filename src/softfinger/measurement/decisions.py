@@ -105,10 +105,10 @@ class MeasurementDecisions:
     Why: a ramp takes a few rows of a log, and a drift many.
     Test: `test_steady.py::test_small_steps_are_kept_and_a_drift_is_not`.
     """
-    step_leaves: float = 0.5
-    """What two levels leave of the readings near a step, as a share of what a line leaves.
+    step_nats: float = 10.0
+    """Evidence [nats] of two levels over a line from which a run steps.
 
-    Why: readings that scatter by a fifth of a step or less reach it, a drift does not.
+    Why: forty rows on either side that scatter by half a step reach it, and a drift does not.
     Test: `test_steady.py::test_small_steps_are_kept_and_a_drift_is_not`.
     """
     step_rows: float = 1.5

@@ -98,7 +98,7 @@ def _leave_lines(time: Array, torque: Array) -> Array:
 
 
 def _find_step(time: Array, torque: Array) -> int | None:
-    """First row (row,) of another level, if near it two levels leave less than a line."""
+    """First row (row,) of another level, where two levels explain more near it than a line."""
     least, window = DECISIONS.plateau_rows // 2, DECISIONS.step_window
     if len(torque) < 2 * least:
         return None
@@ -107,10 +107,11 @@ def _find_step(time: Array, torque: Array) -> int | None:
     explained = fallen**2 / (before * (len(torque) - before))
     split = int(np.argmax(explained[least - 1 : 1 - least])) + least
     near = slice(max(split - window, 0), split + window)
-    sides = torque[near.start : split], torque[split : near.stop]
     line = torque[near] - _fit_line(time[near], torque[near])
+    sides = torque[near.start : split], torque[split : near.stop]
     levels = sum(float(np.var(side)) * len(side) for side in sides)
-    return split if levels < DECISIONS.step_leaves * float(line @ line) else None
+    nats = 0.5 * len(line) * np.log(max(float(line @ line), 1e-300) / max(levels, 1e-300))
+    return split if nats >= DECISIONS.step_nats else None
 
 
 def _find_change(torque: Array) -> float:
