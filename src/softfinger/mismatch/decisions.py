@@ -44,11 +44,13 @@ class DiagnosisDecisions:
     form_error: float = 0.005
     """Share that textbook forms may leave to others.
 
-    It is of what effects explain, and may go to a further effect, whichever that is.
+    It is of what effects explain, and may go to a further effect, whichever that is, or to the
+    noise of a load log.
 
     Why: a curve known to 7 % leaves (7 %)² of χ²; a free law has no such error.
     Test: `test_rank.py::test_a_further_effect_must_bring_more_than_errors_of_textbook_forms`,
-    `test_settle.py::test_a_lead_within_the_error_of_shared_textbook_forms_is_none`.
+    `test_settle.py::test_a_lead_within_the_error_of_shared_textbook_forms_is_none`,
+    `test_weigh_log.py::test_a_log_takes_no_more_than_the_best_effect_may_leave`.
     """
     shape_left: float = 0.25
     """Share that effects may leave.

@@ -16,6 +16,7 @@ from softfinger.mechanics.effects.model import Piece
 from softfinger.mismatch.candidates.columns import ScoreColumns
 from softfinger.mismatch.candidates.rank import Progress, Score
 from softfinger.mismatch.checks.hums import Hum, describe_hums, hear_hums
+from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.search.calibrate import FalseAlarms
 from softfinger.mismatch.search.demand import Demand, build_demand
 from softfinger.mismatch.search.extend import Task
@@ -74,9 +75,9 @@ Pose = Callable[[MeasurementEntry, Mapping[str, tuple[float, float]]], Posed]
 def pose_load(angles: xr.Dataset, pose: Pose) -> Posed:
     """Choose the load that the motion prefers.
 
-    Plateaus are steady and ramps straight unless it prefers every reading; steps are placed within
-    their gaps. A load that turns in every row costs most of a diagnosis, so the steady one comes
-    first.
+    Plateaus are steady and ramps straight unless it prefers every reading, by more than the best
+    effect alone may leave of the motion; steps are placed within their gaps. A load that turns in
+    every row costs most of a diagnosis, so the steady one comes first.
     """
     error = steady_log(angles)[1]
     posed = mend_steps(pose(MeasurementEntry(steady_load=error > 0.0), {}), pose)
@@ -84,7 +85,9 @@ def pose_load(angles: xr.Dataset, pose: Pose) -> Posed:
         return posed
     survey = posed.survey
     more = weigh_log(posed.plain, posed.base, survey.ranked[0], angles, survey.needed)
-    if more >= MEASURING.present_nats:
+    leader = find_leader(posed.base, survey.ranked[0], survey.needed)
+    left = DECISIONS.form_error * (leader.log_evidence - posed.base.log_evidence)
+    if more >= MEASURING.present_nats + left:
         return mend_steps(pose(MeasurementEntry(), {}), pose)
     if more >= 0.0:
         return posed

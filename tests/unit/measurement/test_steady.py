@@ -54,6 +54,13 @@ def test_a_ramp_is_straight_and_no_stair(scatter, held):
     assert np.mean(np.diff(steady) == 0.0) < 0.02
 
 
+def test_ramps_turn_where_the_load_does():
+    turns = np.array([0, 280, 590, 900, 1210])
+    wave = np.interp(np.arange(1210), turns, [0.0, 1.0, 0.0, 1.0, 0.0])
+    steady = steady_rows(wave + 0.003 * RNG(6).normal(size=1210))
+    np.testing.assert_allclose(steady, wave, atol=0.01)
+
+
 def test_a_noisy_ramp_has_a_few_knots():
     triangle = np.interp(np.arange(1000), [0, 499, 999], [0.0, 1.0, 0.0])
     assert count_knots(triangle + 0.003 * RNG(2).normal(size=1000)) < 30

@@ -17,6 +17,7 @@ from softfinger.measurement.measure import add_components
 from softfinger.measurement.mend import mend_recordings
 from softfinger.measurement.steady import steady_log
 from softfinger.mechanics.effects.measurement_file import MeasurementEntry
+from softfinger.mismatch import posed as diagnosed
 from softfinger.mismatch.posed import Posed, mend_clock, mend_steps, pose_load
 from softfinger.mismatch.search.judge import _carry_over
 from softfinger.mismatch.search.log_and_clock import find_clock_rate, find_steps_early, weigh_log
@@ -79,6 +80,24 @@ def test_the_steady_log_comes_first_and_stays_where_the_motion_prefers_it(follow
     angles = steady_log(angles)[0]
     pose_load(angles, pose)
     assert posed == [False]
+
+
+@pytest.mark.parametrize(("explained", "follows"), [(1000.0, True), (10000.0, False)])
+def test_a_log_takes_no_more_than_the_best_effect_may_leave(explained, follows, monkeypatch):
+    angles, posed = record(follows=False), []
+    problem, fit = pose_problem(steady_log(angles)[0])
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    survey = SimpleNamespace(ranked=([], []), needed=7.0)
+    leader = base._replace(log_evidence=base.log_evidence + explained)
+    monkeypatch.setattr(diagnosed, "weigh_log", lambda *_: 20.0)
+    monkeypatch.setattr(diagnosed, "find_leader", lambda *_: leader)
+
+    def pose(mended, known):
+        posed.append(mended.steady_load)
+        return Posed(angles, problem, base, survey, known, mended)
+
+    pose_load(angles, pose)
+    assert posed == ([True, False] if follows else [True])
 
 
 def test_a_log_of_steady_plateaus_stays_as_it_is():
