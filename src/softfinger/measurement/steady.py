@@ -43,7 +43,10 @@ def steady_load_array(time: Array, torque: Array) -> Array:
 
 
 def _steady_rows(time: Array, torque: Array, change: float) -> list[tuple[int, int, Array]]:
-    """Split readings (row,) into levels and ramps: first row, end, and what they become."""
+    """Split readings (row,) into levels and ramps.
+
+    Of each: its first row, its end, and what its readings become.
+    """
     parts, found = [(0, len(torque))], []
     while parts:
         first, end = parts.pop()
@@ -70,7 +73,7 @@ def _fit_line(time: Array, torque: Array) -> Array:
 
 
 def _scatters(left: Array) -> bool:
-    """Whether what a level or a line leaves (row,) scatters: von Neumann's ratio."""
+    """Whether what is left (row,) scatters, by von Neumann's ratio."""
     if len(left) < DECISIONS.plateau_rows:
         return False
     squares = float(np.sum((left - left.mean()) ** 2))
@@ -78,7 +81,7 @@ def _scatters(left: Array) -> bool:
 
 
 def _find_bend(time: Array, torque: Array) -> int | None:
-    """First row after which another line fits best; None where there are too few rows."""
+    """First row of another line; None of too few rows."""
     least = DECISIONS.plateau_rows // 2
     if len(torque) < 2 * least:
         return None
@@ -88,7 +91,7 @@ def _find_bend(time: Array, torque: Array) -> int | None:
 
 
 def _leave_lines(time: Array, torque: Array) -> Array:
-    """Squares that a line leaves of the first rows, up to each row (row,)."""
+    """Squares that a line leaves up to each row (row,)."""
     t, q = time - time.mean(), torque - torque.mean()
     number = np.arange(1, len(t) + 1)
     st, sq, stt, stq, sqq = (np.cumsum(part) for part in (t, q, t * t, t * q, q * q))
@@ -98,7 +101,7 @@ def _leave_lines(time: Array, torque: Array) -> Array:
 
 
 def _find_step(time: Array, torque: Array) -> int | None:
-    """First row (row,) of another level, where two levels explain more near it than a line."""
+    """First row of another level, where two explain more than a line."""
     least, window = DECISIONS.plateau_rows // 2, DECISIONS.step_window
     if len(torque) < 2 * least:
         return None

@@ -1,4 +1,4 @@
-"""A load log's plateaus are steady and its ramps straight; all else stays as it was read."""
+"""Plateaus become steady, ramps straight; all else stays."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ RNG = np.random.default_rng
 
 
 def steady_rows(torque, held=False):
-    """Steady readings every 10 ms; `held` up to the next one, as a dense log is."""
+    """Steady readings every 10 ms, `held` up to the next or not."""
     time = 0.01 * np.arange(len(torque))
     if not held:
         return steady_load_array(time, torque)

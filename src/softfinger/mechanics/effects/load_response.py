@@ -1,11 +1,13 @@
-"""A free impulse response from the log to the load that acts: causal, and not negative.
+"""A free impulse response from the log to the load.
+
+It is causal, and not negative.
 
 A share m_k of the log arrives evenly spread between two delays, the rest at once:
 
     u(t) (1 − Σ m_k) + Σ m_k ∫ u(t − s) ds / (d_k+1 − d_k),   s from d_k to d_k+1.
 
 A step becomes straight lines, so it is exact for what is held. A ramp begins by parabolas, which
-are met at four knots for each of those delays; a ramp of two frames is met as a step is.
+are met at four knots for each of those delays.
 """
 
 from itertools import pairwise
@@ -26,7 +28,6 @@ FINE = np.concatenate([np.linspace(a, b, 5)[:4] for a, b in pairwise(EDGES)])
 SHARE = 0.3  # prior scale of each
 USUAL = 5.0  # frame intervals, beyond which a share is the rarer the later it comes, as is a lag
 DENSE = 48  # knots of a log from which no more are needed
-BRIEF = 2.0  # frame intervals of a ramp whose parabolas no frame resolves
 
 _RESPONSE, _UNIT = declare(
     response=Slot("law", "1", 0.0, "share of the log that arrives between two delays: of joint 1"),
@@ -68,11 +69,11 @@ def spread_log(model: Model, time: NDArray, load: NDArray) -> tuple[NDArray, NDA
 
 @compiled
 def _list_moments(time: NDArray, load: NDArray, unit: float) -> NDArray:
-    """Where the acting load may turn, in order: knots of the log, and their echoes."""
+    """Where the load may turn: knots and their echoes."""
     if time.size > DENSE:
         return np.unique(time)
     turns = np.unique((time.reshape(-1, 1) + unit * EDGES).ravel())
-    if np.any((np.diff(time) > BRIEF * unit) & (np.diff(load) != 0.0)):  # a ramp
+    if np.any((np.diff(time) > 0.0) & (np.diff(load) != 0.0)):  # a ramp
         return np.unique(np.append(turns, (time.reshape(-1, 1) + unit * FINE).ravel()))
     return turns
 
@@ -90,7 +91,7 @@ def _evaluate(time: NDArray, load: NDArray, at: float) -> float:
 
 @compiled
 def _integrate(time: NDArray, load: NDArray, area: NDArray, at: float) -> float:
-    """The log's integral up to a moment, from its integrals (knot,) up to the knots."""
+    """The log's integral up to a moment, from those (knot,)."""
     k = np.searchsorted(time, at, side="right") - 1
     if k < 0:
         return 0.0

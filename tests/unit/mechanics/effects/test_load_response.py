@@ -1,4 +1,4 @@
-"""A free response of the load moves the finger as an average of its delayed motions."""
+"""A free response moves the finger as delayed loads do, on average."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ LOGS = {
 
 
 def simulate(time, log, slots, directions=()):
-    """One joint's angle (n,) and its changes (n, direction), under a log of the load."""
+    """One joint's angle (n,) and changes (n, direction) under a log."""
     finger = describe_finger(FingerGeometry.uniform([0.025], [0.005], 0.008, 0.005))
     own = np.array([[[-2.4, -3.7, 2.9, 0.02]]])
     series = np.atleast_2d(time), *np.atleast_2d(*log)
