@@ -31,14 +31,14 @@ def mend_recordings(angles: xr.Dataset, known: MeasurementEntry) -> xr.Dataset:
     Returns
     -------
     Dataset
-        As `angles`, with time multiplied by 1 + rate, plateaus of the load at their mean, steps
+        As `angles`, with time multiplied by 1 + rate, plateaus of the load at their mean, its steps
         sooner by a share of their gaps, and each hum a cos ωt + b sin ωt taken off, t being the
         time that was set right.
     """
-    if known.steps_early:
-        angles = _advance_steps(angles, known.steps_early)
     if known.steady_load:
         angles = steady_log(angles)[0]
+    if known.steps_early:
+        angles = _advance_steps(angles, known.steps_early)
     if known.clock_rate:
         angles = angles.assign(time=angles["time"] * (1.0 + known.clock_rate))
     if known.hums:

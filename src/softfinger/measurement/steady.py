@@ -3,7 +3,8 @@
 What it reads beside that is its own error.
 
 A log that scatters or drifts while the load rests or runs shows its error by itself. The motion
-decides between this model of the log and the other, in which the load follows every reading.
+decides between this model of the log and the other, in which the load follows every reading and
+stays until the next.
 """
 
 import numpy as np
@@ -11,6 +12,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from softfinger.measurement.decisions import DECISIONS
+from softfinger.measurement.ramps import straighten_ramps_array
 
 Array = NDArray[np.float64]
 
@@ -127,14 +129,17 @@ def steady_log(angles: xr.Dataset) -> tuple[xr.Dataset, float]:
     Returns
     -------
     angles, error
-        With `load_torque` (trial, knot) steadied; relative rms of what was taken away, where there
-        is load; 0 where every plateau was steady.
+        With `load_time` and `load_torque` (trial, knot) steadied, and ramps of a few rows straight;
+        relative rms of what was taken away from rows with load, 0 where all were steady.
     """
-    logged = angles["load_torque"].transpose("trial", "knot")
-    times = angles["load_time"].transpose("trial", "knot").values
-    steady = np.stack([steady_load_array(*log) for log in zip(times, logged.values, strict=True)])
-    loaded = np.abs(steady) > np.array([[_find_change(torque)] for torque in logged.values])
-    if not loaded.any():
-        return angles, 0.0
-    error = float(np.sqrt(np.mean((logged.values[loaded] / steady[loaded] - 1.0) ** 2)))
-    return angles.assign(load_torque=(logged.dims, steady)), error
+    names, dims = ["load_time", "load_torque"], ("trial", "knot")
+    time, torque = (angles[name].transpose(*dims).values for name in names)
+    steady = np.stack([steady_load_array(*log) for log in zip(time, torque, strict=True)])
+    change = np.array([_find_change(log) for log in torque])
+    is_row = np.diff(time, axis=1, append=np.inf) > 0.0
+    loaded = is_row & (np.abs(steady) > change[:, None])
+    away = np.append(torque[loaded] / steady[loaded] - 1.0, 0.0)
+    logs = [straighten_ramps_array(*log) for log in zip(time, steady, change, strict=True)]
+    parts = zip(names, map(np.stack, zip(*logs, strict=True)), strict=True)
+    steadied = angles.assign({name: (dims, values) for name, values in parts})
+    return steadied, float(np.sqrt(np.mean(away**2)))

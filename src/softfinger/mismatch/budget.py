@@ -30,7 +30,7 @@ class DiagnosisBudget:
     hopeless_nats: float = -2.0
     """[nats] No form with a lower linearised gain is fitted. Why: its prior alone costs that."""
     most_effects: int = 3
-    """Effects in a set that is tried. Why: a third beyond the second is unlisted already."""
+    """Effects in a set that is tried. Why: where a third is needed none is named."""
     rivals: int = 2
     """Sets of effects from which a further effect is tried. Why: forward addition with a second."""
     forms: int = 3

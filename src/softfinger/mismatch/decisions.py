@@ -20,6 +20,12 @@ class DiagnosisDecisions:
     Why: the usual level of a claim.
     Test: `test_settle.py::test_strong_evidence_names_one_set_and_close_evidence_does_not`.
     """
+    most_named: int = 2
+    """Effects that a verdict names together at most.
+
+    Why: where three are needed, something that no effect is, and they imitate, is as likely.
+    Test: `test_conclude.py::test_three_effects_that_are_needed_are_no_name`.
+    """
     slight: float = 0.02
     """Share of gain likely sets may disagree about.
 

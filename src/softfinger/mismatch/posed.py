@@ -10,6 +10,7 @@ from softfinger.inference.disturbances import CLOCKS, DRIFTS, find_kind, fit_dis
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.measure import add_components
+from softfinger.measurement.mend import mend_recordings
 from softfinger.measurement.steady import steady_log
 from softfinger.mechanics.effects.measurement_file import MeasurementEntry
 from softfinger.mechanics.effects.model import Piece
@@ -79,17 +80,19 @@ def pose_load(angles: xr.Dataset, pose: Pose) -> Posed:
     effect alone may leave of the motion; steps are placed within their gaps. A load that turns in
     every row costs most of a diagnosis, so the steady one comes first.
     """
-    error = steady_log(angles)[1]
-    posed = mend_steps(pose(MeasurementEntry(steady_load=error > 0.0), {}), pose)
-    if error == 0.0:
+    steady, error = steady_log(angles)
+    differs = not steady.equals(angles)
+    posed = mend_steps(pose(MeasurementEntry(steady_load=differs), {}), pose)
+    if not differs:
         return posed
     survey = posed.survey
-    more = weigh_log(posed.plain, posed.base, survey.ranked[0], angles, survey.needed)
+    raw = mend_recordings(angles, posed.mended.model_copy(update={"steady_load": False}))
+    more = weigh_log(posed.plain, posed.base, survey.ranked[0], raw, survey.needed)
     leader = find_leader(posed.base, survey.ranked[0], survey.needed)
     left = DECISIONS.form_error * (leader.log_evidence - posed.base.log_evidence)
     if more >= MEASURING.present_nats + left:
         return mend_steps(pose(MeasurementEntry(), {}), pose)
-    if more >= 0.0:
+    if more >= 0.0 or error == 0.0:
         return posed
     noise = add_components(posed.plain.noise, {"noisy_load": error}, {"noisy_load": -more})
     known = {**posed.known, "noisy_load": (error, -more)}

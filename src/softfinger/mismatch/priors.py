@@ -12,6 +12,11 @@ class DiagnosisPriors:
 
     Test: `test_settle.py::test_base_and_effects_share_the_prior_by_halves`.
     """
+    listed: float = 0.6
+    """Probability that effects are real where more are needed than are named.
+
+    Why: more likely than not, as each explains a part. Test: as of `most_named`.
+    """
     component_nats: float = 3.0
     """[nats] that a disturbance costs. Why: its size is one of five; one campaign in four has it.
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import xarray as xr
 from scipy.special import expit
 
-from softfinger.inference.problem import Candidate, Problem
+from softfinger.inference.problem import Problem
 from softfinger.mismatch.checks.free_form import FreeForm
 from softfinger.mismatch.checks.lines import Line, find_line
 from softfinger.mismatch.checks.slips import Slips, find_slips
@@ -29,9 +29,7 @@ class Findings(NamedTuple):
     free
         The best free-form term on top of the best model; None where nothing calls for one.
     gain
-        Gain [nats] of the best one or two listed effects over the base model.
-    further
-        What a third effect adds to that [nats].
+        Gain [nats] of the best listed effects over the base model.
     """
 
     excess: float
@@ -40,13 +38,12 @@ class Findings(NamedTuple):
     slips: Slips
     free: FreeForm | None
     gain: float
-    further: float
 
     @property
     def left(self) -> float:
-        """Evidence [nats] for what two effects leave."""
+        """Evidence [nats] for what the effects leave."""
         free = 0.0 if self.free is None else self.free.gain
-        return max(self.further, free, self.line.gain, self.slips.gain)
+        return max(free, self.line.gain, self.slips.gain)
 
     def is_unlisted(self, needed: float) -> bool:
         """Whether more is left than is allowed."""
@@ -64,13 +61,10 @@ def examine(problem: Problem, search: Search, angles: xr.Dataset, *, needed: flo
     line = find_line(problem, compute_residual(problem, search.best, angles), time)
     free = search.shape.free
     free = free if free is not None and free.gain > needed else None
-    few = [c for c in (search.base, search.best, *search.candidates) if _is_small(search, c)]
-    best_few = max(c.log_evidence for c in few)
-    gain = best_few - search.base.log_evidence
-    further = max(search.best.log_evidence - best_few, 0.0)
+    gain = search.best.log_evidence - search.base.log_evidence
     slips = find_slips(problem, search.best, angles)
     excess = compute_excess(problem, search.best)
-    return Findings(*excess, line, slips, free, gain, further)
+    return Findings(*excess, line, slips, free, gain)
 
 
 def weigh_against_shape(search: Search, findings: Findings) -> float:
@@ -84,7 +78,3 @@ def weigh_against_shape(search: Search, findings: Findings) -> float:
     shape = search.base.log_evidence + search.alone.gain
     rest = 0.0 if findings.free is None else findings.free.gain
     return float(expit(search.best.log_evidence + rest - shape))
-
-
-def _is_small(search: Search, candidate: Candidate) -> bool:
-    return candidate.fit is not None and len(candidate.model.ids - search.base.model.ids) <= 2

@@ -30,8 +30,11 @@ def weigh_log(
     angles
         With the other log.
     """
-    torque = angles.sel(trial=plain.trials.name)["load_torque"].transpose("trial", "knot").values
-    other = replace(plain, trials=plain.trials._replace(load_torque=torque))
+    known = angles.sel(trial=plain.trials.name)
+    log = {
+        name: known[name].transpose("trial", "knot").values for name in ("load_time", "load_torque")
+    }
+    other = replace(plain, trials=plain.trials._replace(**log))
     leaders = list_leaders(base, singles, needed)
     moved = (fit_again(other, c, base) for c in (base, *leaders))
     best = [

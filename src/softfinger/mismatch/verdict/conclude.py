@@ -9,6 +9,7 @@ from softfinger.mismatch.checks.free_form import FreeForm
 from softfinger.mismatch.checks.locate import list_trial_covariates, locate_within
 from softfinger.mismatch.checks.summary import compute_elpd, compute_residual, explain_spread
 from softfinger.mismatch.decisions import DECISIONS
+from softfinger.mismatch.priors import PRIORS
 from softfinger.mismatch.search.settle import Posterior, join_ids
 from softfinger.mismatch.search.stepwise import Search
 from softfinger.mismatch.verdict.estimates import state_effects
@@ -44,7 +45,8 @@ def conclude(
     final = search.best
     decision = choose_decision(search, posterior, findings.is_unlisted(needed))
     if decision == "unlisted" and search.best is not search.base:
-        posterior = posterior.doubt(weigh_against_shape(search, findings))
+        real = PRIORS.listed if needs_many(posterior) else 1.0
+        posterior = posterior.doubt(real * weigh_against_shape(search, findings))
     effects = [] if decision == "adequate" else state_effects(problem, search, posterior, decision)
     if decision == "unlisted":
         effects = keep_likely(effects)
@@ -95,12 +97,20 @@ def keep_likely(effects: list[StatedEffect]) -> list[StatedEffect]:
 
 def choose_decision(search: Search, posterior: Posterior, unlisted: bool) -> str:
     """Choose among adequate, named, ambiguous and unlisted."""
-    if unlisted:
+    if unlisted or needs_many(posterior):
         return "unlisted"
     if search.best is search.base:
         return "adequate"
     top = next(iter(posterior.sets.values()))
     return "named" if top >= DECISIONS.sure else "ambiguous"
+
+
+def needs_many(posterior: Posterior) -> bool:
+    """Whether each likely set has more effects than are named.
+
+    Free laws in three places follow nearly any motion, so that they fit shows no three causes.
+    """
+    return all(len(ids) > DECISIONS.most_named for ids in posterior.equivalent)
 
 
 def describe_remaining(problem: Problem, candidate: Candidate, findings: Findings) -> Remaining:

@@ -197,6 +197,5 @@ def test_effects_that_leave_much_do_not_explain(shape, p, unlisted):
         slips=quiet,
         free=SimpleNamespace(gain=shape),
         gain=1000.0,
-        further=0.0,
     )
     assert findings.is_unlisted(7.0) is unlisted
