@@ -139,6 +139,12 @@ class MeasurementDecisions:
     Why: by then a quartic follows what moves.
     Test: `test_noise.py::test_before_the_first_load_all_is_quiet`.
     """
+    denser: float = 2.0
+    """Times that earlier frames are denser than those at rest, to show noise as well.
+
+    Why: what noise does between frames at rest they cannot show.
+    Test: `test_noise.py::test_where_frames_thin_out_the_dense_ones_show_the_memory`.
+    """
     load_change: float = 0.05
     """Least jump or turn that is a change.
 

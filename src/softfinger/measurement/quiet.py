@@ -22,13 +22,55 @@ def find_quiet_array(
     >>> find_quiet_array(np.arange(6.0), np.array([0.0, 5.0]), np.array([1.0, 1.0]))
     array([False, False,  True,  True,  True, False])
     """
+    return _count_settling(time, load_time, load_torque)[1] == 0
+
+
+def split_smooth(
+    time: NDArray[np.float64], load_time: NDArray[np.float64], load_torque: NDArray[np.float64]
+) -> list[NDArray[np.int_]]:
+    """Frames of each stretch in which the motion is smooth.
+
+    It is where the finger rests. Between two changes of load creep looks alike at any scale of
+    time, so earlier stretches, each as long beside the time since the change, are as smooth. They
+    count beside a window at rest where their frames are denser, and show what noise does between.
+
+    >>> time = np.append(np.linspace(0.0, 25.0, 30), np.linspace(30.0, 129.0, 34))
+    >>> [len(run) for run in split_smooth(time, np.array([0.0]), np.array([1.0]))]
+    [4, 24, 33]
+    """
+    phase, settling = _count_settling(time, load_time, load_torque)
+    turns = np.flatnonzero((np.diff(phase) != 0) | (np.diff(settling) != 0.0)) + 1
+    kept: list[NDArray[np.int_]] = []
+    resting = 0.0  # median gap of the phase's window at rest
+    for run in reversed(np.split(np.arange(len(time)), turns)):
+        count = settling[run[0]]
+        if not np.isfinite(count):
+            continue
+        gap = np.median(np.diff(time[run])) if len(run) > 1 else np.inf
+        if count == 0.0:
+            resting = gap if len(run) >= DECISIONS.least_window_frames else 0.0
+        if count == 0.0 or DECISIONS.denser * gap <= resting:
+            kept.insert(0, run)
+    return kept
+
+
+def _count_settling(
+    time: NDArray[np.float64], load_time: NDArray[np.float64], load_torque: NDArray[np.float64]
+) -> tuple[NDArray[np.int_], NDArray[np.float64]]:
+    """Between which changes (n,) a frame is, and how many stretches (n,) before rest.
+
+    The latter is NaN at a change and at the recording's ends.
+    """
     changes = find_load_changes_array(load_time, load_torque)
     edges = np.concatenate([[-np.inf], changes, [np.inf]])
     phase = np.searchsorted(edges, time, side="right") - 1
     begin = np.maximum(edges[phase], time[0])
     end = np.minimum(edges[phase + 1], time[-1])
-    unsettled = np.where(edges[phase] > -np.inf, DECISIONS.unsettled, 0.0)
-    return (time > begin + unsettled * (end - begin)) & (time < end)
+    inside = (time > begin) & (time < end)
+    share = np.where(inside, time - begin, 1.0) / np.where(inside, end - begin, 1.0)
+    share = np.where(edges[phase] > -np.inf, share, 1.0)  # before the first change it rests
+    settling = np.floor(np.log(share) / np.log(DECISIONS.unsettled))
+    return phase, np.where(inside, settling, np.nan)
 
 
 def find_load_changes_array(

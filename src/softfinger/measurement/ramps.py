@@ -21,7 +21,7 @@ def straighten_ramps_array(time: Array, torque: Array, change: float) -> tuple[A
     time, torque
         (knot,) [s], [N m]; of two knots at one time the later one is a row.
     change
-        Least step of a ramp [N m].
+        Least step of a ramp [N m]; its first and its last have half of that at least.
 
     Returns
     -------
@@ -34,12 +34,14 @@ def straighten_ramps_array(time: Array, torque: Array, change: float) -> tuple[A
     """
     rows = np.flatnonzero(np.append(np.diff(time) > 0.0, True))
     rise = np.diff(torque[rows])
-    is_step = (np.diff(rows) > 1) & (np.abs(rise) > change)
+    is_step = (np.diff(rows) > 1) & (np.abs(rise) > 0.5 * change)
     way = np.where(is_step, np.sign(rise), 0.0)
     turns = np.flatnonzero(np.diff(way, prepend=0.0, append=0.0))
     straight = time.copy(), torque.copy()
     for first, end in pairwise(turns):
-        if way[first] != 0.0 and end - first > 1:
+        least = np.abs(rise[first:end])
+        least[[0, -1]] *= 2.0
+        if way[first] != 0.0 and end - first > 1 and np.all(least > change):
             row = rows[first : end + 1]
             knots = row[1:] - 1  # that hold the row before
             straight[0][knots], straight[1][knots] = _join_rows(time[row], torque[row])

@@ -30,7 +30,7 @@ from softfinger.measurement.budget import BUDGET
 from softfinger.measurement.decisions import DECISIONS
 from softfinger.measurement.memory import Memory, fill_white
 from softfinger.measurement.priors import PRIORS
-from softfinger.measurement.quiet import find_quiet_array
+from softfinger.measurement.quiet import split_smooth
 
 DEGREE = PRIORS.degree  # of the polynomial that follows the motion of a window
 LEAST_SD = 1e-9  # [rad] far below any camera's noise: a frozen recording has none
@@ -142,8 +142,8 @@ def _find_quiet(angles: xr.Dataset, frames: xr.Dataset) -> tuple[Windows, NDArra
     sizes, trials = [0], []
     for trial in np.flatnonzero(frames["present"].values.any(axis=1)):
         index = np.flatnonzero(frames["used"].values[trial])
-        quiet = find_quiet_array(time[trial, index], *(load[trial] for load in loads))
-        for part in _split_quiet(index, quiet):
+        runs = split_smooth(time[trial, index], *(load[trial] for load in loads))
+        for part in _split_evenly([index[run] for run in runs]):
             t = time[trial, part]
             positions.append(2 * (t - t[0]) / (t[-1] - t[0]) - 1)
             gaps.append(np.diff(t, prepend=-np.inf) / interval)
@@ -155,16 +155,13 @@ def _find_quiet(angles: xr.Dataset, frames: xr.Dataset) -> tuple[Windows, NDArra
     return found, np.array(trials, int)
 
 
-def _split_quiet(index: NDArray, quiet: NDArray[np.bool_]) -> list[NDArray]:
-    """Split quiet runs of used frames into even windows.
+def _split_evenly(runs: list[NDArray]) -> list[NDArray]:
+    """Split runs of quiet frames into even windows.
 
     Each has at most `window_frames`.
     """
-    runs = np.split(index, np.flatnonzero(np.diff(quiet)) + 1)
-    first = bool(quiet[0])
-    quiet_runs = runs[0 if first else 1 :: 2]
     windows = []
-    for run in quiet_runs:
+    for run in runs:
         windows += np.array_split(run, -(-len(run) // DECISIONS.window_frames))
     return [window for window in windows if len(window) >= DECISIONS.least_window_frames]
 

@@ -130,3 +130,13 @@ def test_noise_that_outlasts_the_windows_is_not_taken_for_an_endless_drift(make_
         ratios.append(estimate_noise(angles)["noise_sd"].values / noise["noise_sd"].values)
     assert 0.6 < np.median(ratios) < 1.3
     assert np.max(ratios) < 2.0
+
+
+def test_where_frames_thin_out_the_dense_ones_show_the_memory(make_campaign, rng):
+    """Frames at rest, half a minute apart, seemed white, and so the dense ones counted too much."""
+    time = np.append(0.0, np.geomspace(0.5, 3600.0, 200))
+    held = [0.0, time[-1]], [0.04, 0.04]
+    angles, _, noise = make_campaign(rng, trials=8, joints=1, time=time, rho=0.9, load=held)
+    found = estimate_noise(angles)
+    assert found["noise_autocorrelation"].values == pytest.approx(0.9, abs=0.06)
+    assert found["noise_sd"].values == pytest.approx(noise["noise_sd"].values, rel=0.1)

@@ -1,0 +1,57 @@
+"""Ramps that a log reads in a few rows are straight."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from softfinger.campaign.load_log import build_load_array
+from softfinger.measurement.ramps import straighten_ramps_array
+
+
+def read(rows, begin, span, interval=0.02):
+    """Knots that the reader makes of a ramp from 0 to 1."""
+    time = interval * np.arange(rows)
+    load = np.interp(time, [begin, begin + span], [0.0, 1.0])
+    return build_load_array(time, load, step_within=0.05)
+
+
+@pytest.mark.parametrize("span", [0.07, 0.1, 0.15])
+@pytest.mark.parametrize("begin", [0.2, 0.207, 0.213])
+def test_a_ramp_begins_and_ends_where_it_did(begin, span):
+    time, torque = straighten_ramps_array(*read(40, begin, span), 0.05)
+    dense = np.linspace(0.0, 0.75, 3001)
+    truth = np.interp(dense, [begin, begin + span], [0.0, 1.0])
+    np.testing.assert_allclose(np.interp(dense, time, torque), truth, atol=0.025)
+    assert abs(np.trapezoid(np.interp(dense, time, torque) - truth, dense)) < 0.001
+
+
+def test_a_ramp_of_one_row_is_as_steep_as_it_must_be():
+    time, torque = straighten_ramps_array(*read(40, 0.21, 0.02), 0.05)
+    dense = np.linspace(0.0, 0.75, 3001)
+    truth = np.interp(dense, [0.21, 0.23], [0.0, 1.0])
+    assert abs(np.trapezoid(np.interp(dense, time, torque) - truth, dense)) < 0.001
+
+
+def test_a_step_stays_a_step():
+    stair = read(40, 0.205, 0.01)
+    for found, known in zip(straighten_ramps_array(*stair, 0.05), stair, strict=True):
+        np.testing.assert_array_equal(found, known)
+
+
+def test_steps_up_and_down_are_no_ramp():
+    time, load = np.arange(6.0), np.array([0.0, 1.0, 0.0, 0.0, 2.0, 1.0])
+    stair = build_load_array(time, load, 2.0)
+    for found, known in zip(straighten_ramps_array(*stair, 0.05), stair, strict=True):
+        np.testing.assert_array_equal(found, known)
+
+
+@given(st.lists(st.floats(-1.0, 1.0), min_size=2, max_size=12))
+def test_rows_stay_and_time_runs_forward(load):
+    time = 0.02 * np.arange(len(load))
+    stair = build_load_array(time, np.array(load), 0.05)
+    straight = straighten_ramps_array(*stair, 0.05)
+    assert np.all(np.diff(straight[0]) >= 0.0)
+    rows = np.flatnonzero(np.append(np.diff(stair[0]) > 0.0, True))
+    for found, known in zip(straight, stair, strict=True):
+        np.testing.assert_array_equal(found[rows], known[rows])
