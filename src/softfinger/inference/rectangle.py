@@ -41,34 +41,35 @@ def measure_rectangle(mean: NDArray, covariance: NDArray, low: NDArray, high: ND
     >>> round(np.exp(measure_rectangle(np.zeros(2), pair, np.zeros(2), np.full(2, np.inf))), 3)
     np.float64(0.167)
     """
-    p = len(mean)
+    bound = np.flatnonzero(np.isfinite(low) | np.isfinite(high))  # no other cuts anything off
+    p = len(bound)
     if p == 0:
         return 0.0
+    low, high, mean = low[bound], high[bound], mean[bound]
+    covariance = np.ascontiguousarray(covariance[bound][:, bound])
+    start = np.linalg.solve(covariance, mean)
     precision, pull = np.zeros(p), np.zeros(p)  # of the factors
     log_factor = np.zeros(p)
     now, place = covariance.copy(), mean.copy()
     for _ in range(ROUNDS):
         moved = 0.0
         for i in range(p):
-            if low[i] == -np.inf and high[i] == np.inf:
-                continue
             cavity = 1.0 / now[i, i] - precision[i]
             if cavity <= 0.0:
                 continue
             centre, variance = (place[i] / now[i, i] - pull[i]) / cavity, 1.0 / cavity
             log_mass, inner, spread = cut_normal(centre, variance, low[i], high[i])
-            before = precision[i]
-            precision[i] = max(1.0 / spread - cavity, 0.0)
+            more = max(1.0 / spread - cavity, 0.0) - precision[i]
+            precision[i] += more
             pull[i] = inner / spread - centre * cavity
             total = cavity + precision[i]
             raised = (centre * cavity + pull[i]) ** 2 / total - centre**2 * cavity
             log_factor[i] = log_mass + 0.5 * (math.log(total / cavity) - raised)
-            moved = max(moved, abs(precision[i] - before) / total)
-            now = np.linalg.inv(np.linalg.inv(covariance) + np.diag(precision))
-            place = now @ (np.linalg.solve(covariance, mean) + pull)
+            moved = max(moved, abs(more) / total)
+            now -= more / (1.0 + more * now[i, i]) * np.outer(now[:, i], now[i])
+            place = now @ (start + pull)
         if moved < RESTS:
             break
-    start = np.linalg.solve(covariance, mean)
     square = place @ (start + pull) - mean @ start
     volume = np.linalg.slogdet(np.eye(p) + covariance @ np.diag(precision))[1]
     return log_factor.sum() + 0.5 * (square - volume)

@@ -26,8 +26,8 @@ class MeasurementBudget:
     """
     rounds: int = 10
     """Rounds in which peaks are taken for outliers. Why: a burst of ten frames goes in five."""
-    size_digits: float = 0.03
-    """Of a component's size, to which it is found. Why: its sd is larger."""
+    size_digits: float = 0.01
+    """Step of a component's log size that shows a slope. Why: its sd is larger."""
     held_rounds: int = 50
     """Rounds in which the share of held frames is found. Why: it converges by halves."""
     bin_growth: float = 0.12

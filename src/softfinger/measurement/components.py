@@ -20,6 +20,7 @@ def choose_components(
     evaluate: Callable[[Mapping[str, float]], float],
     sizes: Mapping[str, NDArray[np.float64]],
     least: float = DECISIONS.present_nats,
+    most: int | None = None,
 ) -> tuple[Sizes, Sizes]:
     """Choose components and their sizes.
 
@@ -34,6 +35,8 @@ def choose_components(
         Component → the sizes (n,) that it may have.
     least
         Evidence [nats] from which a component is there.
+    most
+        Components after which no further one is sought.
 
     Returns
     -------
@@ -44,8 +47,9 @@ def choose_components(
     --------
     >>> def evaluate(size):
     ...     return -(np.log(size["a"]) ** 2) if "a" in size else -20.0
-    >>> choose_components(evaluate, {"a": np.array([0.5, 2.0]), "b": np.ones(1)})[0]
-    {'a': 1.0}
+    >>> size, _ = choose_components(evaluate, {"a": np.array([0.5, 2.0]), "b": np.ones(1)})
+    >>> list(size), round(size["a"], 1)
+    (['a'], 1.0)
     """
     known: dict[frozenset, float] = {}
 
@@ -55,17 +59,18 @@ def choose_components(
             known[key] = evaluate(size)
         return known[key]
 
-    return _choose(look_up, sizes, least)
+    return _choose(look_up, sizes, least, len(sizes) if most is None else most)
 
 
 def _choose(
     evaluate: Callable[[Mapping[str, float]], float],
     sizes: Mapping[str, NDArray[np.float64]],
     least: float,
+    most: int,
 ) -> tuple[Sizes, Sizes]:
     size: Sizes = {}
     absent = list(sizes)
-    while absent:
+    while absent and len(size) < most:
         gain = {name: _weigh(evaluate, size, name, sizes[name]) for name in absent}
         name = max(gain, key=lambda name: gain[name])
         if gain[name] < least:
@@ -102,15 +107,19 @@ def _refine(
 
     What asks for more is not this component.
     """
-    names = list(size)
+    names, start = list(size), evaluate(size)
+
+    def put(x: NDArray[np.float64]) -> Sizes:
+        return {name: round(float(np.exp(log)), 9) for name, log in zip(names, x, strict=True)}
+
     found = minimize(
-        lambda x: -evaluate(dict(zip(names, np.exp(x).tolist(), strict=True))),
+        lambda x: start - evaluate(put(x)),  # of the size of what may be gained
         np.log([size[name] for name in names]),
-        method="Nelder-Mead",
+        method="L-BFGS-B",
         bounds=[
             tuple(np.log([min(sizes[name]) / PRIORS.beyond, PRIORS.beyond * max(sizes[name])]))
             for name in names
         ],
-        options={"xatol": BUDGET.size_digits, "fatol": 0.03, "maxfev": BUDGET.evaluations},
+        options={"eps": BUDGET.size_digits, "ftol": 3e-3, "maxfun": BUDGET.evaluations},
     )
-    return {name: round(float(np.exp(x)), 12) for name, x in zip(names, found.x, strict=True)}
+    return max(size, put(found.x), key=evaluate)

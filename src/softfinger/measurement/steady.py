@@ -129,7 +129,7 @@ def steady_log(angles: xr.Dataset) -> tuple[xr.Dataset, float]:
     Returns
     -------
     angles, error
-        With `load_time` and `load_torque` (trial, knot) steadied, and ramps of a few rows straight;
+        With `load_time` and `load_torque` (trial, knot) steadied, straight from row to row;
         relative rms of what was taken away from rows with load, 0 where all were steady.
     """
     names, dims = ["load_time", "load_torque"], ("trial", "knot")
@@ -139,7 +139,7 @@ def steady_log(angles: xr.Dataset) -> tuple[xr.Dataset, float]:
     is_row = np.diff(time, axis=1, append=np.inf) > 0.0
     loaded = is_row & (np.abs(steady) > change[:, None])
     away = np.append(torque[loaded] / steady[loaded] - 1.0, 0.0)
-    logs = [straighten_ramps_array(*log) for log in zip(time, steady, change, strict=True)]
+    logs = [straighten_ramps_array(*log) for log in zip(time, steady, strict=True)]
     parts = zip(names, map(np.stack, zip(*logs, strict=True)), strict=True)
     steadied = angles.assign({name: (dims, values) for name, values in parts})
     return steadied, float(np.sqrt(np.mean(away**2)))

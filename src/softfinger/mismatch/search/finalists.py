@@ -2,6 +2,7 @@
 
 from softfinger.inference.problem import Candidate
 from softfinger.mismatch.budget import BUDGET
+from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.search.stepwise import Search
 
 Ids = frozenset[str]
@@ -10,11 +11,14 @@ Ids = frozenset[str]
 def list_finalists(search: Search, rivals: list[Candidate]) -> list[Candidate]:
     """The best model of each leading set, and rivals of other forms.
 
-    What leads with a disturbance need not lead without it: of one set both forms compete.
+    What leads with a disturbance need not lead without it: of one set both forms compete. Of sets
+    of more effects than are named none but the best counts.
     """
-    sets: dict[Ids, Candidate] = {search.base.model.ids: search.base}
+    known = search.base.model.ids
+    sets: dict[Ids, Candidate] = {known: search.base}
     for candidate in search.candidates:
-        if candidate.fit is not None and len(sets) <= BUDGET.finalists:
+        is_few = len(candidate.model.ids - known) <= DECISIONS.most_named
+        if candidate.fit is not None and is_few and len(sets) <= BUDGET.finalists:
             sets.setdefault(candidate.model.ids, candidate)
     finalists: dict[frozenset[str], Candidate] = {}
     for candidate in (*sets.values(), search.best, *rivals):

@@ -203,7 +203,7 @@ def judge(
 
 def needs_disturbance(plain: Problem, candidate: Candidate) -> bool:
     """Whether a model's residual shows any disturbance."""
-    return bool(_soften(plain, candidate)[1])
+    return bool(fit_disturbances(plain, candidate, PRIORS.component_nats, most=1)[0])
 
 
 def _soften(plain: Problem, candidate: Candidate) -> tuple[Problem, dict[str, float]]:

@@ -114,18 +114,16 @@ def search_effects(task: Task, needed: float, worth: float = 0.0) -> Search:
         if top.log_evidence < base.log_evidence + worth:
             best = top
             break
-        found += _vary(task, top, rivals, size)
+        found += _vary(task, top, rivals) if size == 2 else []
         best = eliminate(problem, choose_top([top, *found], top), more, found)
     found.sort(key=lambda c: -c.log_evidence)
     return Search(base, found, larger, best, first_gain, task.refused, task.scores, shape, alone)
 
 
-def _vary(task: Task, top: Candidate, rivals: list[Candidate], size: int) -> list[Candidate]:
-    """Other forms of a set, and other partners in a pair."""
+def _vary(task: Task, top: Candidate, rivals: list[Candidate]) -> list[Candidate]:
+    """Other forms of a pair, and other partners in it."""
     found = swap_forms(task.problem, top, [*task.pieces, *list_finer(top, task.pieces)])
-    if size == 2:
-        found += try_partners(task, top, {rival.model.ids for rival in rivals})
-    return found
+    return found + try_partners(task, top, {rival.model.ids for rival in rivals})
 
 
 def _pair_up(
