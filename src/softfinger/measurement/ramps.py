@@ -19,7 +19,8 @@ def straighten_ramps_array(time: Array, torque: Array) -> tuple[Array, Array]:
     Parameters
     ----------
     time, torque
-        (knot,) [s], [N m]; of two knots at one time the later one is a row.
+        (knot,) [s], [N m]; of two knots at one time the later one is a row. The last one may be
+        repeated.
 
     Returns
     -------
@@ -30,7 +31,9 @@ def straighten_ramps_array(time: Array, torque: Array) -> tuple[Array, Array]:
     >>> straighten_ramps_array(*stair)
     (array([0. , 0.5, 1. , 2. , 2. , 2.5, 3. , 4. ]), array([0., 0., 1., 3., 3., 4., 4., 4.]))
     """
-    rows = np.flatnonzero(np.append(np.diff(time) > 0.0, True))
+    differs = (np.diff(time) != 0.0) | (np.diff(torque) != 0.0)
+    number = 2 + np.flatnonzero(differs).max(initial=-1)  # of knots that are no repetition
+    rows = np.flatnonzero(np.append(np.diff(time[:number]) > 0.0, True))
     is_step = (np.diff(rows) > 1) & (np.diff(torque[rows]) != 0.0)
     turns = np.flatnonzero(np.diff(is_step, prepend=False, append=False))
     straight = time.copy(), torque.copy()

@@ -53,6 +53,15 @@ def test_steps_between_levels_stay():
         np.testing.assert_array_equal(found, known)
 
 
+def test_the_last_knot_may_be_repeated():
+    stair = build_load_array(0.02 * np.arange(5), np.array([0.0, 0.0, 1.0, 2.0, 3.0]), 0.05)
+    padded = [np.append(part, np.repeat(part[-1], 3)) for part in stair]
+    straight = straighten_ramps_array(*stair)
+    for found, known in zip(straighten_ramps_array(*padded), straight, strict=True):
+        np.testing.assert_array_equal(found[: len(known)], known)
+        np.testing.assert_array_equal(found[len(known) :], known[-1])
+
+
 @given(st.lists(st.floats(-1.0, 1.0), min_size=2, max_size=12))
 def test_rows_stay_and_time_runs_forward(load):
     time = 0.02 * np.arange(len(load))
