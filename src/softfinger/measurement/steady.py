@@ -57,7 +57,10 @@ def _steady_rows(time: Array, torque: Array, change: float) -> list[tuple[int, i
         is_level = there.mean() >= 1.0 - DECISIONS.on_the_way
         whole, split = len(q) == len(torque), _find_step(t, q)
         if split is None and is_level and (whole or _scatters(q[there])):
-            found.append((first, end, np.where(there, q[there].mean(), q)))
+            inside = np.flatnonzero(there)
+            a, b = int(inside[0]), int(inside[-1]) + 1
+            found.append((first + a, first + b, np.where(there, q[there].mean(), q)[a:b]))
+            parts += [(m, n) for m, n in ((first, first + a), (first + b, end)) if m < n]
             continue
         line = _fit_line(t, q)
         if split is None and len(q) >= DECISIONS.ramp_rows and _scatters(q - line):

@@ -66,6 +66,15 @@ def test_a_noisy_ramp_has_a_few_knots():
     assert count_knots(triangle + 0.003 * RNG(2).normal(size=1000)) < 30
 
 
+def test_a_ramp_that_a_long_plateau_follows_is_straight_as_well():
+    """Its last half, a few percent of the plateau's rows, kept the noise of every reading."""
+    rows = np.arange(6000)
+    truth = np.interp(rows, [500, 650, 3800, 3950], [0.0, 1.0, 1.0, 0.4])
+    read = truth + 0.004 * RNG(7).normal(size=6000)
+    np.testing.assert_allclose(steady_rows(read), truth, atol=0.03)
+    assert count_knots(read) < 25
+
+
 def test_readings_are_steady_up_to_a_jump():
     time = np.repeat(0.01 * np.arange(200), 2)[1:]
     levels = np.repeat([0.0, 1.0], 100) + 0.004 * RNG(5).normal(size=200)
