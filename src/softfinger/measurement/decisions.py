@@ -99,6 +99,12 @@ class MeasurementDecisions:
     Why: it is 2 for white ones, 1 at an autocorrelation of 0.5, and near 0 for a curve.
     Test: `test_steady.py::test_a_ramp_is_straight_and_no_stair`.
     """
+    level_sds: float = 4.0
+    """Sds from a level beyond which half a dozen rows at its ends, on average, lead to it.
+
+    Why: one level in sixteen thousand loses half a dozen rows.
+    Test: `test_steady.py::test_a_small_ramp_between_levels_is_straight`.
+    """
     step_window: int = 40
     """Rows on either side by which a step within a run is judged.
 

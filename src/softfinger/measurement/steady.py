@@ -7,8 +7,12 @@ decides between this model of the log and the other, in which the load follows e
 stays until the next.
 """
 
+from itertools import pairwise
+from typing import NamedTuple
+
 import numpy as np
 import xarray as xr
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from softfinger.measurement.decisions import DECISIONS
@@ -36,19 +40,33 @@ def steady_load_array(time: Array, torque: Array) -> Array:
         if len(rows) == 0 or np.ptp(torque[run]) == 0.0:
             continue
         steadied, is_steady = torque[rows], np.zeros(len(rows), bool)
-        for first, end, values in _steady_rows(time[rows], torque[rows], change):
-            steadied[first:end], is_steady[first:end] = values, True
+        parts = _split_rows(time[rows], torque[rows], change)
+        for part in parts:
+            steadied[part.first : part.end], is_steady[part.first : part.end] = part.values, True
+        for one, other in pairwise(parts):
+            _let_meet(time[rows], steadied, one, other, change)
         row = np.minimum(np.searchsorted(rows, run), len(rows) - 1)  # that a knot leads to
         knots = run[is_steady[row]]
         steady[knots] = np.interp(time[knots], time[rows], steadied)
     return steady
 
 
-def _steady_rows(time: Array, torque: Array, change: float) -> list[tuple[int, int, Array]]:
-    """Split readings (row,) into levels and ramps.
+class Part(NamedTuple):
+    """Rows from `first` up to `end`, what they become, and the line they scatter about."""
 
-    Of each: its first row, its end, and what its readings become.
-    """
+    first: int
+    end: int
+    values: Array
+    height: float
+    slope: float
+
+    def follow(self, time: Array, at: Array) -> Array:
+        """Its line at other times (n,)."""
+        return self.height + self.slope * (at - time[self.first])
+
+
+def _split_rows(time: Array, torque: Array, change: float) -> list[Part]:
+    """Split readings (row,) into levels and ramps, in their order."""
     parts, found = [(0, len(torque))], []
     while parts:
         first, end = parts.pop()
@@ -57,19 +75,58 @@ def _steady_rows(time: Array, torque: Array, change: float) -> list[tuple[int, i
         is_level = there.mean() >= 1.0 - DECISIONS.on_the_way
         whole, split = len(q) == len(torque), _find_step(t, q)
         if split is None and is_level and (whole or _scatters(q[there])):
-            inside = np.flatnonzero(there)
-            a, b = int(inside[0]), int(inside[-1]) + 1
-            found.append((first + a, first + b, np.where(there, q[there].mean(), q)[a:b]))
+            a, b = _trim_level(q, there)
+            level = float(q[a:b][there[a:b]].mean())
+            values = np.where(there, level, q)[a:b]
+            found.append(Part(first + a, first + b, values, level, 0.0))
             parts += [(m, n) for m, n in ((first, first + a), (first + b, end)) if m < n]
             continue
         line = _fit_line(t, q)
         if split is None and len(q) >= DECISIONS.ramp_rows and _scatters(q - line):
-            found.append((first, end, line))
+            slope = (line[-1] - line[0]) / (t[-1] - t[0])
+            found.append(Part(first, end, line, float(line[0]), float(slope)))
             continue
         split = split or _find_bend(t, q)
         if split is not None:
             parts += [(first, first + split), (first + split, end)]
-    return found
+    return sorted(found, key=lambda part: part.first)
+
+
+def _trim_level(torque: Array, there: NDArray[np.bool_]) -> tuple[int, int]:
+    """Leave out rows (row,) at either end that lead to a level.
+
+    A few in a row differ from it by more than they scatter. Where many do, it drifts.
+    """
+    few = DECISIONS.plateau_rows // 2
+    if len(torque) < few:
+        return 0, len(torque)
+    scatter = np.sqrt(0.5 * np.mean(np.diff(torque[there], append=torque[there][-1]) ** 2))
+    scatter = max(scatter, 1e-9 * np.abs(torque).max())  # of rounding
+    away = np.abs(sliding_window_view(torque, few).mean(axis=1) - np.median(torque))
+    alike = np.flatnonzero(away <= DECISIONS.level_sds * scatter / np.sqrt(few))
+    a, b = (int(alike[0]), int(alike[-1]) + few) if alike.size else (0, 0)
+    drifts = b - a < (1.0 - DECISIONS.on_the_way) * len(torque)
+    return (0, len(torque)) if drifts else (a, b)
+
+
+def _let_meet(time: Array, steadied: Array, one: Part, other: Part, change: float) -> None:
+    """Move the turn between neighbouring parts to where their lines cross.
+
+    A level takes in the end of a ramp that it hardly differs from.
+    """
+    at = time[other.first]
+    apart = float(other.height - one.follow(time, at))
+    turn = one.slope - other.slope
+    if one.end != other.first or abs(apart) > change or turn == 0.0:
+        return
+    meets = at + apart / turn
+    if not time[one.first] <= meets <= time[other.end - 1]:
+        return
+    rows = slice(one.first, other.end)
+    near, t = steadied[rows], time[rows]
+    later = np.arange(one.first, other.end) >= other.first
+    near[later & (t < meets)] = one.follow(time, t[later & (t < meets)])
+    near[~later & (t > meets)] = other.follow(time, t[~later & (t > meets)])
 
 
 def _fit_line(time: Array, torque: Array) -> Array:

@@ -75,6 +75,16 @@ def test_a_ramp_that_a_long_plateau_follows_is_straight_as_well():
     assert count_knots(read) < 25
 
 
+def test_a_small_ramp_between_levels_is_straight():
+    """It lay within what counts as a level, and so half of it was taken for either level."""
+    rows = np.arange(6000)
+    truth = np.interp(rows, [500, 650, 3000, 3150], [0.0, 1.0, 1.0, 1.05])
+    steady = steady_rows(truth + 0.003 * RNG(8).normal(size=6000))
+    late = 0.01 * np.sum((steady - truth)[2900:3300]) / 0.05
+    assert abs(late) < 0.1
+    np.testing.assert_allclose(steady, truth, atol=0.015)
+
+
 def test_readings_are_steady_up_to_a_jump():
     time = np.repeat(0.01 * np.arange(200), 2)[1:]
     levels = np.repeat([0.0, 1.0], 100) + 0.004 * RNG(5).normal(size=200)
