@@ -47,30 +47,30 @@ def measure_rectangle(mean: NDArray, covariance: NDArray, low: NDArray, high: ND
         return 0.0
     low, high, mean = low[bound], high[bound], mean[bound]
     covariance = np.ascontiguousarray(covariance[bound][:, bound])
-    start = np.linalg.solve(covariance, mean)
     precision, pull = np.zeros(p), np.zeros(p)  # of the factors
     log_factor = np.zeros(p)
     now, place = covariance.copy(), mean.copy()
     for _ in range(ROUNDS):
         moved = 0.0
         for i in range(p):
-            cavity = 1.0 / now[i, i] - precision[i]
-            if cavity <= 0.0:
+            if now[i, i] <= 0.0 or 1.0 / now[i, i] <= precision[i]:
                 continue
+            cavity = 1.0 / now[i, i] - precision[i]
             centre, variance = (place[i] / now[i, i] - pull[i]) / cavity, 1.0 / cavity
             log_mass, inner, spread = cut_normal(centre, variance, low[i], high[i])
             more = max(1.0 / spread - cavity, 0.0) - precision[i]
+            further = inner / spread - centre * cavity - pull[i]
             precision[i] += more
-            pull[i] = inner / spread - centre * cavity
+            pull[i] += further
             total = cavity + precision[i]
             raised = (centre * cavity + pull[i]) ** 2 / total - centre**2 * cavity
             log_factor[i] = log_mass + 0.5 * (math.log(total / cavity) - raised)
             moved = max(moved, abs(more) / total)
             now -= more / (1.0 + more * now[i, i]) * np.outer(now[:, i], now[i])
-            place = now @ (start + pull)
+            place += (further - more * place[i]) * now[:, i]
         if moved < RESTS:
             break
-    square = place @ (start + pull) - mean @ start
+    square = mean @ (pull - precision * place) + place @ pull
     volume = np.linalg.slogdet(np.eye(p) + covariance @ np.diag(precision))[1]
     return log_factor.sum() + 0.5 * (square - volume)
 

@@ -49,3 +49,17 @@ def test_far_in_the_tail_what_is_left_is_exponential():
     assert mass == pytest.approx(norm.logsf(50.0), rel=1e-6)
     assert mean == pytest.approx(1 / 50, rel=0.01)
     assert variance == pytest.approx(1 / 50**2, rel=0.01)
+
+
+def test_numbers_without_bounds_and_without_freedom_do_not_matter():
+    """A law of one term less than it has coefficients ended a diagnosis with an error."""
+    root = np.random.default_rng(3).normal(size=(2, 2))
+    pair, mean = root @ root.T, np.array([0.4, -0.2])
+    low, high = np.array([0.0, -1.0]), np.array([np.inf, 0.5])
+    known = measure_rectangle(mean, pair, low, high)
+    wide = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 2.0]])  # the third is made of the others
+    full, free = wide @ pair @ wide.T, np.array([np.inf])
+    found = measure_rectangle(wide @ mean, full, np.append(low, -free), np.append(high, free))
+    assert found == pytest.approx(known, abs=1e-9)
+    twice = np.kron(np.ones((2, 2)), pair[:1, :1])
+    assert np.isfinite(measure_rectangle(mean[[0, 0]], twice, low[[0, 0]], high[[0, 0]]))
