@@ -52,6 +52,8 @@ class DiagnosisBudget:
     """Effects judged with their own measurement before the search."""
     finalists: int = 6
     """Sets of effects that are judged so after it. Why: the sixth is out of all competition."""
+    no_motion_nats: float = 1e12
+    """Loss of a log or clock under which a model has no motion. Why: finite, for a parabola."""
     step_digits: float = 2e-3
     """Of a gap of the load's log, to which a step is placed. Why: a tenth of a millisecond."""
     rest_nats: float = 0.02

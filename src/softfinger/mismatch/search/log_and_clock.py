@@ -13,8 +13,6 @@ from softfinger.measurement.step_time import advance_steps_array
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.search.judge import fit_again, list_leaders
 
-NO_MOTION = 1e12  # [nats] lost where a model has none; finite, for parabolas go through it
-
 
 def weigh_log(
     plain: Problem, base: Candidate, singles: list[Candidate], angles: xr.Dataset, needed: float
@@ -58,7 +56,7 @@ def find_clock_rate(plain: Problem, base: Candidate) -> tuple[float, float]:
     def lose(rate: float) -> float:
         trials = plain.trials._replace(node=plain.trials.node * (1.0 + rate))
         again = fit_again(replace(plain, trials=trials), base, base)
-        return NO_MOTION if again is None else base.log_evidence - again.log_evidence
+        return BUDGET.no_motion_nats if again is None else base.log_evidence - again.log_evidence
 
     bounds = (-largest, largest)
     found = minimize_scalar(lose, bounds=bounds, method="bounded", options={"xatol": 1e-5})
@@ -90,7 +88,9 @@ def find_steps_early(
 
     def lose(share: float, candidate: Candidate) -> float:
         again = refit(candidate, share)
-        return NO_MOTION if again is None else candidate.log_evidence - again.log_evidence
+        return (
+            BUDGET.no_motion_nats if again is None else candidate.log_evidence - again.log_evidence
+        )
 
     best, nats, most = 0.0, 0.0, 0.0
     for candidate in leaders:
