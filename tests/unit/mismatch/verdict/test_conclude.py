@@ -18,7 +18,7 @@ def weigh(**sets):
 def test_three_effects_that_are_needed_are_no_name():
     """A finger that softens by its largest strain was given three other causes, surely."""
     assert choose_decision(FOUND, weigh(abc=1.0), unlisted=False) == "unlisted"
-    assert choose_decision(FOUND, weigh(abc=0.6, abd=0.4), unlisted=False) == "unlisted"
+    assert choose_decision(FOUND, weigh(abc=0.6, abe=0.4), unlisted=False) == "unlisted"
     assert choose_decision(FOUND, weigh(ab=1.0), unlisted=False) == "named"
 
 
