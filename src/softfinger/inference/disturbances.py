@@ -98,14 +98,11 @@ def find_kind(name: str) -> str | None:
 
 
 def fit_disturbances(
-    problem: Problem,
-    candidate: Candidate,
-    least: float = MEASURING.present_nats,
-    most: int | None = None,
+    problem: Problem, candidate: Candidate, least: float = MEASURING.present_nats, **limits: int
 ) -> tuple[dict[str, float], dict[str, float], dict[str, Array]]:
     """Find which disturbances a fitted model's residual shows.
 
-    Those with `least` nats of evidence, the leading `most`.
+    Those with `least` nats of evidence; `limits` as of `choose_components`.
 
     Returns
     -------
@@ -138,7 +135,7 @@ def fit_disturbances(
     sizes = {n: SIZES[kind] if (kind := find_kind(n)) else spread for n in seen}
     largest = PRIORS.largest_share * float(np.abs(angle - angle[:, :, :1]).max())
     while True:
-        size, evidence = choose_components(evaluate, sizes, least, most)
+        size, evidence = choose_components(evaluate, sizes, least, **limits)
         beyond = {
             name
             for name in size
