@@ -51,7 +51,7 @@ def steady_load_array(time: Array, torque: Array) -> Array:
     return steady
 
 
-class Segment(NamedTuple):
+class Straight(NamedTuple):
     """Rows from `first` up to `end`, what they become, and the line they scatter about."""
 
     first: int
@@ -65,7 +65,7 @@ class Segment(NamedTuple):
         return self.height + self.slope * (at - time[self.first])
 
 
-def _split_rows(time: Array, torque: Array, change: float) -> list[Segment]:
+def _split_rows(time: Array, torque: Array, change: float) -> list[Straight]:
     """Split readings (row,) into levels and ramps, in their order."""
     parts, found = [(0, len(torque))], []
     while parts:
@@ -78,13 +78,13 @@ def _split_rows(time: Array, torque: Array, change: float) -> list[Segment]:
             a, b = _trim_level(q, there)
             level = float(q[a:b][there[a:b]].mean())
             values = np.where(there, level, q)[a:b]
-            found.append(Segment(first + a, first + b, values, level, 0.0))
+            found.append(Straight(first + a, first + b, values, level, 0.0))
             parts += [(m, n) for m, n in ((first, first + a), (first + b, end)) if m < n]
             continue
         line = _fit_line(t, q)
         if split is None and len(q) >= DECISIONS.ramp_rows and _scatters(q - line):
             slope = (line[-1] - line[0]) / (t[-1] - t[0])
-            found.append(Segment(first, end, line, float(line[0]), float(slope)))
+            found.append(Straight(first, end, line, float(line[0]), float(slope)))
             continue
         split = split or _find_bend(t, q)
         if split is not None:
@@ -109,7 +109,7 @@ def _trim_level(torque: Array, there: NDArray[np.bool_]) -> tuple[int, int]:
     return (0, len(torque)) if drifts else (a, b)
 
 
-def _let_meet(time: Array, steadied: Array, one: Segment, other: Segment, change: float) -> None:
+def _let_meet(time: Array, steadied: Array, one: Straight, other: Straight, change: float) -> None:
     """Move the turn between neighbouring parts to where their lines cross.
 
     A level takes in the end of a ramp that it hardly differs from.
