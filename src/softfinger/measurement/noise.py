@@ -62,7 +62,7 @@ def fit_noise(angles: xr.Dataset, frames: xr.Dataset) -> NoiseFit:
     fits = _share_memory(
         [fit_joint(joint_windows, declared) for joint_windows in windows], declared
     )
-    correlation = _correlate_joints([fit[2] for fit in fits], [fit[1] for fit in fits])
+    correlation = _correlate_joints([fit[2].rest for fit in fits], [fit[1] for fit in fits])
     coords = {"joint": angles["joint"].values, "other_joint": angles["joint"].values}
     noise = xr.Dataset(
         {
@@ -70,11 +70,11 @@ def fit_noise(angles: xr.Dataset, frames: xr.Dataset) -> NoiseFit:
             "noise_autocorrelation": ("joint", np.array([fit[1].autocorrelation for fit in fits])),
             "noise_white": ("joint", np.array([fit[1].white for fit in fits])),
             "noise_correlation": (("joint", "other_joint"), correlation),
-            "window_count": ("joint", np.array([len(fit[2].start) - 1 for fit in fits])),
+            "window_count": ("joint", np.array([len(fit[2].rest.start) - 1 for fit in fits])),
         },
         coords=coords,
     )
-    return NoiseFit(noise, windows)
+    return NoiseFit(noise, [part.rest for part in windows])
 
 
 def complete_noise(noise: xr.Dataset, angles: xr.Dataset, frames: xr.Dataset) -> xr.Dataset:
@@ -118,7 +118,7 @@ def _share_memory(
 
     memory = find_memory(known, declared)
     shared = [
-        (evaluate_reml(fit[2], memory, declared)[1], memory, fit[2]) if fit[2].dof > 0 else fit
+        (evaluate_reml(fit[2].rest, memory, declared)[1], memory, fit[2]) if fit[2].dof > 0 else fit
         for fit in fits
     ]
     apart, together = (

@@ -30,7 +30,7 @@ from softfinger.measurement.budget import BUDGET
 from softfinger.measurement.decisions import DECISIONS
 from softfinger.measurement.memory import Memory, fill_white
 from softfinger.measurement.priors import PRIORS
-from softfinger.measurement.quiet import split_smooth
+from softfinger.measurement.quiet import find_quiet_array, split_smooth
 
 DEGREE = PRIORS.degree  # of the polynomial that follows the motion of a window
 LEAST_SD = 1e-9  # [rad] far below any camera's noise: a frozen recording has none
@@ -83,6 +83,9 @@ class Windows(NamedTuple):
         (window + 1,) first row of each window, and the end.
     place
         (n,) trial · frames + frame, to match joints with each other.
+    at_rest
+        (window,) whether the finger rests in it; if not, it shows how long noise lasts, and
+        neither its size nor its tails.
     """
 
     position: NDArray
@@ -90,6 +93,12 @@ class Windows(NamedTuple):
     gap: NDArray
     start: NDArray
     place: NDArray
+    at_rest: NDArray
+
+    @property
+    def rest(self) -> "Windows":
+        """Those at rest; all where none is."""
+        return self.keep(self.at_rest) if self.at_rest.any() else self
 
     @property
     def dof(self) -> int:
@@ -103,7 +112,9 @@ class Windows(NamedTuple):
             return self
         row = np.repeat(chosen, sizes)
         start = np.concatenate([[0], np.cumsum(sizes[chosen])])
-        return Windows(*(part[row] for part in self[:3]), start, self.place[row])
+        return Windows(
+            *(part[row] for part in self[:3]), start, self.place[row], self.at_rest[chosen]
+        )
 
     def thin(self, rows: int) -> "Windows":
         """Keep about so many rows, in windows spread evenly."""
@@ -139,10 +150,13 @@ def _find_quiet(angles: xr.Dataset, frames: xr.Dataset) -> tuple[Windows, NDArra
     names = ("load_time", "load_torque")
     loads = [angles[name].transpose("trial", "knot").values for name in names]
     positions, gaps, places = [np.empty(0)], [np.empty(0)], [np.empty(0, int)]
-    sizes, trials = [0], []
+    sizes, trials, rests = [0], [], []
     for trial in np.flatnonzero(frames["present"].values.any(axis=1)):
         index = np.flatnonzero(frames["used"].values[trial])
-        runs = split_smooth(time[trial, index], *(load[trial] for load in loads))
+        log = [load[trial] for load in loads]
+        quiet = find_quiet_array(time[trial, index], *log)
+        runs = split_smooth(time[trial, index], *log)
+        at_rest = np.isin(np.arange(time.shape[1]), index[quiet])
         for part in _split_evenly([index[run] for run in runs]):
             t = time[trial, part]
             positions.append(2 * (t - t[0]) / (t[-1] - t[0]) - 1)
@@ -150,8 +164,10 @@ def _find_quiet(angles: xr.Dataset, frames: xr.Dataset) -> tuple[Windows, NDArra
             places.append(trial * time.shape[1] + part)
             sizes.append(len(part))
             trials.append(trial)
+            rests.append(at_rest[part[0]])
     position, gap, place = (np.concatenate(parts) for parts in (positions, gaps, places))
-    found = Windows(position, np.zeros(len(place)), gap, np.cumsum(sizes), place)
+    rest = np.array(rests, bool)
+    found = Windows(position, np.zeros(len(place)), gap, np.cumsum(sizes), place, rest)
     return found, np.array(trials, int)
 
 
@@ -176,13 +192,14 @@ def fit_joint(windows: Windows, declared: float) -> tuple[float, Memory, Windows
     _, memory = _maximise_reml(windows, declared)
     rss, _ = profile_windows(*memory, *windows[:4], np.empty(len(windows.angle)))
     variance = rss / (np.diff(windows.start) - DEGREE - 1)
-    calm = windows.keep(variance <= DECISIONS.lively * np.median(variance))
+    usual = variance[windows.at_rest] if windows.at_rest.any() else variance
+    calm = windows.keep(variance <= DECISIONS.lively * np.median(usual))
     return *_maximise_reml(calm, declared), calm
 
 
 def _maximise_reml(windows: Windows, declared: float) -> tuple[float, Memory]:
     memory = find_memory([windows], declared)
-    return evaluate_reml(windows, memory, declared)[1], memory
+    return evaluate_reml(windows.rest, memory, declared)[1], memory
 
 
 def find_memory(windows: list[Windows], declared: float) -> Memory:
