@@ -151,6 +151,12 @@ class MeasurementDecisions:
     Why: what noise does between frames at rest they cannot show.
     Test: `test_noise.py::test_where_frames_thin_out_the_dense_ones_show_the_memory`.
     """
+    remembers: float = 0.5
+    """Correlation of neighbouring frames at rest from which they show how long noise lasts.
+
+    Why: a memory of less than a frame and a half looks white beside a little white noise.
+    Test: `test_noise.py::test_frames_at_rest_that_remember_each_other_are_enough`.
+    """
     load_change: float = 0.05
     """Least jump or turn that is a change.
 

@@ -28,7 +28,7 @@ from scipy.special import expit, logit
 from softfinger.compiled import compiled
 from softfinger.measurement.budget import BUDGET
 from softfinger.measurement.decisions import DECISIONS
-from softfinger.measurement.memory import Memory, fill_white
+from softfinger.measurement.memory import Memory, correlate_frames, fill_white
 from softfinger.measurement.priors import PRIORS
 from softfinger.measurement.quiet import find_quiet_array, split_smooth
 
@@ -189,12 +189,23 @@ def fit_joint(windows: Windows, declared: float) -> tuple[float, Memory, Windows
     """
     if windows.dof <= 0:
         return declared, Memory(np.nan), windows
+    if not windows.at_rest.all() and _remembers(windows.rest, declared):
+        windows = windows.rest
     _, memory = _maximise_reml(windows, declared)
     rss, _ = profile_windows(*memory, *windows[:4], np.empty(len(windows.angle)))
     variance = rss / (np.diff(windows.start) - DEGREE - 1)
     usual = variance[windows.at_rest] if windows.at_rest.any() else variance
     calm = windows.keep(variance <= DECISIONS.lively * np.median(usual))
     return *_maximise_reml(calm, declared), calm
+
+
+def _remembers(windows: Windows, declared: float) -> bool:
+    """Whether neighbouring frames remember each other.
+
+    Then these windows show by themselves how long noise lasts.
+    """
+    gap = np.median(windows.gap[np.isfinite(windows.gap)], keepdims=True)
+    return bool(correlate_frames(find_memory([windows], declared), gap)[0] >= DECISIONS.remembers)
 
 
 def _maximise_reml(windows: Windows, declared: float) -> tuple[float, Memory]:

@@ -140,3 +140,14 @@ def test_where_frames_thin_out_the_dense_ones_show_the_memory(make_campaign, rng
     found = estimate_noise(angles)
     assert found["noise_autocorrelation"].values == pytest.approx(0.9, abs=0.06)
     assert found["noise_sd"].values == pytest.approx(noise["noise_sd"].values, rel=0.1)
+
+
+def test_frames_at_rest_that_remember_each_other_are_enough(make_campaign, rng):
+    """Dense early frames, whose noise may be of another kind, are then not looked at."""
+    time = np.append(np.arange(0.0, 30.0, 0.1), np.arange(30.0, 240.0, 0.5))
+    held = [0.0, time[-1]], [0.04, 0.04]
+    angles, _, _ = make_campaign(rng, trials=6, joints=1, time=time, rho=0.95, load=held)
+    still = estimate_noise(angles)
+    angles["joint_angle"][:, :, 100:300] += rng.normal(0.0, 0.001, (6, 1, 200))
+    assert estimate_noise(angles)["noise_white"].equals(still["noise_white"])
+    assert still["noise_autocorrelation"] > 0.7
