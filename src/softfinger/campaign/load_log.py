@@ -22,6 +22,7 @@ LOAD_COLUMNS = ("tension_n", "torque_nm", "command")
 STEP_WITHIN_FRAME_INTERVALS = 1.5
 LARGEST_TENSION_N = 5000.0
 LARGEST_TORQUE_NM = 500.0
+ZERO_SHARE = 0.05  # of the largest tension, by which a load cell's zero may be off
 SMALLEST_LOAD, LARGEST_LOAD = 1e-12, 1e12  # of any kind, a command's in its own unit
 
 
@@ -168,8 +169,9 @@ def _refuse_odd_size(file_name: str, kind: str, value: np.ndarray) -> None:
 
 
 def _find_moment_arm(campaign: Campaign, file_name: str, tension: np.ndarray) -> float:
-    if tension.min() < 0.0 or tension.max() > LARGEST_TENSION_N:
-        worst = tension.min() if tension.min() < 0.0 else tension.max()
+    pushes = tension.min() < -ZERO_SHARE * tension.max()
+    if pushes or tension.max() > LARGEST_TENSION_N:
+        worst = tension.min() if pushes else tension.max()
         raise TrialFault(
             f"{file_name}, column 'tension_n': is {worst:g} N; a wire pulls with 0 to "
             f"{LARGEST_TENSION_N:g} N"

@@ -51,6 +51,12 @@ def test_a_wrong_log_sets_its_trials_aside(folder, damage, old, new, said):
     assert said in reasons["first"]
 
 
+def test_a_load_cell_may_scatter_about_zero(folder, damage):
+    """Every cell at rest reads a little less than nothing half of the time."""
+    damage("load/first.csv", "0.0,0\n", "0.0,-0.02\n")
+    assert check_campaign(folder) == {}
+
+
 def test_a_tension_without_a_wire_offset_is_refused(folder, damage):
     damage("campaign.yaml", "  wire_offset_m: 0.005\n", "")
     assert "needs finger.wire_offset_m" in check_campaign(folder)["first"]
