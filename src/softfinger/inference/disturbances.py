@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from softfinger.inference.budget import BUDGET
 from softfinger.inference.decisions import DECISIONS
-from softfinger.inference.mixed_effects_linearised import solve_linearised
+from softfinger.inference.mixed_effects_linearised import measure_linearised
 from softfinger.inference.priors import PRIORS
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.inference.reduce import reduce_trials
@@ -127,7 +127,7 @@ def fit_disturbances(
         gram, logdet = soften_gram_array(whole, model, {n: (places[n], s) for n, s in size.items()})
         place = fit.own, fit.shared
         rounds = BUDGET.disturbance_rounds
-        value = solve_linearised(gram, prior, bounds, place, fit.omega, rounds=rounds)[1]
+        value = measure_linearised(gram, prior, bounds, place, fit.omega, rounds)
         return value - 0.5 * float(logdet)
 
     seen = [name for name in directions if np.any(directions[name])]

@@ -54,6 +54,24 @@ def solve_linearised(
     return linear, linear.log_evidence + compute_cut_array(*found, *priors, bounds)
 
 
+def measure_linearised(
+    gram: NDArray[np.float64],
+    prior: Prior,
+    bounds: SharedBounds,
+    place: tuple[NDArray[np.float64], NDArray[np.float64]],
+    omega: NDArray[np.float64],
+    rounds: int,
+) -> float:
+    """Log evidence as of `solve_linearised`.
+
+    It is −∞ where the model is so far from the recordings that its equations have no solution.
+    """
+    try:
+        return solve_linearised(gram, prior, bounds, place, omega, rounds=rounds)[1]
+    except np.linalg.LinAlgError:
+        return -np.inf
+
+
 def compute_cut_array(
     mean: NDArray[np.float64],
     covariance: NDArray[np.float64],

@@ -59,6 +59,8 @@ def choose_components(
             known[key] = evaluate(size)
         return known[key]
 
+    if not np.isfinite(look_up({})):
+        return {}, {}
     return _choose(look_up, sizes, least, len(sizes) if most is None else most)
 
 

@@ -19,3 +19,8 @@ def test_what_is_there_depends_on_the_evidence_that_is_asked_for():
     sizes = {"drift": np.ones(1)}
     assert choose_components(lambda size: 4.0 * len(size), sizes)[0] == {}
     assert set(choose_components(lambda size: 4.0 * len(size), sizes, 3.0)[0]) == {"drift"}
+
+
+def test_beside_a_model_without_evidence_nothing_is_chosen():
+    sizes = {"drift": np.ones(1)}
+    assert choose_components(lambda size: 9.0 if size else -np.inf, sizes) == ({}, {})
