@@ -27,20 +27,21 @@ def find_quiet_array(
 
 def split_smooth(
     time: NDArray[np.float64], load_time: NDArray[np.float64], load_torque: NDArray[np.float64]
-) -> list[NDArray[np.int_]]:
-    """Frames of each stretch in which the motion is smooth.
+) -> list[tuple[NDArray[np.int_], bool]]:
+    """Frames of each stretch of smooth motion, and whether they rest.
 
     It is where the finger rests. Between two changes of load creep looks alike at any scale of
     time, so earlier stretches, each as long beside the time since the change, are as smooth. They
     count beside a window at rest where their frames are denser, and show what noise does between.
 
     >>> time = np.append(np.linspace(0.0, 25.0, 30), np.linspace(30.0, 129.0, 34))
-    >>> [len(run) for run in split_smooth(time, np.array([0.0]), np.array([1.0]))]
-    [4, 24, 33]
+    >>> found = split_smooth(time, np.array([0.0]), np.array([1.0]))
+    >>> [(len(run), rests) for run, rests in found]
+    [(4, False), (24, False), (33, True)]
     """
     phase, settling = _count_settling(time, load_time, load_torque)
     turns = np.flatnonzero((np.diff(phase) != 0) | (np.diff(settling) != 0.0)) + 1
-    kept: list[NDArray[np.int_]] = []
+    kept: list[tuple[NDArray[np.int_], bool]] = []
     resting = 0.0  # median gap of the phase's window at rest
     for run in reversed(np.split(np.arange(len(time)), turns)):
         count = settling[run[0]]
@@ -50,14 +51,14 @@ def split_smooth(
         if count == 0.0:
             resting = gap if len(run) >= DECISIONS.least_window_frames else 0.0
         if count == 0.0 or DECISIONS.denser * gap <= resting:
-            kept.insert(0, run)
+            kept.insert(0, (run, bool(count == 0.0)))
     return kept
 
 
 def _count_settling(
     time: NDArray[np.float64], load_time: NDArray[np.float64], load_torque: NDArray[np.float64]
 ) -> tuple[NDArray[np.int_], NDArray[np.float64]]:
-    """Between which changes (n,) a frame is, and how many stretches (n,) before rest.
+    """Number of the last change (n,), and of stretches before rest (n,).
 
     The latter is NaN at a change and at the recording's ends.
     """

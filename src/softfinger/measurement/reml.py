@@ -30,7 +30,7 @@ from softfinger.measurement.budget import BUDGET
 from softfinger.measurement.decisions import DECISIONS
 from softfinger.measurement.memory import Memory, correlate_frames, fill_white
 from softfinger.measurement.priors import PRIORS
-from softfinger.measurement.quiet import find_quiet_array, split_smooth
+from softfinger.measurement.quiet import split_smooth
 
 DEGREE = PRIORS.degree  # of the polynomial that follows the motion of a window
 LEAST_SD = 1e-9  # [rad] far below any camera's noise: a frozen recording has none
@@ -150,36 +150,34 @@ def _find_quiet(angles: xr.Dataset, frames: xr.Dataset) -> tuple[Windows, NDArra
     names = ("load_time", "load_torque")
     loads = [angles[name].transpose("trial", "knot").values for name in names]
     positions, gaps, places = [np.empty(0)], [np.empty(0)], [np.empty(0, int)]
-    sizes, trials, rests = [0], [], []
+    sizes, trials, at_rest = [0], [], []
     for trial in np.flatnonzero(frames["present"].values.any(axis=1)):
         index = np.flatnonzero(frames["used"].values[trial])
-        log = [load[trial] for load in loads]
-        quiet = find_quiet_array(time[trial, index], *log)
-        runs = split_smooth(time[trial, index], *log)
-        at_rest = np.isin(np.arange(time.shape[1]), index[quiet])
-        for part in _split_evenly([index[run] for run in runs]):
+        runs = split_smooth(time[trial, index], *(load[trial] for load in loads))
+        for part, is_at_rest in _split_evenly([(index[run], rests) for run, rests in runs]):
             t = time[trial, part]
             positions.append(2 * (t - t[0]) / (t[-1] - t[0]) - 1)
             gaps.append(np.diff(t, prepend=-np.inf) / interval)
             places.append(trial * time.shape[1] + part)
             sizes.append(len(part))
             trials.append(trial)
-            rests.append(at_rest[part[0]])
+            at_rest.append(is_at_rest)
     position, gap, place = (np.concatenate(parts) for parts in (positions, gaps, places))
-    rest = np.array(rests, bool)
+    rest = np.array(at_rest, bool)
     found = Windows(position, np.zeros(len(place)), gap, np.cumsum(sizes), place, rest)
     return found, np.array(trials, int)
 
 
-def _split_evenly(runs: list[NDArray]) -> list[NDArray]:
+def _split_evenly(runs: list[tuple[NDArray, bool]]) -> list[tuple[NDArray, bool]]:
     """Split runs of quiet frames into even windows.
 
     Each has at most `window_frames`.
     """
     windows = []
-    for run in runs:
-        windows += np.array_split(run, -(-len(run) // DECISIONS.window_frames))
-    return [window for window in windows if len(window) >= DECISIONS.least_window_frames]
+    for run, rests in runs:
+        number = -(-len(run) // DECISIONS.window_frames)
+        windows += [(window, rests) for window in np.array_split(run, number)]
+    return [part for part in windows if len(part[0]) >= DECISIONS.least_window_frames]
 
 
 def fit_joint(windows: Windows, declared: float) -> tuple[float, Memory, Windows]:

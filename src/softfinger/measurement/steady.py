@@ -52,7 +52,10 @@ def steady_load_array(time: Array, torque: Array) -> Array:
 
 
 class Straight(NamedTuple):
-    """Rows from `first` up to `end`, what they become, and the line they scatter about."""
+    """Rows about a line.
+
+    They are those from `first` up to `end`, and become `values`.
+    """
 
     first: int
     end: int
@@ -125,8 +128,8 @@ def _let_meet(time: Array, steadied: Array, one: Straight, other: Straight, chan
     rows = slice(one.first, other.end)
     near, t = steadied[rows], time[rows]
     later = np.arange(one.first, other.end) >= other.first
-    near[later & (t < meets)] = one.follow(time, t[later & (t < meets)])
-    near[~later & (t > meets)] = other.follow(time, t[~later & (t > meets)])
+    for line, moved in ((one, later & (t < meets)), (other, ~later & (t > meets))):
+        near[moved] = line.follow(time, t[moved])
 
 
 def _fit_line(time: Array, torque: Array) -> Array:
