@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.faults import Fault
-from softfinger.inference.disturbances import find_kind, fit_disturbances, list_disturbances
+from softfinger.inference.disturbance_sizes import fit_disturbances
+from softfinger.inference.disturbances import find_kind, list_disturbances
 from softfinger.inference.mixed_effects_laplace import Fit
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.inference.reduce import whiten_residual, whiten_slope

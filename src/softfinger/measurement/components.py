@@ -20,12 +20,14 @@ def choose_components(
     evaluate: Callable[[Mapping[str, float]], float],
     sizes: Mapping[str, NDArray[np.float64]],
     least: float = DECISIONS.present_nats,
+    is_plausible: Callable[[str, float], bool] = lambda *_: True,
     most: int | None = None,
 ) -> tuple[Sizes, Sizes]:
     """Choose components and their sizes.
 
     A component's evidence is averaged over its possible sizes; the best one joins while it gains
-    `least`, and then the sizes of all are sought.
+    `least`, and then the sizes of all are sought. What asks for more than is plausible in the end
+    is no such component, and they are chosen again without it.
 
     Parameters
     ----------
@@ -35,6 +37,8 @@ def choose_components(
         Component → the sizes (n,) that it may have.
     least
         Evidence [nats] from which a component is there.
+    is_plausible
+        Whether a component may have a size.
     most
         Components after which no further one is sought.
 
@@ -61,7 +65,12 @@ def choose_components(
 
     if not np.isfinite(look_up({})):
         return {}, {}
-    return _choose(look_up, sizes, least, len(sizes) if most is None else most)
+    while True:
+        size, evidence = _choose(look_up, sizes, least, len(sizes) if most is None else most)
+        plausible = {name for name in size if is_plausible(name, size[name])}
+        if len(plausible) == len(size):
+            return size, evidence
+        sizes = {name: s for name, s in sizes.items() if name in plausible or name not in size}
 
 
 def _choose(
@@ -98,6 +107,15 @@ def _weigh(
     """Evidence [nats] for one component, averaged over its sizes."""
     values = [evaluate(size | {name: float(s)}) for s in sizes]
     return float(np.logaddexp.reduce(values) - np.log(len(values)) - evaluate(size))
+
+
+def is_at_bound(size: float, sizes: NDArray[np.float64]) -> bool:
+    """Whether a size that was sought ends where it had to.
+
+    >>> is_at_bound(0.0399, np.array([0.01, 0.02])), is_at_bound(0.03, np.array([0.01, 0.02]))
+    (True, False)
+    """
+    return bool(size > (1.0 - BUDGET.size_digits) * PRIORS.beyond * max(sizes))
 
 
 def _refine(

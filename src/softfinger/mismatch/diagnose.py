@@ -37,6 +37,7 @@ from softfinger.mismatch.search.finalists import list_best
 from softfinger.mismatch.search.judge import (
     compare_levels,
     judge_finalists,
+    list_leaders,
     needs_disturbance,
     settle_measurement,
 )
@@ -152,7 +153,8 @@ def search_jointly(
     if problem is plain:
         search = found.search(plain, base, patience)
     else:
-        bare, found = found, survey(problem, start)
+        bare, leaders = found, list_leaders(base, found.ranked[0], found.needed)
+        found = survey(problem, start).join_leaders(problem, start, leaders)
         search = found.search(problem, start, patience)
         if needs_disturbance(plain, search.best):
             known = compare_levels(problem, plain) + search.best.log_evidence - base.log_evidence

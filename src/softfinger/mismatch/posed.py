@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import xarray as xr
 
-from softfinger.inference.disturbances import CLOCKS, DRIFTS, find_kind, fit_disturbances
+from softfinger.inference.disturbance_sizes import fit_disturbances
+from softfinger.inference.disturbances import CLOCKS, DRIFTS, find_kind
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.measure import add_components
@@ -19,9 +20,10 @@ from softfinger.mismatch.candidates.rank import Progress, Score
 from softfinger.mismatch.checks.hums import Hum, describe_hums, hear_hums
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.search.calibrate import FalseAlarms
-from softfinger.mismatch.search.demand import Demand, build_demand
+from softfinger.mismatch.search.demand import Demand, build_demand, list_free
+from softfinger.mismatch.search.eliminate import choose_top
 from softfinger.mismatch.search.extend import Task
-from softfinger.mismatch.search.judge import find_leader
+from softfinger.mismatch.search.judge import find_leader, fit_again
 from softfinger.mismatch.search.log_and_clock import (
     find_clock_rate,
     find_steps_early,
@@ -42,7 +44,23 @@ class Survey(NamedTuple):
     @property
     def demand(self) -> Demand:
         """What a first and a further effect must gain [nats]."""
-        return build_demand(self.needed, len({piece.effect.id for piece in self.catalogue[0]}))
+        pieces = self.catalogue[0]
+        effects = len({piece.effect.id for piece in pieces})
+        return build_demand(self.needed, effects, list_free(pieces))
+
+    def join_leaders(self, problem: Problem, base: Candidate, leaders: list[Candidate]) -> "Survey":
+        """Let leaders of an earlier survey compete, refitted.
+
+        A survey fits each effect from its null, and gives most of its time to what scores best
+        there. Under another measurement that may be others than those that led, far off their null.
+        """
+        singles = {candidate.model.label: candidate for candidate in self.ranked[0]}
+        for leader in leaders:
+            again, label = fit_again(problem, leader, base), leader.model.label
+            if again is not None:
+                singles[label] = choose_top([singles.get(label, again), again], again)
+        order = sorted(singles.values(), key=lambda c: -c.log_evidence)
+        return self._replace(ranked=(order, self.ranked[1]))
 
     def search(
         self, problem: Problem, base: Candidate, progress: Progress, worth: float = 0.0

@@ -7,12 +7,8 @@ import pytest
 
 from softfinger.faults import Fault
 from softfinger.inference import disturbances, posterior
-from softfinger.inference.disturbances import (
-    _group_rows,
-    fit_disturbances,
-    list_disturbances,
-    soften_gram_array,
-)
+from softfinger.inference.disturbance_sizes import fit_disturbances, soften_gram_array
+from softfinger.inference.disturbances import _group_rows, list_disturbances
 from softfinger.inference.disturbed import (
     admit_disturbances,
     admit_known,
@@ -91,6 +87,15 @@ def test_a_log_that_scatters_is_found_with_its_size(noisy):
     assert list(size) == ["noisy_load"]
     assert size["noisy_load"] == pytest.approx(0.02, rel=0.3)
     assert evidence["noisy_load"] > 30
+
+
+def test_what_asks_for_more_than_a_bad_log_is_no_noisy_log(pose):
+    """Beyond the sizes of load cells, physics that is missing scatters the motion."""
+    problem, base = pose(load_error=0.15)
+    sizes = fit_disturbances(problem, base)[0]
+    assert "noisy_load" not in sizes
+    asked = fit_disturbances(*pose(load_error=0.03))[0]
+    assert asked["noisy_load"] == pytest.approx(0.03, rel=0.4)
 
 
 def test_a_disturbance_that_cannot_be_simulated_is_none(pose, monkeypatch):

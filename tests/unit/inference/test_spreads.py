@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from softfinger.inference.disturbances import fit_disturbances
+from softfinger.inference.disturbance_sizes import fit_disturbances
 from softfinger.inference.disturbed import admit_disturbances, forget_spreads
 from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.inference.simulate import build_recording, describe_noise, draw_noise_array

@@ -1,8 +1,9 @@
 """Components of a measurement are chosen by evidence, and are never absurd."""
 
 import numpy as np
+import pytest
 
-from softfinger.measurement.components import choose_components
+from softfinger.measurement.components import choose_components, is_at_bound
 
 
 def test_a_component_is_at_most_twice_as_large_as_it_may_be():
@@ -24,3 +25,26 @@ def test_what_is_there_depends_on_the_evidence_that_is_asked_for():
 def test_beside_a_model_without_evidence_nothing_is_chosen():
     sizes = {"drift": np.ones(1)}
     assert choose_components(lambda size: 9.0 if size else -np.inf, sizes) == ({}, {})
+
+
+def test_what_is_not_plausible_leaves_and_the_others_are_sought_again():
+    """A wrong component took another's part; without it the other has its own size."""
+
+    def evaluate(size):
+        drift = size.get("drift", 0.0)
+        jitter = size.get("jitter", 1e-9)
+        own = -((np.log(jitter) - (0.0 if drift else np.log(2.0))) ** 2)
+        return 100.0 * drift + (50.0 + own if "jitter" in size else 0.0)
+
+    sizes = {"drift": np.array([0.5, 1.0]), "jitter": np.array([0.5, 1.0, 2.0])}
+    asked = {}
+
+    def is_plausible(name, size):
+        asked.setdefault(name, size)
+        return name != "drift" or not is_at_bound(size, sizes[name])
+
+    size, evidence = choose_components(evaluate, sizes, 3.0, is_plausible)
+    assert is_at_bound(asked["drift"], sizes["drift"])
+    assert size == {"jitter": pytest.approx(2.0, rel=0.1)}
+    assert set(evidence) == {"jitter"}
+    assert set(choose_components(evaluate, sizes, 3.0)[0]) == {"drift", "jitter"}

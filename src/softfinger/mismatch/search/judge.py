@@ -15,7 +15,8 @@ import numpy as np
 import xarray as xr
 
 from softfinger.inference.budget import BUDGET as INFERENCE
-from softfinger.inference.disturbances import find_kind, fit_disturbances
+from softfinger.inference.disturbance_sizes import fit_disturbances
+from softfinger.inference.disturbances import find_kind
 from softfinger.inference.disturbed import admit_disturbances, forget_spreads
 from softfinger.inference.problem import Candidate, Problem, predict_frames
 from softfinger.inference.spreads import find_effect, is_spread

@@ -51,6 +51,14 @@ class Posterior(NamedTuple):
                 break
         return chosen
 
+    @property
+    def needs_many(self) -> bool:
+        """Whether each likely set has more effects than are named.
+
+        Free laws in three places follow nearly any motion, so that they fit shows no three causes.
+        """
+        return all(len(ids) > DECISIONS.most_named for ids in self.equivalent)
+
     def doubt(self, probability: float) -> "Posterior":
         """Allow for a probability of unlisted physics.
 
@@ -112,7 +120,7 @@ def _allow_for_forms(
 def settle_search(search: Search, free: Ids | None = None) -> Search:
     """Keep what the likely sets of effects share.
 
-    They disagree about a slight rest.
+    They disagree about a slight rest, or it is a third effect's.
 
     Such a rest is too small, and too little like any one effect, to be given a name. A gain may
     pass the test of false alarms, as one in a hundred does by chance. If the base model is still
@@ -122,8 +130,8 @@ def settle_search(search: Search, free: Ids | None = None) -> Search:
     likely = posterior.equivalent
     if not likely[0]:
         return search._replace(best=search.base)
-    core = frozenset.intersection(*likely)
-    kept = posterior.best.get(core) if len(likely) > 1 and core else None
+    core = find_core(posterior)
+    kept = posterior.best.get(core) if core and [core] != likely else None
     if kept is None or kept.fit is None:
         return search
     added = search.best.log_evidence - kept.log_evidence
@@ -133,6 +141,18 @@ def settle_search(search: Search, free: Ids | None = None) -> Search:
     fewer = [c for c in search.candidates if len(c.model.ids) <= size]
     more = [c for c in search.candidates if len(c.model.ids) > size]
     return search._replace(candidates=fewer, rejected=[*more, *search.rejected], best=kept)
+
+
+def find_core(posterior: Posterior) -> Ids:
+    """Find what the likely sets share.
+
+    Of more effects than are named it is the best part that has as many.
+    """
+    core = frozenset.intersection(*posterior.equivalent)
+    if len(core) <= DECISIONS.most_named:
+        return core
+    parts = [ids for ids in posterior.best if ids < core and len(ids) == DECISIONS.most_named]
+    return max(parts, key=lambda ids: posterior.best[ids].log_evidence, default=core)
 
 
 def drop_lent(search: Search) -> Search:

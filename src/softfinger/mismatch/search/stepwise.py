@@ -23,7 +23,7 @@ from softfinger.mismatch.candidates.rank import (
     find_best,
 )
 from softfinger.mismatch.decisions import DECISIONS
-from softfinger.mismatch.search.demand import allow_form_error, build_demand, list_free
+from softfinger.mismatch.search.demand import build_demand, list_free
 from softfinger.mismatch.search.eliminate import choose_top, eliminate
 from softfinger.mismatch.search.extend import Task, extend, try_partners
 from softfinger.mismatch.search.finer import fit_finer
@@ -166,8 +166,8 @@ def require_gain(needed: float, explained: float, pieces: list[Piece], best: Can
     As much as a first one, and what it costs that there are so many more pairs than effects. Where
     an effect before has no free law, also more than the error that its textbook forms may have.
     """
-    more = build_demand(needed, len({piece.effect.id for piece in pieces})).further
-    return more + allow_form_error(best.model.ids, explained, list_free(pieces))
+    effects = len({piece.effect.id for piece in pieces})
+    return build_demand(needed, effects, list_free(pieces)).ask(best.model.ids, explained)
 
 
 def shape_rest(problem: Problem, search: Search) -> Search:

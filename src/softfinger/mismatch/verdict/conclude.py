@@ -45,7 +45,7 @@ def conclude(
     final = search.best
     decision = choose_decision(search, posterior, findings.is_unlisted(needed))
     if decision == "unlisted" and search.best is not search.base:
-        real = PRIORS.listed if needs_many(posterior) else 1.0
+        real = PRIORS.listed if posterior.needs_many else 1.0
         posterior = posterior.doubt(real * weigh_against_shape(search, findings))
     effects = [] if decision == "adequate" else state_effects(problem, search, posterior, decision)
     if decision == "unlisted":
@@ -97,20 +97,12 @@ def keep_likely(effects: list[StatedEffect]) -> list[StatedEffect]:
 
 def choose_decision(search: Search, posterior: Posterior, unlisted: bool) -> str:
     """Choose among adequate, named, ambiguous and unlisted."""
-    if unlisted or needs_many(posterior):
+    if unlisted or posterior.needs_many:
         return "unlisted"
     if search.best is search.base:
         return "adequate"
     top = next(iter(posterior.sets.values()))
     return "named" if top >= DECISIONS.sure else "ambiguous"
-
-
-def needs_many(posterior: Posterior) -> bool:
-    """Whether each likely set has more effects than are named.
-
-    Free laws in three places follow nearly any motion, so that they fit shows no three causes.
-    """
-    return all(len(ids) > DECISIONS.most_named for ids in posterior.equivalent)
 
 
 def describe_remaining(problem: Problem, candidate: Candidate, findings: Findings) -> Remaining:

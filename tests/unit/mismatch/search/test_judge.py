@@ -149,6 +149,15 @@ def test_of_a_further_effect_more_is_demanded(gain, claimed):
     assert choose_simplest([base, first], base.model.ids, DEMAND) is (first if claimed else base)
 
 
+@pytest.mark.parametrize(("gain", "claimed"), [(47.0, False), (49.0, True)])
+def test_a_third_effect_gains_more_than_a_textbook_form_may_err(gain, claimed):
+    base, pair = stand_in(0.0), stand_in(8000.0, "actuator_lag", "gravity")
+    third = stand_in(8000.0 + gain, "actuator_lag", "gravity", "camera_delay")
+    asked = DEMAND._replace(free=frozenset({"gravity"}))
+    best = choose_simplest([base, pair, third], base.model.ids, asked)
+    assert best is (third if claimed else pair)
+
+
 def test_effects_are_taken_back_one_by_one():
     base, one, pair = stand_in(0.0), stand_in(4.0, "gravity"), stand_in(11.0, "gravity", "inertia")
     assert choose_simplest([pair, base, one], base.model.ids, DEMAND) is base

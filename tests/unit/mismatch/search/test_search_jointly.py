@@ -18,6 +18,10 @@ class Searched:
     def __init__(self, best):
         self.best, self.worth = SimpleNamespace(log_evidence=best), []
 
+    def join_leaders(self, _problem, _base, leaders):
+        self.leaders = leaders
+        return self
+
     def search(self, _problem, base, _patience, worth=0.0):
         self.worth.append(worth)
         return SimpleNamespace(best=self.best, base=base)
@@ -30,6 +34,7 @@ def test_without_disturbances_is_sought_what_comes_near_where_one_is_needed(
     plain, problem, base = object(), object(), SimpleNamespace(log_evidence=-100.0)
     bare, softer = Searched(-20.0), Searched(-30.0)
     for name, answer in {
+        "list_leaders": lambda *_: ["leader"],
         "settle_measurement": lambda *_: (problem, base),
         "needs_disturbance": lambda at, best: needed and at is plain and best is softer.best,
         "compare_levels": lambda *_: -5.0,  # what the disturbance costs
@@ -40,6 +45,7 @@ def test_without_disturbances_is_sought_what_comes_near_where_one_is_needed(
     posed = Posed(None, plain, base, bare, {}, None)
     _, found, (search, rivals) = search_jointly(posed, lambda *_: softer, None)
     assert found is softer
+    assert softer.leaders == ["leader"]
     assert search.best is softer.best
     assert bare.worth == searches
     assert rivals == ([bare.best] if needed else [])

@@ -90,6 +90,15 @@ def test_what_close_sets_share_is_settled_where_they_add_hardly_anything():
     assert posterior.sets[frozenset("a")] > 0.99
 
 
+def test_a_slight_third_effect_takes_no_pair_its_name():
+    """A lag of three stages is one of two and a slight delay."""
+    pairs = [Candidate(model("a", "b"), "fit", 8560.0), Candidate(model("a", "c"), "fit", 6700.0)]
+    for gain, best in ((40.0, "ab"), (200.0, "abc")):
+        triple = Candidate(model("a", "b", "c"), "fit", 8560.0 + gain)
+        settled = settle_search(search(triple, *pairs, Candidate(model("b"), "fit", 90.0)))
+        assert settled.best.model.ids == frozenset(best)
+
+
 def test_sets_stand_where_they_add_much_or_what_they_share_was_not_fitted():
     pairs = [Candidate(model("a", second), "fit", 1000.0) for second in "bc"]
     rival = Candidate(model("b"), "fit", 950.0)
@@ -186,7 +195,7 @@ def test_where_an_effect_is_taken_back_the_most_probable_of_the_others_is_claime
 
 
 @pytest.mark.parametrize(
-    ("shape", "p", "unlisted"), [(240.0, 1.0, False), (260.0, 1.0, True), (0.0, 5e-4, True)]
+    ("shape", "p", "unlisted"), [(45.0, 1.0, False), (55.0, 1.0, True), (0.0, 5e-4, True)]
 )
 def test_effects_that_leave_much_do_not_explain(shape, p, unlisted):
     quiet = SimpleNamespace(gain=-1.0)

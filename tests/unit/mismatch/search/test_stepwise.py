@@ -46,7 +46,7 @@ def test_a_shape_alone_that_says_clearly_more_takes_the_place_of_effects(named):
 
 
 def test_what_effects_may_leave_grows_with_what_they_explain():
-    assert allow_rest(1000.0, 5.0) == 250.0
+    assert allow_rest(1000.0, 5.0) == 50.0
     assert allow_rest(4.0, 9.0) == 9.0
     assert 6.9 < allow_rest(4.0, 5.0) < 7.0
 

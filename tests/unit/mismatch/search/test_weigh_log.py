@@ -5,7 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from softfinger.inference.disturbances import CLOCKS, fit_disturbances
+from softfinger.inference.disturbance_sizes import fit_disturbances
+from softfinger.inference.disturbances import CLOCKS
 from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.inference.simulate import (
     build_recording,

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from softfinger.mismatch.search.settle import Posterior
-from softfinger.mismatch.verdict.conclude import choose_decision, needs_many
+from softfinger.mismatch.verdict.conclude import choose_decision
 
 FOUND = SimpleNamespace(base="base", best="effects")
 
@@ -28,4 +28,4 @@ def test_three_effects_may_be_needed_where_two_compete_with_them():
 
 @pytest.mark.parametrize(("ids", "many"), [("", False), ("ab", False), ("abc", True)])
 def test_a_name_has_two_effects_at_most(ids, many):
-    assert needs_many(weigh(**{ids: 1.0})) is many
+    assert weigh(**{ids: 1.0}).needs_many is many
