@@ -58,15 +58,15 @@ class Plain(NamedTuple):
     measurement: MeasurementEntry
 
 
-def read_plain(known: Path) -> Plain:
+def read_plain(folder: Path) -> Plain:
     """Read what a diagnosis left in its folder."""
-    content = read_model_file(known / "model.yaml")
-    angles = open_artifact(known / "angles.nc", ANGLES)
+    content = read_model_file(folder / "model.yaml")
+    angles = open_artifact(folder / "angles.nc", ANGLES)
     problem, fit = pose_problem(angles, content, priors=False)
-    found = fit
+    found, known = fit, content.measurement or MeasurementEntry()
     for _ in range(2):  # the second time with directions in which they move the model that is found
-        softer, found = _fit_softer(problem, found, content.measurement)
-    return Plain(problem, found, _measure(softer, found), content.measurement)
+        softer, found = _fit_softer(problem, found, known)
+    return Plain(problem, found, _measure(softer, found), known)
 
 
 def measure_lead(known: Path, found: Path) -> float:
