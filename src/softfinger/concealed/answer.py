@@ -118,7 +118,7 @@ def _continue(
 def _date(table: Path, number: int) -> None:
     """A day later for every round."""
     rows = pd.read_csv(table)
-    started = pd.to_datetime(rows["started_at"]) + timedelta(days=number)
+    started = pd.to_datetime(rows["started_at"], format="ISO8601") + timedelta(days=number)
     rows.assign(started_at=[moment.isoformat() for moment in started]).to_csv(table, index=False)
 
 

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 from ruamel.yaml import YAML
 
-from softfinger.concealed.answer import answer_plan
+from softfinger.concealed.answer import _date, answer_plan
 from softfinger.concealed.suite import CaseSpec
 
 
@@ -43,4 +43,14 @@ def test_a_plan_is_recorded_as_asked_and_rounds_differ(truth, plan, tmp_path):
     assert not np.allclose(first[:50], other[:50], atol=1e-3)
     assert sorted(p.name for p in (tmp_path / "round_1").iterdir()) == [
         "angles", "campaign.yaml", "load", "trials.csv",
+    ]  # fmt: skip
+
+
+def test_rounds_are_dated_a_day_apart_with_and_without_fractions_of_seconds(tmp_path):
+    """A rest of half seconds gave moments of two layouts."""
+    table = tmp_path / "trials.csv"
+    table.write_text("trial,started_at\na,2024-03-04T09:00:00\nb,2024-03-04T09:01:11.500000\n")
+    _date(table, 2)
+    assert pd.read_csv(table)["started_at"].tolist() == [
+        "2024-03-06T09:00:00", "2024-03-06T09:01:11.500000",
     ]  # fmt: skip
