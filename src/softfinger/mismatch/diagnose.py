@@ -148,13 +148,13 @@ def search_jointly(
     sought.
     """
     right, plain, base, found, _, _ = posed
-    problem, start = settle_measurement(plain, base, found.ranked[0], found.needed)
+    leaders = list_leaders(base, found.ranked[0], found.needed)
+    problem, start = settle_measurement(plain, base, leaders)
     rivals: list[Candidate] = []
     if problem is plain:
         search = found.search(plain, base, patience)
     else:
-        bare, leaders = found, list_leaders(base, found.ranked[0], found.needed)
-        found = survey(problem, start).join_leaders(problem, start, leaders)
+        bare, found = found, survey(problem, start).join_leaders(problem, start, leaders)
         search = found.search(problem, start, patience)
         if needs_disturbance(plain, search.best):
             known = compare_levels(problem, plain) + search.best.log_evidence - base.log_evidence

@@ -64,7 +64,7 @@ def list_leaders(base: Candidate, singles: list[Candidate], needed: float) -> li
 
 
 def settle_measurement(
-    plain: Problem, base: Candidate, singles: list[Candidate], needed: float
+    plain: Problem, base: Candidate, leaders: list[Candidate]
 ) -> tuple[Problem, Candidate]:
     """Take the measurement of whichever leads.
 
@@ -74,10 +74,8 @@ def settle_measurement(
     ----------
     plain
         Without disturbances.
-    singles
-        Models of one effect, best first.
-    needed
-        Gain [nats] from which an effect is judged at all.
+    leaders
+        The best effects, as of `list_leaders`.
 
     Returns
     -------
@@ -85,7 +83,6 @@ def settle_measurement(
         With that measurement; as they are where it has no disturbance: tails alone change no
         leader, and are weighed at the end.
     """
-    leaders = list_leaders(base, singles, needed)
     judging = (judge(plain, c, plain, base) for c in (base, *leaders))
     best = max((j for j in judging if j is not None), key=lambda j: j.evidence, default=None)
     if best is None or not best.problem.disturbed:
