@@ -146,17 +146,15 @@ def solve_gram(
     trials, size = gram.shape[0], gram.shape[1]
     d, m = omega.shape[0], size - 1
     inverse = np.linalg.inv(omega)
-    kept = np.empty((trials, d, d))
+    kept, white = np.empty((trials, d, d)), np.zeros((d, d + size))
     normal = np.diag(np.append(precision, 0.0))
     normal[:m, m] = precision * mean
     normal[m, m] = np.sum(precision * mean**2)
     log_omega = np.linalg.slogdet(omega)[1]
     logdet = 0.0
     for i in range(trials):
-        total = inverse + gram[i, :d, :d]
-        kept[i] = invert_scaled(total)
-        logdet += np.linalg.slogdet(total)[1] + log_omega
-        _add_without_own(gram[i], total, kept[i], inverse, normal)
+        logdet += log_omega + _integrate_own(gram[i], inverse, white, normal)
+        kept[i] = np.ascontiguousarray(white[:, :d].T) @ np.ascontiguousarray(white[:, :d])
     for k in range(m):  # trials add to what the prior knows; rounding may take it away
         normal[k, k] = max(normal[k, k], precision[k])
     hessian = np.ascontiguousarray(normal[:m, :m])
@@ -183,27 +181,43 @@ def solve_gram(
 
 
 @compiled
-def _add_without_own(
-    gram: NDArray, total: NDArray, kept: NDArray, inverse: NDArray, normal: NDArray
-) -> None:
+def _integrate_own(gram: NDArray, inverse: NDArray, white: NDArray, normal: NDArray) -> float:
     """Add a trial's part to the normal matrix.
 
-    It is G − G_η K G_ηᵀ with K = (P + G_ηη)⁻¹.
+    It is G − G_η K G_ηᵀ with K = (P + G_ηη)⁻¹ = WᵀW; returns log|P + G_ηη|.
 
-    In this form large numbers do not cancel, however much the trial shows: P − P K P, G_φη K P.
-    K G_ηφ is solved for, each row in its own unit: K has lost the digits that it needs where own
-    parameters look alike.
+    In the form P − P K P, G_φη K P large numbers do not cancel, however much the trial shows. Each
+    row of P + G_ηη is factorised in its own unit, and its diagonal enlarged by what rounding may
+    have taken: K alone would lose the digits that it needs where own parameters look alike.
+    Writes W [1 | P | G_ηφ] into `white` (d, 2 d + p + 1).
     """
-    d = len(kept)
-    rest, pulled = np.ascontiguousarray(gram[d:, :d]), kept @ inverse
-    size = np.sqrt(np.diag(total))
-    unit = total / np.outer(size, size) + ROUNDING * np.eye(d)
-    scaled = np.ascontiguousarray(rest.T) / size.reshape(d, 1)
-    explained = np.ascontiguousarray(scaled.T) @ np.linalg.solve(unit, scaled)
-    normal[:d, :d] += inverse - inverse @ pulled
-    normal[d:, :d] += rest @ pulled
-    normal[:d, d:] += (rest @ pulled).T
-    normal[d:, d:] += gram[d:, d:] - 0.5 * (explained + explained.T)
+    d = len(inverse)
+    factor, logdet = np.empty((d, d)), 0.0
+    size = np.empty(d)
+    for a in range(d):
+        size[a] = np.sqrt(inverse[a, a] + gram[a, a])
+        white[a, :d] = 0.0
+        white[a, a] = 1.0 / size[a]
+        white[a, d : 2 * d] = inverse[a] / size[a]
+        white[a, 2 * d :] = gram[a, d:] / size[a]
+    for a in range(d):
+        for b in range(a + 1):
+            rest = (inverse[a, b] + gram[a, b]) / (size[a] * size[b])
+            for k in range(b):
+                rest -= factor[a, k] * factor[b, k]
+            factor[a, b] = rest / factor[b, b] if b < a else np.sqrt(max(rest, 0.0) + ROUNDING)
+        for b in range(a):
+            for c in range(white.shape[1]):
+                white[a, c] -= factor[a, b] * white[b, c]
+        white[a] /= factor[a, a]
+        logdet += 2.0 * np.log(size[a] * factor[a, a])
+    whole = np.ascontiguousarray(white[:, d:])
+    product = np.ascontiguousarray(whole.T) @ whole
+    normal[:d, :d] += inverse - product[:d, :d]
+    normal[d:, :d] += product[d:, :d]
+    normal[:d, d:] += product[:d, d:]
+    normal[d:, d:] += gram[d:, d:] - product[d:, d:]
+    return logdet
 
 
 @compiled
@@ -237,8 +251,8 @@ def climb_omega(
         trial = _unpack(x2 + away * FARTHEST / max(most, FARTHEST), omega.shape[0])
         if np.all(np.isfinite(trial)):
             far = solve_gram(gram, prior, trial)
-            near = solve_gram(gram, prior, omega)
-            omega, value = (far[6], far[5]) if far[5] > near[5] else (near[6], near[5])
+            if far[5] > value:
+                omega, value = far[6], far[5]
         if value - best < tolerance:
             return omega, value
         best = value

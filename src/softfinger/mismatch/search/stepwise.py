@@ -97,10 +97,8 @@ def search_effects(task: Task, needed: float, worth: float = 0.0) -> Search:
         more = require_gain(needed, explained, task.pieces, best)
         asked = max(best.log_evidence + more, base.log_evidence + worth)
         rivals = _list_rivals(base, found, len(best.model.ids))
-        larger = _enlarge(task, rivals, best, found, asked, size)
-        if size == 2:
-            pairs, shape = _pair_up(task, best, larger, asked, more)
-            larger += pairs
+        shape = measure_shape(problem, best) if size == 2 else shape
+        larger = _enlarge(task, _Round(best, found, rivals, needed, more, asked, shape))
         top = choose_top(larger, best)
         if top.log_evidence - best.log_evidence > more:
             best = _face_finer(task, top, best, found, larger, more)
@@ -120,28 +118,80 @@ def search_effects(task: Task, needed: float, worth: float = 0.0) -> Search:
     return Search(base, found, larger, best, first_gain, task.refused, task.scores, shape, alone)
 
 
+class _Round(NamedTuple):
+    """The search for one more effect.
+
+    Attributes
+    ----------
+    best, found, rivals
+        The best set so far, what was fitted, and the sets of the same size that compete.
+    needed, more
+        Gain [nats] that chance seldom exceeds, and that the further effect must bring.
+    asked
+        Log evidence [nats] that is asked of a larger set.
+    shape
+        What the best leaves, measured for a second effect.
+    """
+
+    best: Candidate
+    found: list[Candidate]
+    rivals: list[Candidate]
+    needed: float
+    more: float
+    asked: float
+    shape: Shape | None
+
+    def choose_floor(self, larger: list[Candidate]) -> float:
+        """Log evidence [nats] below which no larger set could be chosen."""
+        return max(self.asked, find_best(larger))
+
+
+def _enlarge(task: Task, now: _Round) -> list[Candidate]:
+    """Rank one more effect on sets that may lead.
+
+    For a second effect that is every set, and any pair; none where the best single one leaves
+    nothing. With the other form of the best, only what leads is tried.
+    """
+    best, second = now.best, len(now.best.model.ids - task.base.model.ids) == 1
+    larger = extend(task, best, task.pieces, now.asked)
+    if second and _leaves_nothing(task, now, larger):
+        return larger
+    for rival in now.rivals:
+        if rival is not best and (second or _can_lead(rival, best, larger)):
+            larger += extend(task, rival, task.pieces, now.choose_floor(larger))
+    other = find_other_form(now.found, best)
+    if other is not None and (second or _can_lead(other, best, larger)):
+        leading = keep_leading(task.pieces, larger, best)
+        larger += extend(task, other, leading, now.choose_floor(larger))
+    return [*larger, *_pair_up(task, now, larger)] if second else larger
+
+
+def _leaves_nothing(task: Task, now: _Round, larger: list[Candidate]) -> bool:
+    """Whether one effect leaves no more than chance gains.
+
+    Neither a further effect nor a free-form term then gains it, so no other pair can lead.
+    """
+    demand = build_demand(now.needed, len({piece.effect.id for piece in task.pieces}))
+    return max(find_best(larger) - now.best.log_evidence, now.shape.gain) <= demand.further
+
+
+def _pair_up(task: Task, now: _Round, larger: list[Candidate]) -> list[Candidate]:
+    """Fit the pairs that score best.
+
+    Far from the base, where the best leaves much, also those of what leads.
+    """
+    pairs = rank_pairs(task.problem, task.base, task.columns, larger, now.asked, task.progress)
+    explained = now.best.log_evidence - task.base.log_evidence
+    if explained >= BUDGET.far_nats and now.shape.gain > now.more:
+        floor = now.choose_floor([*larger, *pairs])
+        pairs += fit_leading_pairs(task.problem, task.singles, floor, task.progress)
+    return pairs
+
+
 def _vary(task: Task, top: Candidate, rivals: list[Candidate]) -> list[Candidate]:
     """Other forms of a pair, and other partners in it."""
     found = swap_forms(task.problem, top, [*task.pieces, *list_finer(top, task.pieces)])
     return found + try_partners(task, top, {rival.model.ids for rival in rivals})
-
-
-def _pair_up(
-    task: Task, best: Candidate, larger: list[Candidate], asked: float, more: float
-) -> tuple[list[Candidate], Shape | None]:
-    """Fit the pairs that score best.
-
-    Far from the base also those of what leads. Returns them, and what the best leaves where it is
-    far from the base.
-    """
-    pairs = rank_pairs(task.problem, task.base, task.columns, larger, asked, task.progress)
-    if best.log_evidence - task.base.log_evidence < BUDGET.far_nats:
-        return pairs, None
-    shape = measure_shape(task.problem, best)
-    if shape.gain > more:
-        asked = max(asked, find_best([*larger, *pairs]))
-        pairs += fit_leading_pairs(task.problem, task.singles, asked, task.progress)
-    return pairs, shape
 
 
 def _seek_hidden(task: Task, search: Search, needed: float) -> Search:
@@ -208,29 +258,6 @@ def _can_lead(rival: Candidate, best: Candidate, larger: list[Candidate]) -> boo
     """Whether one more effect could let a set lead."""
     behind = best.log_evidence - rival.log_evidence
     return behind <= max(find_best(larger) - best.log_evidence, DECISIONS.rival_nats)
-
-
-def _enlarge(
-    task: Task,
-    rivals: list[Candidate],
-    best: Candidate,
-    found: list[Candidate],
-    asked: float,
-    size: int,
-) -> list[Candidate]:
-    """Rank one more effect on sets that may lead.
-
-    For `size` 2 that is every set. With the other form of the best, only what leads is tried.
-    """
-    larger: list[Candidate] = []
-    for rival in rivals:
-        if size == 2 or _can_lead(rival, best, larger):
-            larger += extend(task, rival, task.pieces, max(asked, find_best(larger)))
-    other = find_other_form(found, best)
-    if other is not None and (size == 2 or _can_lead(other, best, larger)):
-        leading = keep_leading(task.pieces, larger, best)
-        larger += extend(task, other, leading, max(asked, find_best(larger)))
-    return larger
 
 
 def _face_finer(

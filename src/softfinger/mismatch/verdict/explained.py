@@ -6,6 +6,7 @@ from scipy.stats import norm
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.checks.summary import compute_excess, compute_square_excess
+from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.search.settle import Posterior
 from softfinger.mismatch.search.stepwise import Search
 from softfinger.mismatch.verdict.schema import Explained, NotTried
@@ -19,7 +20,8 @@ def list_explained(
     Of the evidence that is missing under the base model a set explains its gain g over it; what
     is missing under the set itself is half of that part of χ² which lasts from bin to bin. Noise
     of another size than was measured changes both alike, and so not the share. The best set of
-    the search comes first.
+    the search comes first. A larger set that the search refused, because a free-form term gains
+    more than it, is listed where it explains far more than the best.
 
     Parameters
     ----------
@@ -28,6 +30,7 @@ def list_explained(
     """
     base, best = search.base, search.best
     found = {ids: c for ids, c in posterior.best.items() if ids and c.fit is not None}
+    found |= _list_refused(search, needed)
     gains = {ids: c.log_evidence - base.log_evidence for ids, c in found.items()}
     order = sorted(gains, key=lambda ids: (found[ids].model.ids != best.model.ids, -gains[ids]))
     listed = [ids for ids in order if gains[ids] > needed][: BUDGET.explained]
@@ -40,6 +43,18 @@ def list_explained(
         )
         for ids in listed
     ]
+
+
+def _list_refused(search: Search, needed: float) -> dict[frozenset[str], Candidate]:
+    """The best model of each larger set that gains far more than the best set."""
+    gain = search.best.log_evidence - search.base.log_evidence
+    asked = search.best.log_evidence + max(needed, DECISIONS.slight * gain)
+    order = sorted(search.rejected, key=lambda c: c.log_evidence)
+    return {
+        c.model.ids - search.base.model.ids: c
+        for c in order
+        if c.fit is not None and c.log_evidence > asked
+    }
 
 
 def measure_left(problem: Problem, candidate: Candidate) -> float:

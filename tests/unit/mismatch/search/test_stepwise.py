@@ -107,7 +107,6 @@ def test_nothing_is_added_to_a_pair_far_behind_what_is_known(monkeypatch, worth,
     added = []
     for name, answer in {
         "_enlarge": [pair],
-        "_pair_up": ([], None),
         "_face_finer": single,
         "measure_shape": Shape(single.fit, None),
         "list_finer": [],
@@ -122,6 +121,26 @@ def test_nothing_is_added_to_a_pair_far_behind_what_is_known(monkeypatch, worth,
     assert found.best is pair
     assert pair in found.candidates
     assert bool(added) is sought
+
+
+@pytest.mark.parametrize(("added", "left", "sought"), [(4, 4, 0), (4, 9, 1), (9, 4, 1)])
+def test_pairs_are_sought_only_where_one_effect_leaves_something(monkeypatch, added, left, sought):
+    """What is added to it gains as much as chance, and so does a free-form term."""
+
+    def candidate(nats, *ids):
+        model = SimpleNamespace(ids=frozenset(ids), pieces=())
+        return SimpleNamespace(log_evidence=nats, model=model, fit=1)
+
+    one, pair = candidate(100.0, "gravity"), candidate(100.0 + added, "gravity", "inertia")
+    shape, asked = Shape(one.fit, SimpleNamespace(gain=left)), []
+    monkeypatch.setattr(stepwise, "extend", lambda *_: [pair])
+    monkeypatch.setattr(stepwise, "measure_shape", lambda *_: shape)
+    monkeypatch.setattr(stepwise, "find_other_form", lambda *_: None)
+    monkeypatch.setattr(stepwise, "require_gain", lambda *_: 100.0)
+    monkeypatch.setattr(stepwise, "rank_pairs", lambda *_: asked.append(1) or [])
+    found = search_effects(Task(None, candidate(0.0), [], {}, None, [one], [], None), 5.0)
+    assert (found.best, found.rejected) == (one, [pair])
+    assert len(asked) == sought
 
 
 def test_nothing_is_sought_behind_a_base_model_that_leaves_noise(monkeypatch):

@@ -27,9 +27,9 @@ def build(*ids, nats, left=0.0, covers=False):
     return SimpleNamespace(model=model, fit=fit, log_evidence=nats, left=left)
 
 
-def weigh(monkeypatch, base, best, *others):
+def weigh(monkeypatch, base, best, *others, rejected=()):
     monkeypatch.setattr(explained, "measure_left", lambda _, candidate: candidate.left)
-    search = SimpleNamespace(base=base, best=best)
+    search = SimpleNamespace(base=base, best=best, rejected=rejected)
     sets = {c.model.ids: c for c in (base, best, *others)}
     return list_explained(None, search, SimpleNamespace(best=sets), 5.0)
 
@@ -48,6 +48,17 @@ def test_the_best_set_of_the_search_comes_first(monkeypatch):
 def test_a_set_that_gains_no_more_than_chance_is_not_listed(monkeypatch):
     base = build(nats=0.0)
     assert weigh(monkeypatch, base, base, build("gravity", nats=4.0)) == []
+
+
+def test_a_set_that_a_free_form_term_beats_is_listed_where_it_explains_far_more(monkeypatch):
+    best = build("wire_friction", nats=1000.0)
+    pairs = [build("wire_friction", name, nats=nats) for name, nats in (("a", 1019), ("b", 1500))]
+    better = build("wire_friction", "b", nats=1600.0)
+    found = weigh(monkeypatch, build(nats=0.0), best, rejected=[better, *pairs])
+    assert [(one.effects, one.gain_nats) for one in found] == [
+        (["wire_friction"], 1000.0),
+        (["b", "wire_friction"], 1600.0),
+    ]
 
 
 def test_an_amplitude_that_is_not_clearly_off_zero_is_told():
