@@ -22,6 +22,12 @@ class DiagnosisBudget:
     """[nats] behind the best fit that goes on. Why: what `first_steps` may lack."""
     reach_share: float = 0.5
     """The same as a share of the best gain. Why: as `near_share`, after some steps."""
+    alike: int = 2
+    """Forms of the same effects that go on though another one is clearly ahead.
+
+    Why: a second one may leave more room for a further effect.
+    Test: `test_rank.py::test_only_two_forms_of_the_same_effects_go_on_far_behind_the_best`.
+    """
     resize_nats: float = 0.5
     """[nats] that another size of a law gains, where it is fitted anew. Why: that costs a second.
 

@@ -160,8 +160,10 @@ def fit_scored(
 
     Promising are the best forms of the leading effects, and every form whose score is near the best
     fit so far. Each gets a few linearisations; one that then leads goes on at once. Those within
-    reach of the best go on as well. One that does not come to rest counts by what it has reached,
-    for its evidence is at least that. Forms that are not fitted count by their score.
+    reach of the best go on as well, but for further forms of the same effects that are clearly
+    behind. One that does not come to rest counts by what it has reached, for its evidence is at
+    least that. Forms that are not fitted count by their score. Those that come near the best are
+    freed of needless places.
     """
     leading = set(list(dict.fromkeys(s.effect for s in scores))[: BUDGET.leading])
     begun, candidates, best = [], [], max(origin.log_evidence, floor)
@@ -181,8 +183,13 @@ def fit_scored(
         best = max(best, fit.log_evidence)
         begun.append((score.model, fit))
     reach = reaching_nats(best - origin.log_evidence)
+    begun.sort(key=lambda one: -one[1].log_evidence)
+    alike: dict[frozenset[str], list[float]] = {}
     for model, fit in begun:
-        if fit.log_evidence < best - reach:
+        before = alike.setdefault(model.ids, [])
+        before.append(fit.log_evidence)
+        behind = len(before) > BUDGET.alike and before[-1] < before[0] - BUDGET.reach_nats
+        if behind or fit.log_evidence < best - reach:
             candidates.append(Candidate(model, None, fit.log_evidence))
             continue
         rival = best - competing_nats(best - origin.log_evidence)
@@ -190,7 +197,9 @@ def fit_scored(
         if fit is None:
             continue
         if has_reached(fit, rival):
-            candidates.append(prune(problem, Candidate(model, fit, fit.log_evidence)))
+            found = Candidate(model, fit, fit.log_evidence)
+            near = fit.log_evidence >= best - BUDGET.reach_nats
+            candidates.append(prune(problem, found) if near else found)
         else:
             candidates.append(Candidate(model, None, fit.log_evidence))
     return sorted(candidates, key=lambda c: -c.log_evidence)

@@ -106,6 +106,16 @@ def test_a_local_form_leaves_the_other_joints_alone(posed):
     assert pieces[0].joints == [2]
 
 
+class Form(str):
+    """A model's label, of one effect."""
+
+    __slots__ = ()
+
+    @property
+    def ids(self):
+        return frozenset({self[0]})
+
+
 class Misled:
     """A problem whose leading form gains much while it moves, and nothing once it rests."""
 
@@ -126,7 +136,8 @@ def test_a_fit_that_does_not_rest_sets_no_measure_for_others(posed, monkeypatch)
     _, base = posed
     monkeypatch.setattr(rank, "prune", lambda problem, candidate: candidate)
     monkeypatch.setattr(Score, "effect", property(lambda score: score.model))
-    scores = [Score(name, gain, np.zeros(1)) for name, gain in (("lead", 100.0), ("true", 75.0))]
+    given = (("lead", 100.0), ("true", 75.0))
+    scores = [Score(Form(name), gain, np.zeros(1)) for name, gain in given]
     origin = base._replace(log_evidence=0.0)
     found = fit_scored(Misled(base.fit), origin, scores, lambda items, _: items)
     assert [(c.model, c.log_evidence) for c in found if c.fit is not None] == [("true", 80.0)]
@@ -150,12 +161,42 @@ def test_only_leading_effects_are_fitted_where_none_comes_near_what_is_asked(
     _, base = posed
     monkeypatch.setattr(rank, "prune", lambda problem, candidate: candidate)
     monkeypatch.setattr(Score, "effect", property(lambda score: score.model))
-    scores = [Score(name, 5.0, np.zeros(1)) for name in "abcdef"]
+    scores = [Score(Form(name), 5.0, np.zeros(1)) for name in "abcdef"]
     origin = base._replace(log_evidence=0.0)
     problem = Slight(base.fit)
     found = fit_scored(problem, origin, scores, lambda items, _: items, floor)
     assert problem.calls == fitted
     assert len(found) == 6
+
+
+class Slow:
+    """A problem whose forms rest 50 nats above where they are after the first steps."""
+
+    def __init__(self, fit):
+        self.fit_to, self.rested = fit, []
+
+    def fit(self, model, start, *, steps=None, first=0.0, rival=0.0):
+        gain = {"a1": 900.0, "a2": 850.0, "a3": 840.0, "a4": 890.0, "b1": 700.0}[model]
+        if steps is None:
+            self.rested.append(str(model))
+            gain += 50.0
+        return self.fit_to._replace(log_evidence=gain, converged=steps is None)
+
+
+def test_only_two_forms_of_the_same_effects_go_on_far_behind_the_best(posed, monkeypatch):
+    """Of `a` three are near the best or second; `b` is another effect."""
+    _, base = posed
+    pruned = []
+    monkeypatch.setattr(rank, "prune", lambda _, candidate: pruned.append(1) or candidate)
+    monkeypatch.setattr(Score, "effect", property(lambda score: score.model[0]))
+    names = ("a1", "a2", "a3", "a4", "b1")
+    scores = [Score(Form(name), 900.0, np.zeros(1)) for name in names]
+    problem = Slow(base.fit)
+    found = fit_scored(problem, base._replace(log_evidence=0.0), scores, lambda items, _: items)
+    fitted = [str(c.model) for c in found if c.fit is not None]
+    assert fitted == ["a1", "a4", "b1"]
+    assert sorted(set(problem.rested)) == ["a1", "a4", "b1"]
+    assert len(pruned) == 2
 
 
 def test_a_linear_model_that_cannot_be_solved_has_no_evidence():
