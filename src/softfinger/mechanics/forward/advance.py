@@ -16,7 +16,7 @@ from softfinger.mechanics.forward.tangents import (
 )
 from softfinger.mechanics.forward.work import START, Model, Work
 
-_TANGENT_TOLERANCE = 1e-3  # of the largest tangent so far
+_TANGENT_TOLERANCE = 3e-3  # of the largest tangent so far: more digits change no fit
 _SHORT = 1e-4  # [s] steps that need not be shorter for a tangent's sake: early ones are rounding
 _BEND = 0.1  # how far the worst quadratic inside a step moves a mode, of a constant drive
 
