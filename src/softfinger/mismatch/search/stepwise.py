@@ -98,7 +98,7 @@ def search_effects(task: Task, needed: float, worth: float = 0.0) -> Search:
         asked = max(best.log_evidence + more, base.log_evidence + worth)
         rivals = _list_rivals(base, found, len(best.model.ids))
         shape = measure_shape(problem, best) if size == 2 else shape
-        larger = _enlarge(task, _Round(best, found, rivals, needed, more, asked, shape))
+        larger = _enlarge(task, _Round(size, best, found, rivals, needed, more, asked, shape))
         top = choose_top(larger, best)
         if top.log_evidence - best.log_evidence > more:
             best = _face_finer(task, top, best, found, larger, more)
@@ -123,6 +123,8 @@ class _Round(NamedTuple):
 
     Attributes
     ----------
+    size
+        Effects that the larger sets have.
     best, found, rivals
         The best set so far, what was fitted, and the sets of the same size that compete.
     needed, more
@@ -133,6 +135,7 @@ class _Round(NamedTuple):
         What the best leaves, measured for a second effect.
     """
 
+    size: int
     best: Candidate
     found: list[Candidate]
     rivals: list[Candidate]
@@ -152,7 +155,7 @@ def _enlarge(task: Task, now: _Round) -> list[Candidate]:
     For a second effect that is every set, and any pair; none where the best single one leaves
     nothing. With the other form of the best, only what leads is tried.
     """
-    best, second = now.best, len(now.best.model.ids - task.base.model.ids) == 1
+    best, second = now.best, now.size == 2
     larger = extend(task, best, task.pieces, now.asked)
     if second and _leaves_nothing(task, now, larger):
         return larger
