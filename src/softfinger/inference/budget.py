@@ -17,6 +17,11 @@ class InferenceBudget:
     """Longest steps of own parameters in a linearisation. Why: it is straight so far."""
     start_spread: tuple[float, ...] = (0.4, 0.6, 0.8, 0.02)
     """Spreads from which a fit starts. Why: twice the typical ones, so that trials are free."""
+    start_parts: tuple[float, ...] = (1.0, 0.5, 0.25, 0.0)
+    """Parts of a model file's effects from which a fit starts. Why: trials may not move with all.
+
+    Test: `test_pose.py::test_a_repaired_model_starts_where_the_trials_have_a_motion`.
+    """
     rest_share: float = 1e-4
     """Share of its gain a resting fit may lack. Why: the digits that are asked of it."""
     pace: int = 8

@@ -198,11 +198,22 @@ def _repair_base(
 ) -> tuple[Problem, Fit]:
     known = build_model(content, problem.setting)
     model = known if priors else build_model(content, problem.setting, priors=False)
-    start = np.clip(known.shared_prior[0], model.low, model.high)
+    start = _find_start(problem, model, fit.own, known.shared_prior[0])
     again = problem.fit(model, (fit.own, start, fit.omega), steps=BUDGET.steps)
     if again is None:
         raise Fault("the model of the model file cannot be fitted to these recordings")
     return replace(problem, repaired=model), again
+
+
+def _find_start(
+    problem: Problem, model: EffectModel, own: NDArray, shared: NDArray
+) -> NDArray[np.float64]:
+    """The largest part of effects with which the base model's trials have a motion."""
+    for part in BUDGET.start_parts:
+        start = np.clip(np.where(model.amplitudes, part * shared, shared), model.low, model.high)
+        if np.isfinite(problem.linearise(model, own, start)).all():
+            break
+    return start
 
 
 def _fit_base(angles: xr.Dataset, noise: xr.Dataset, before: Fit | None) -> tuple[Problem, Fit]:
