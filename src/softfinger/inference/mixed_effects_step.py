@@ -32,6 +32,7 @@ from softfinger.inference.mixed_effects_quadratic import (
 )
 
 TINY = float(np.finfo(float).tiny)  # no division by nothing; Python's own overflows quietly
+NOTHING = 1e-200  # of what is divided: a divisor below it is none
 Linearise = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 
 
@@ -200,10 +201,19 @@ def _cross(damped: Quadratic, at: Place, along: Place, longest: Longest) -> Plac
     down, up = np.einsum("ti,tik->k", along[0], own) + along[1] @ moved
     up = max(up, TINY)
     plane = covariance - np.outer(moved[:, 1], moved[:, 1]) / up
-    shared = longest.hold(at, moved[:, 0] - down / up * moved[:, 1], plane)
+    shared = longest.hold(at, moved[:, 0] - _divide(down, up) * moved[:, 1], plane)
     back = alone[..., 0] + follows @ shared
-    down = np.sum(along[0] * back) + along[1] @ shared
-    return back - down / max(np.sum(along[0] * alone[..., 1]), TINY) * alone[..., 1], shared
+    down, up = np.sum(along[0] * back) + along[1] @ shared, np.sum(along[0] * alone[..., 1])
+    return back - _divide(down, up) * alone[..., 1], shared
+
+
+def _divide(down: float, up: float) -> float:
+    """How far to go back along a direction; 0 where nothing moves along it.
+
+    >>> _divide(1.0, 2.0), _divide(1.0, 0.0), _divide(1e20, 1e-300)
+    (0.5, 0.0, 0.0)
+    """
+    return float(down / up) if up > NOTHING * abs(down) else 0.0
 
 
 def _resize(region: float, length: float, right: float) -> float:
