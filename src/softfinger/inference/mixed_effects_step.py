@@ -32,7 +32,7 @@ from softfinger.inference.mixed_effects_quadratic import (
 )
 
 TINY = float(np.finfo(float).tiny)  # no division by nothing; Python's own overflows quietly
-NOTHING = 1e-200  # of what is divided: a divisor below it is none
+NEGLIGIBLE = 1e-200  # of what is divided: a divisor below it is none
 Linearise = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 
 
@@ -213,7 +213,7 @@ def _divide(down: float, up: float) -> float:
     >>> _divide(1.0, 2.0), _divide(1.0, 0.0), _divide(1e20, 1e-300)
     (0.5, 0.0, 0.0)
     """
-    return float(down / up) if up > NOTHING * abs(down) else 0.0
+    return float(down / up) if up > NEGLIGIBLE * abs(down) else 0.0
 
 
 def _resize(region: float, length: float, right: float) -> float:
