@@ -76,9 +76,8 @@ def correct_draws(
     if not weighs or log_weight.size < DECISIONS.least_weighed:
         return Correction(whole, float("nan"), error)
     log_ratio = -log_weight  # ArviZ smooths the weights of a likelihood that is left out
-    with np.errstate(
-        over="ignore", invalid="ignore"
-    ):  # of a tail that k then finds beyond all limits
+    # of a tail that k then finds beyond all limits
+    with np.errstate(over="ignore", invalid="ignore"):
         smoothed, k = AzStatsDaAccessor(log_ratio).psislw(dim=["chain", "draw"])
     if not float(k) <= DECISIONS.largest_k:
         return Correction(whole, float(k), error)

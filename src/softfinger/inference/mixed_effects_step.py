@@ -208,7 +208,9 @@ def _cross(damped: Quadratic, at: Place, along: Place, longest: Longest) -> Plac
 
 
 def _divide(down: float, up: float) -> float:
-    """How far to go back along a direction; 0 where nothing moves along it.
+    """How far to go back along a direction.
+
+    It is 0 where nothing moves along it.
 
     >>> _divide(1.0, 2.0), _divide(1.0, 0.0), _divide(1e20, 1e-300)
     (0.5, 0.0, 0.0)

@@ -208,7 +208,10 @@ def _repair_base(
 def _find_start(
     problem: Problem, model: EffectModel, own: NDArray, shared: NDArray
 ) -> NDArray[np.float64]:
-    """The largest part of effects with which the base model's trials have a motion."""
+    """Start with as much of the effects as moves.
+
+    With more, the base model's trials have no motion.
+    """
     for part in BUDGET.start_parts:
         start = np.clip(np.where(model.amplitudes, part * shared, shared), model.low, model.high)
         if np.isfinite(problem.linearise(model, own, start)).all():

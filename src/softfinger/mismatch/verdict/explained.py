@@ -46,7 +46,7 @@ def list_explained(
 
 
 def _list_refused(search: Search, needed: float) -> dict[frozenset[str], Candidate]:
-    """The best model of each larger set that gains far more than the best set."""
+    """Best models of refused sets that gain far more."""
     gain = search.best.log_evidence - search.base.log_evidence
     asked = search.best.log_evidence + max(needed, DECISIONS.slight * gain)
     order = sorted(search.rejected, key=lambda c: c.log_evidence)
