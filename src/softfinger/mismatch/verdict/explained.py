@@ -1,5 +1,7 @@
 """What listed effects explain, whatever else may be missing."""
 
+from operator import attrgetter
+
 import numpy as np
 from scipy.stats import norm
 
@@ -10,6 +12,8 @@ from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.search.settle import Posterior
 from softfinger.mismatch.search.stepwise import Search
 from softfinger.mismatch.verdict.schema import Explained, NotTried
+
+BY_EVIDENCE = attrgetter("log_evidence")
 
 
 def list_explained(
@@ -30,7 +34,7 @@ def list_explained(
     """
     base, best = search.base, search.best
     found = {ids: c for ids, c in posterior.best.items() if ids and c.fit is not None}
-    found |= _list_refused(search, needed)
+    found |= _list_refused(search, max(found.values(), key=BY_EVIDENCE, default=best), needed)
     gains = {ids: c.log_evidence - base.log_evidence for ids, c in found.items()}
     order = sorted(gains, key=lambda ids: (found[ids].model.ids != best.model.ids, -gains[ids]))
     listed = [ids for ids in order if gains[ids] > needed][: BUDGET.explained]
@@ -45,16 +49,15 @@ def list_explained(
     ]
 
 
-def _list_refused(search: Search, needed: float) -> dict[frozenset[str], Candidate]:
-    """Best models of refused sets that gain far more."""
-    gain = search.best.log_evidence - search.base.log_evidence
-    asked = search.best.log_evidence + max(needed, DECISIONS.slight * gain)
-    order = sorted(search.rejected, key=lambda c: c.log_evidence)
-    return {
-        c.model.ids - search.base.model.ids: c
-        for c in order
-        if c.fit is not None and c.log_evidence > asked
-    }
+def _list_refused(
+    search: Search, best: Candidate, needed: float
+) -> dict[frozenset[str], Candidate]:
+    """Best models of refused sets that gain far more than any other."""
+    gain = best.log_evidence - search.base.log_evidence
+    asked = best.log_evidence + max(needed, DECISIONS.slight * gain)
+    fitted = sorted((c for c in search.rejected if c.fit is not None), key=BY_EVIDENCE)
+    far = (c for c in fitted if c.log_evidence > asked)
+    return {c.model.ids - search.base.model.ids: c for c in far}
 
 
 def measure_left(problem: Problem, candidate: Candidate) -> float:

@@ -61,6 +61,14 @@ def test_a_set_that_a_free_form_term_beats_is_listed_where_it_explains_far_more(
     ]
 
 
+def test_pairs_that_add_little_take_no_single_effect_its_place(monkeypatch):
+    """A free-form term took the place of all, so the base model is the best."""
+    base, single = build(nats=0.0), build("gravity", nats=1000.0)
+    pairs = [build("gravity", f"effect_{k}", nats=1010.0 + k) for k in range(7)]
+    found = weigh(monkeypatch, base, base, single, rejected=pairs)
+    assert [one.effects for one in found] == [["gravity"]]
+
+
 def test_an_amplitude_that_is_not_clearly_off_zero_is_told():
     assert covers_zero(build("gravity", nats=9.0, covers=True))
     assert not covers_zero(build("gravity", nats=9.0))
