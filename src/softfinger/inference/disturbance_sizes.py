@@ -1,16 +1,18 @@
 """Which disturbances a fitted model shows, and how large."""
 
 from collections.abc import Mapping
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.inference.budget import BUDGET
 from softfinger.inference.disturbances import IN_NOISE, SIZES, find_kind, list_disturbances
-from softfinger.inference.mixed_effects_linearised import measure_linearised
+from softfinger.inference.mixed_effects_linearised import measure_linearised, solve_linearised
 from softfinger.inference.priors import PRIORS
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.inference.reduce import reduce_trials
+from softfinger.inference.soften import Softening, admit, measure_excess, soften_gram
 from softfinger.inference.spreads import list_spreads
 from softfinger.measurement.components import choose_components, is_at_bound
 from softfinger.measurement.decisions import DECISIONS as MEASURING
@@ -39,22 +41,38 @@ def fit_disturbances(
     angle, slope = problem.simulate(candidate.model, fit.own, fit.shared)
     directions = list_disturbances(problem, candidate) | list_spreads(candidate, slope)
     known = slope.shape[3]
-    whole = reduce_trials(
+    gram = reduce_trials(
         problem.trials, angle, np.concatenate([slope, *directions.values()], axis=3)
     )
     ends = np.cumsum([known, *(g.shape[3] for g in directions.values())])
     places = {n: np.arange(a, b) for n, a, b in zip(directions, ends, ends[1:], strict=False)}
-    prior, bounds = problem.build_prior(candidate.model), problem.build_bounds(candidate.model)
-    model = np.append(np.arange(known), whole.shape[1] - 1)
+    soft = Softening(gram, np.append(np.arange(known), gram.shape[1] - 1), places)
+    model = problem.build_prior(candidate.model), problem.build_bounds(candidate.model)
+    place = fit.own, fit.shared
+
+    @lru_cache(maxsize=1)  # one after the other is weighed beside the same ones
+    def keep(size: tuple[tuple[str, float], ...]) -> tuple[Softening, float]:
+        return admit(soft, dict(size))
 
     def evaluate(size: Mapping[str, float]) -> float:
-        gram, logdet = soften_gram_array(whole, model, {n: (places[n], s) for n, s in size.items()})
-        place = fit.own, fit.shared
-        rounds = BUDGET.disturbance_rounds
-        value = measure_linearised(gram, prior, bounds, place, fit.omega, rounds)
-        return value - 0.5 * float(logdet)
+        items = tuple(size.items())
+        left, logdet = keep(items[:-1])
+        gram, gained = soften_gram(left, dict(items[-1:]))
+        value = measure_linearised(gram, *model, place, fit.omega, BUDGET.disturbance_rounds)
+        return value - 0.5 * (logdet + gained)
 
-    seen = [name for name in directions if np.any(directions[name])]
+    def climb(size: Mapping[str, float]) -> tuple[float, dict[str, float]]:
+        gram, logdet = soften_gram(soft, size)
+        try:
+            linear, _ = solve_linearised(
+                gram, *model, place, fit.omega, rounds=BUDGET.disturbance_rounds
+            )
+        except np.linalg.LinAlgError:
+            return -np.inf, dict.fromkeys(size, 0.0)
+        slope = measure_excess(soft, size, gram, linear, place)
+        return linear.log_evidence - 0.5 * logdet, slope
+
+    seen = [name for name, g in directions.items() if np.any(g) and np.isfinite(g).all()]
     spread = np.array(PRIORS.effect_spreads)
     sizes = {n: SIZES[kind] if (kind := find_kind(n)) else spread for n in seen}
     largest = PRIORS.largest_share * float(np.abs(angle - angle[:, :, :1]).max())
@@ -65,7 +83,7 @@ def fit_disturbances(
             return False
         return kind is None or kind in IN_NOISE or not is_at_bound(size, sizes[name])
 
-    size, evidence = choose_components(evaluate, sizes, least, is_plausible, **limits)
+    size, evidence = choose_components(evaluate, sizes, least, is_plausible, climb=climb, **limits)
     return size, evidence, directions
 
 
@@ -78,39 +96,3 @@ def measure_sd_array(columns: Array) -> float:
     2.0
     """
     return float(np.sqrt((columns**2).sum(axis=3).mean(axis=(0, 2)).max()))
-
-
-def soften_gram_array(
-    whole: Array, model: NDArray[np.int64], soft: Mapping[str, tuple[NDArray[np.int64], float]]
-) -> tuple[Array, float]:
-    """Gram matrices (trial, …) under larger noise.
-
-    They are of some columns; also what log|Σ| gains.
-
-    Parameters
-    ----------
-    whole
-        (trial, …) Gram matrices of all columns, white.
-    model
-        Places of the columns that are kept.
-    soft
-        Places of directions and the sd along each.
-
-    Examples
-    --------
-    One number with one direction along it: its variance is 1 + 3.
-
-    >>> gram, logdet = soften_gram_array(np.ones((1, 2, 2)), np.zeros(1, int),
-    ...                                  {"drift": (np.ones(1, int), np.sqrt(3.0))})
-    >>> gram.round(6).tolist(), round(logdet, 6)
-    ([[[0.25]]], 1.386294)
-    """
-    gram = whole[:, model[:, None], model]
-    if not soft:
-        return gram, 0.0
-    place = np.concatenate([places for places, _ in soft.values()])
-    sd = np.concatenate([np.full(len(places), size) for places, size in soft.values()])
-    inner = np.eye(len(place)) + whole[:, place[:, None], place] * np.outer(sd, sd)
-    cross = whole[:, place[:, None], model] * sd[:, None]
-    gram = gram - cross.transpose(0, 2, 1) @ np.linalg.solve(inner, cross)
-    return gram, float(np.linalg.slogdet(inner)[1].sum())

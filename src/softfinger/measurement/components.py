@@ -14,6 +14,7 @@ from softfinger.measurement.decisions import DECISIONS
 from softfinger.measurement.priors import PRIORS
 
 Sizes = dict[str, float]
+Climb = Callable[[Mapping[str, float]], tuple[float, Mapping[str, float]]]
 
 
 def choose_components(
@@ -22,6 +23,7 @@ def choose_components(
     least: float = DECISIONS.present_nats,
     is_plausible: Callable[[str, float], bool] = lambda *_: True,
     most: int | None = None,
+    climb: Climb | None = None,
 ) -> tuple[Sizes, Sizes]:
     """Choose components and their sizes.
 
@@ -41,6 +43,9 @@ def choose_components(
         Whether a component may have a size.
     most
         Components after which no further one is sought.
+    climb
+        Component → size, to the evidence [nats] and its slopes by the logs of the sizes: with it
+        sizes are sought; None: with `evaluate`, by differences.
 
     Returns
     -------
@@ -66,7 +71,7 @@ def choose_components(
     if not np.isfinite(look_up({})):
         return {}, {}
     while True:
-        size, evidence = _choose(look_up, sizes, least, len(sizes) if most is None else most)
+        size, evidence = _choose(look_up, sizes, least, len(sizes) if most is None else most, climb)
         plausible = {name for name in size if is_plausible(name, size[name])}
         if len(plausible) == len(size):
             return size, evidence
@@ -78,6 +83,7 @@ def _choose(
     sizes: Mapping[str, NDArray[np.float64]],
     least: float,
     most: int,
+    climb: Climb | None,
 ) -> tuple[Sizes, Sizes]:
     size: Sizes = {}
     absent = list(sizes)
@@ -90,7 +96,7 @@ def _choose(
         absent = [other for other in absent if other != name and gain[other] > 0.0]
         before = dict(size)
         size[name] = max(map(float, sizes[name]), key=lambda s: evaluate(before | {name: s}))
-        size = _refine(evaluate, size, sizes)
+        size = _refine(evaluate, size, sizes, climb)
     evidence = {}
     for name in size:
         rest = {key: value for key, value in size.items() if key != name}
@@ -122,6 +128,7 @@ def _refine(
     evaluate: Callable[[Mapping[str, float]], float],
     size: Sizes,
     sizes: Mapping[str, NDArray[np.float64]],
+    climb: Climb | None,
 ) -> Sizes:
     """Seek the best sizes, none beyond twice what it may be.
 
@@ -132,9 +139,14 @@ def _refine(
     def put(x: NDArray[np.float64]) -> Sizes:
         return {name: round(float(np.exp(log)), 9) for name, log in zip(names, x, strict=True)}
 
+    def descend(x: NDArray[np.float64]) -> tuple[float, list[float]]:
+        value, slope = climb(put(x))
+        return start - value, [-slope[name] for name in names]
+
     found = minimize(
-        lambda x: start - evaluate(put(x)),  # of the size of what may be gained
+        descend if climb else lambda x: start - evaluate(put(x)),  # of the size of what is gained
         np.log([size[name] for name in names]),
+        jac=climb is not None,
         method="L-BFGS-B",
         bounds=[
             tuple(np.log([min(sizes[name]) / PRIORS.beyond, PRIORS.beyond * max(sizes[name])]))

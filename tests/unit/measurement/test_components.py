@@ -48,3 +48,22 @@ def test_what_is_not_plausible_leaves_and_the_others_are_sought_again():
     assert size == {"jitter": pytest.approx(2.0, rel=0.1)}
     assert set(evidence) == {"jitter"}
     assert set(choose_components(evaluate, sizes, 3.0)[0]) == {"drift", "jitter"}
+
+
+def test_sizes_are_sought_along_slopes_where_they_are_known():
+    """Every evaluation of a slope counts once, however many components there are."""
+    names, asked = "abcd", []
+
+    def evaluate(size):
+        return sum(50.0 - np.log(sd / (2.0 + k)) ** 2 for k, sd in enumerate(size.values()))
+
+    def climb(size):
+        asked.append(size)
+        slope = {name: -2.0 * np.log(sd / (2.0 + k)) for k, (name, sd) in enumerate(size.items())}
+        return evaluate(size), slope
+
+    size, _ = choose_components(
+        evaluate, {name: np.array([2.0, 4.0]) for name in names}, climb=climb
+    )
+    assert [size[name] for name in names] == pytest.approx([2.0, 3.0, 4.0, 5.0], rel=0.03)
+    assert len(asked) < 40
