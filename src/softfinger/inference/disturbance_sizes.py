@@ -1,6 +1,6 @@
 """Which disturbances a fitted model shows, and how large."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 
 import numpy as np
@@ -8,13 +8,18 @@ from numpy.typing import NDArray
 
 from softfinger.inference.budget import BUDGET
 from softfinger.inference.disturbances import IN_NOISE, SIZES, find_kind, list_disturbances
-from softfinger.inference.mixed_effects_linearised import measure_linearised, solve_linearised
+from softfinger.inference.mixed_effects import Prior
+from softfinger.inference.mixed_effects_linearised import (
+    SharedBounds,
+    measure_linearised,
+    solve_linearised,
+)
 from softfinger.inference.priors import PRIORS
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.inference.reduce import reduce_trials
 from softfinger.inference.soften import Softening, admit, measure_excess, soften_gram
 from softfinger.inference.spreads import list_spreads
-from softfinger.measurement.components import choose_components, is_at_bound
+from softfinger.measurement.components import Climb, choose_components, is_at_bound
 from softfinger.measurement.decisions import DECISIONS as MEASURING
 
 Array = NDArray[np.float64]
@@ -48,30 +53,7 @@ def fit_disturbances(
     places = {n: np.arange(a, b) for n, a, b in zip(directions, ends, ends[1:], strict=False)}
     soft = Softening(gram, np.append(np.arange(known), gram.shape[1] - 1), places)
     model = problem.build_prior(candidate.model), problem.build_bounds(candidate.model)
-    place = fit.own, fit.shared
-
-    @lru_cache(maxsize=1)  # one after the other is weighed beside the same ones
-    def keep(size: tuple[tuple[str, float], ...]) -> tuple[Softening, float]:
-        return admit(soft, dict(size))
-
-    def evaluate(size: Mapping[str, float]) -> float:
-        items = tuple(size.items())
-        left, logdet = keep(items[:-1])
-        gram, gained = soften_gram(left, dict(items[-1:]))
-        value = measure_linearised(gram, *model, place, fit.omega, BUDGET.disturbance_rounds)
-        return value - 0.5 * (logdet + gained)
-
-    def climb(size: Mapping[str, float]) -> tuple[float, dict[str, float]]:
-        gram, logdet = soften_gram(soft, size)
-        try:
-            linear, _ = solve_linearised(
-                gram, *model, place, fit.omega, rounds=BUDGET.disturbance_rounds
-            )
-        except np.linalg.LinAlgError:
-            return -np.inf, dict.fromkeys(size, 0.0)
-        slope = measure_excess(soft, size, gram, linear, place)
-        return linear.log_evidence - 0.5 * logdet, slope
-
+    evaluate, climb = _build_evidence(soft, model, (fit.own, fit.shared), fit.omega)
     seen = [name for name, g in directions.items() if np.any(g) and np.isfinite(g).all()]
     spread = np.array(PRIORS.effect_spreads)
     sizes = {n: SIZES[kind] if (kind := find_kind(n)) else spread for n in seen}
@@ -85,6 +67,38 @@ def fit_disturbances(
 
     size, evidence = choose_components(evaluate, sizes, least, is_plausible, climb=climb, **limits)
     return size, evidence, directions
+
+
+def _build_evidence(
+    soft: Softening,
+    model: tuple[Prior, SharedBounds],
+    place: tuple[Array, Array],
+    omega: Array,
+) -> tuple[Callable[[Mapping[str, float]], float], Climb]:
+    """Log evidence [nats] by the sizes of disturbances, and that without bounds with slopes."""
+    rounds = BUDGET.disturbance_rounds
+
+    @lru_cache(maxsize=1)  # one after the other is weighed beside the same ones
+    def keep(size: tuple[tuple[str, float], ...]) -> tuple[Softening, float]:
+        return admit(soft, dict(size))
+
+    def evaluate(size: Mapping[str, float]) -> float:
+        items = tuple(size.items())
+        left, logdet = keep(items[:-1])
+        gram, gained = soften_gram(left, dict(items[-1:]))
+        value = measure_linearised(gram, *model, place, omega, rounds)
+        return value - 0.5 * (logdet + gained)
+
+    def climb(size: Mapping[str, float]) -> tuple[float, dict[str, float]]:
+        gram, logdet = soften_gram(soft, size)
+        try:
+            linear, _ = solve_linearised(gram, *model, place, omega, rounds=rounds)
+        except np.linalg.LinAlgError:
+            return -np.inf, dict.fromkeys(size, 0.0)
+        slope = measure_excess(soft, size, gram, linear, place)
+        return linear.log_evidence - 0.5 * logdet, slope
+
+    return evaluate, climb
 
 
 def measure_sd_array(columns: Array) -> float:

@@ -196,10 +196,14 @@ def pose_problem(
 def _repair_base(
     problem: Problem, fit: Fit, content: ModelFile, *, priors: bool
 ) -> tuple[Problem, Fit]:
-    known = build_model(content, problem.setting)
-    model = known if priors else build_model(content, problem.setting, priors=False)
-    start = _find_start(problem, model, fit.own, known.shared_prior[0])
+    """Fit a file's model: its priors lead to the mode, whether they count or not."""
+    model = build_model(content, problem.setting)
+    start = _find_start(problem, model, fit.own, model.shared_prior[0])
     again = problem.fit(model, (fit.own, start, fit.omega), steps=BUDGET.steps)
+    if again is not None and not priors:
+        model = build_model(content, problem.setting, priors=False)
+        near = again.own, again.shared, again.omega
+        again = problem.fit(model, near, steps=BUDGET.steps)
     if again is None:
         raise Fault("the model of the model file cannot be fitted to these recordings")
     return replace(problem, repaired=model), again

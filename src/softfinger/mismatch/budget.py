@@ -44,12 +44,16 @@ class DiagnosisBudget:
     pairs: int = 4
     """Pairs of effects that are fitted. Why: pairs' scores are of pairs, and in order."""
     far_nats: float = 300.0
-    """[nats] that one effect gains where pairs are fitted whatever their linear score.
-    Why: the angles then miss by more than the linear model of a pair is good for.
-    Test: `test_leading_pairs.py::test_pairs_are_fitted_where_much_is_left_out`.
+    """[nats] that one effect gains where pairs are fitted whatever their linear score, and from
+    far starts too.
+
+    Why: the angles then miss by more than a linear model is good for.
+    Test: `test_leading_pairs.py::test_pairs_are_fitted_where_much_is_left_out`,
+    `test_rank.py::test_a_slow_lag_is_found_where_the_joint_took_its_part`.
     """
-    leading_pairs: int = 3
-    """Effects of which such pairs are made. Why: a true pair's effects both gain much alone."""
+    leading_pairs: int = 5
+    """Effects of which such pairs are made. Why: three that delay the motion look alike, and what
+    acts beside one of them comes after them."""
     leading_forms: int = 2
     """Forms of each of them. Why: another form may lead to another mode."""
     paired: int = 12

@@ -5,6 +5,11 @@ from scipy.integrate import solve_ivp
 
 from softfinger.inference.simulate import build_recording, draw_noise_array
 from softfinger.mechanics.effects import list_effects
+from softfinger.mechanics.forward.simulate import (
+    describe_unknown_finger,
+    simulate_joint_angle_array,
+)
+from softfinger.mechanics.forward.slots import build_slots
 from softfinger.mechanics.three_element import compute_joint_angle_array
 from softfinger.mismatch import diagnose
 from softfinger.mismatch.candidates import rank
@@ -79,18 +84,40 @@ def draw_campaign():
             }
         )
         motion += draw_noise_array(time / 0.08, noise, TRIALS, rng)
-        unknown = {
-            f"link_{k}": ("joint", [np.nan]) for k in ("length", "mass", "centre", "inertia")
-        }
-        return angles.assign(
-            joint_angle=(("trial", "joint", "frame"), motion),
-            started_at=("trial", np.full(TRIALS, np.nan)),
-            joint_length=np.nan,
-            wire_offset=np.nan,
-            **unknown,
-        ).assign_attrs(campaign="drawn", camera=1)
+        return complete(angles, motion).assign_attrs(campaign="drawn", camera=1)
 
     return draw
+
+
+def complete(angles, motion):
+    """Recordings of a finger of which nothing is declared."""
+    unknown = {f"link_{k}": ("joint", [np.nan]) for k in ("length", "mass", "centre", "inertia")}
+    return angles.assign(
+        joint_angle=(("trial", "joint", "frame"), motion),
+        started_at=("trial", np.full(angles.sizes["trial"], np.nan)),
+        joint_length=np.nan,
+        wire_offset=np.nan,
+        **unknown,
+    )
+
+
+@pytest.fixture(scope="session")
+def slow_lag():
+    """Draw a campaign whose joint is faster than the lag of its load, 0.3 s.
+
+    Filters in series: only that the joint's own time differs from trial to trial tells which is it.
+    """
+    rng, trials = np.random.default_rng(5), 6
+    time = np.arange(200) * 0.03
+    load_time, load = np.tile([0.0, 3.0, 3.0, 6.0], (trials, 1)), np.array([1.0, 1.0, 0.0, 0.0])
+    load = np.resize([0.02, 0.03, 0.04], trials)[:, None] * load
+    angles = build_recording(time, load_time, load, 1, [f"t{i}" for i in range(trials)])
+    log_k = rng.normal(-2.3, 0.1, (trials, 1))
+    log_c = log_k + np.log(0.06) + rng.normal(0.0, 0.8, (trials, 1))
+    own = np.stack([log_k, log_c, np.full_like(log_k, 2.9), np.full_like(log_k, 0.02)], axis=-1)
+    slots, finger = build_slots(trials, 1, {"lag": 0.3}), describe_unknown_finger(1)
+    motion, _ = simulate_joint_angle_array(own, slots, [], finger, time, load_time, load)
+    return complete(angles, motion + rng.normal(0.0, 0.001, motion.shape))
 
 
 @pytest.fixture(scope="session")

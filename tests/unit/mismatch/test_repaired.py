@@ -7,8 +7,9 @@ import xarray as xr
 
 from softfinger.inference.motion import build_mover
 from softfinger.inference.posterior import fit_posterior, prepare_candidate, sample_posterior
+from softfinger.inference.problem import pose_problem
 from softfinger.inference.setting_table import tabulate_setting
-from softfinger.mechanics.effects.model_file import FittedTo
+from softfinger.mechanics.effects.model_file import EffectEntry, FittedTo, ModelFile, NormalPrior
 from softfinger.mismatch import diagnose
 from softfinger.mismatch.tables.outcome import describe_repair
 from softfinger.mismatch.tables.predict import list_levels
@@ -38,6 +39,16 @@ def test_a_repaired_model_is_adequate_when_it_is_diagnosed_again(recorded, conte
     assert again.search.base.model.label == named.search.best.model.label
     before, after = named.verdict.residual_rms_rad, again.verdict.residual_rms_rad
     assert after.baseline == pytest.approx(before.final, rel=0.01)
+
+
+@pytest.mark.parametrize("priors", [True, False])
+def test_the_numbers_of_a_model_file_lead_to_its_mode(slow_lag, priors):
+    """Also where they do not count: a lag and the joint may else change places."""
+    known = NormalPrior(mean=0.3, sd=0.003)
+    lag = EffectEntry(id="actuator_lag", form="first_order", priors={"lag_s": known})
+    asked = ModelFile(version=1, joint="three_element", torque="constant_arm", effects=[lag])
+    _, fit = pose_problem(slow_lag, asked, priors=priors)
+    assert fit.shared[0] == pytest.approx(0.3, rel=0.05)
 
 
 SAMPLING = {

@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 from softfinger.compiled import compiled
 from softfinger.mechanics.effects.creep_spectrum import CREEP
 from softfinger.mechanics.effects.effect import Effect, Form, Parameter, Setting, Values, positive
@@ -122,7 +124,9 @@ def smooth_jump(model: Model, work: Work, jump: float) -> None:
 def _build_forms(setting: Setting) -> list[Form] | str:
     if not setting.load_known:
         return "there is no load log to lag behind"
-    lag = positive("lag_s", 5 * setting.interval, floor=setting.time_floor)
+    # a lag and the joint's own relaxation are filters in series: either may be the slow one
+    slow = 2.0 * float(np.max(setting.own_time))
+    lag = positive("lag_s", 5 * setting.interval, floor=setting.time_floor, far=(slow,))
     share = Parameter("second_stage_share", 0.25, 0.12, low=0.02, high=0.48, starts=(0.25,))
 
     def slots(values: Values) -> dict:

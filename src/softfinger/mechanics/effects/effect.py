@@ -48,8 +48,9 @@ class Parameter:
     floor
         Amplitudes (or exp of a log parameter) below this are never claimed: systematic errors of
         a good rig are taken to reach that far.
-    starts
-        Internal values from which a fit begins; every combination of starts is tried.
+    starts, far
+        Internal values from which a fit begins, in every combination; and those from which another
+        mode may be met, tried where much is left out.
     report
         Names under which a verdict gives it, each with its value there from the physical one and
         the joint (0-based; −1 for the chain); empty: as it is.
@@ -67,6 +68,7 @@ class Parameter:
     amplitude: bool = False
     floor: float = 0.0
     starts: tuple[float, ...] = ()
+    far: tuple[float, ...] = ()
     report: Mapping[str, Callable[[float, int], float]] = field(default_factory=dict)
     term: bool = False
 
@@ -182,10 +184,7 @@ class Setting:
 
     @property
     def one_course(self) -> bool:
-        """Whether there is one trial under one load.
-
-        Then all that moves is a function of time.
-        """
+        """Whether there is one trial, and all that moves a function of time."""
         return self.trials == 1 and not self.levels
 
     @property

@@ -174,8 +174,7 @@ def fit_scored(
             candidates.append(Candidate(score.model, None, origin.log_evidence + score.gain))
             continue
         leading.discard(score.effect)
-        start = origin.fit.own, score.shared, origin.fit.omega
-        fit = problem.fit(score.model, start, steps=BUDGET.first_steps, first=origin.fit.first)
+        fit = _begin(problem, origin, score)
         if fit is not None and fit.log_evidence > best:
             fit = go_on(problem, score.model, fit, best - competing_nats(gain))
         if fit is None:
@@ -203,6 +202,29 @@ def fit_scored(
         else:
             candidates.append(Candidate(model, None, fit.log_evidence))
     return sorted(candidates, key=lambda c: -c.log_evidence)
+
+
+def _begin(problem: Problem, origin: Candidate, score: Score) -> Fit | None:
+    """A few linearisations; far from the origin, a whole fit from each far start.
+
+    There the evidence has several modes, and the nearest may be a poor one.
+    """
+    model, known = score.model, len(origin.fit.shared)
+
+    def fit(shared: NDArray[np.float64], steps: int | None = None) -> Fit | None:
+        start = origin.fit.own, shared, origin.fit.omega
+        return problem.fit(model, start, first=origin.fit.first, steps=steps)
+
+    found = fit(score.shared, BUDGET.first_steps)
+    far = [
+        np.where(np.arange(len(score.shared)) == k, value, score.shared)
+        for k, entry in enumerate(model.entries[known:], known)
+        for value in entry.parameter.far
+    ]
+    if found is None or not far or found.log_evidence - found.first < BUDGET.far_nats:
+        return found
+    modes = go_on(problem, model, found), *map(fit, far)
+    return max(filter(None, modes), key=lambda one: one.log_evidence, default=None)
 
 
 def find_best(candidates: Iterable[Candidate]) -> float:

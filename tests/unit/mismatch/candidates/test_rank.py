@@ -110,6 +110,7 @@ class Form(str):
     """A model's label, of one effect."""
 
     __slots__ = ()
+    entries = ()
 
     @property
     def ids(self):
@@ -208,3 +209,16 @@ def test_a_linear_model_that_cannot_be_solved_has_no_evidence():
     )
     there = Linearised(np.full((2, 3, 3), np.nan), np.zeros((2, 1)), np.zeros(1), np.eye(1))
     assert evaluate_linearised(problem, model, there, 0) == -np.inf
+
+
+def test_a_slow_lag_is_found_where_the_joint_took_its_part(slow_lag, monkeypatch):
+    """The fit that starts near the base has lag and joint the wrong way round."""
+    problem, fit = pose_problem(slow_lag)
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    lags = [p for p in list_pieces(problem.setting)[0] if p.form.name == "first_order"]
+    scores = score_pieces(problem, base, collect_columns(problem, base, lags))
+    found = fit_scored(problem, base, scores, lambda items, _: items)[0]
+    assert found.fit.shared[0] == pytest.approx(0.3, rel=0.05)
+    monkeypatch.setattr(rank, "BUDGET", replace(rank.BUDGET, far_nats=np.inf))
+    near = fit_scored(problem, base, scores, lambda items, _: items)[0]
+    assert near.log_evidence < found.log_evidence - 20.0
