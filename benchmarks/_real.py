@@ -106,13 +106,13 @@ def list_cases(folders: list[Path], out: Path) -> Iterator[tuple[Path, Addition]
     for folder in folders:
         plain = _read(out / f"{folder.name}.json")
         try:
-            trials = len(read_bodies(folder)[0])
+            bodies, scale = read_bodies(folder)
         except ValueError as error:
             print(f"{folder.name}: {error}", flush=True)
             continue
         setting = read_plain(out / "diagnoses" / folder.name).problem.setting
         taken = {find_place(effect, setting) for effect in plain["claims"]}
-        every = draw_additions(folder.name, trials)
+        every = draw_additions(folder.name, len(bodies), scale)
         drawn = [
             a
             for a in every
@@ -218,7 +218,8 @@ def _answer_one(name: str, folders: list[Path], out: Path) -> None:
     if not effect:
         answer_plain(folder, out)
         return
-    drawn = draw_additions(campaign, len(read_bodies(folder)[0]))
+    bodies, scale = read_bodies(folder)
+    drawn = draw_additions(campaign, len(bodies), scale)
     answer_added(folder, next(a for a in drawn if a.effect == effect), out)
 
 

@@ -110,7 +110,7 @@ def choose_strength(
         factor = np.clip(np.sqrt(aim / max(found, 1.0)), 0.1, 4.0)
         if not np.isfinite(found):  # so strong that nothing can be fitted
             factor = 0.3
-        stronger = strengthen(chosen, chosen.dose.strength * float(factor))
+        stronger = strengthen(chosen, chosen.dose.strength * float(factor), scale)
         if stronger.dose.strength == chosen.dose.strength:
             break
         chosen = stronger

@@ -6,7 +6,7 @@ import pytest
 
 from softfinger.concealed.added import accepts, claims, draw_additions, read_bodies, write_added
 from softfinger.concealed.added.apply import Addition, strengthen
-from softfinger.concealed.added.body import RIG, describe, fit_body, fit_plain
+from softfinger.concealed.added.body import RIG, Scale, describe, fit_body, fit_plain
 from softfinger.concealed.effects import Dose
 from softfinger.concealed.forward import compute_plain_angles, simulate_trial
 from softfinger.concealed.population import to_parameters
@@ -154,15 +154,20 @@ def test_a_temperature_becomes_a_covariate(folder, tmp_path):
 
 
 def test_additions_are_the_same_whenever_the_campaign_is_and_of_bounded_strength():
-    once, again = draw_additions("spruce", 34), draw_additions("spruce", 34)
+    day = Scale(time=3000.0, motion=1.0, load=1.0, rest=0.0)  # seconds of a trial per one of ours
+    once, again = draw_additions("spruce", 34, day), draw_additions("spruce", 34, day)
     assert once == again
-    assert [a.effect for a in draw_additions("spruce", 1)] == [
+    assert [a.effect for a in draw_additions("spruce", 1, day)] == [
         a.effect
         for a in once
         if a.effect not in ("fatigue_softening", "temperature", "session_jump", "load_gain")
     ]
     lag = next(a for a in once if a.effect == "actuator_lag")
-    assert strengthen(lag, 99.0).dose.strength == 0.3
+    assert strengthen(lag, 99.0, day).dose.strength == 0.3
+    delay = next(a for a in once if a.effect == "camera_delay")
+    for one in (delay, strengthen(delay, 99.0, day)):
+        assert one.dose.strength * day.time <= 0.2  # seconds of a real clock
+    assert strengthen(delay, 99.0, day._replace(time=0.2)).dose.strength == 0.2
 
 
 def answer(decision, *effects, equivalent=(), explained=()):

@@ -45,7 +45,7 @@ class Addition:
     seed: int
 
 
-def draw_additions(campaign: str, trials: int) -> list[Addition]:
+def draw_additions(campaign: str, trials: int, scale: Scale) -> list[Addition]:
     """Every effect that so many trials can show.
 
     Their shapes are drawn, the same ones whenever the campaign has this name.
@@ -59,13 +59,23 @@ def draw_additions(campaign: str, trials: int) -> list[Addition]:
         seed = int(digest[:8], 16)
         rng = np.random.default_rng(seed)
         shape = {key: one.draw(rng) for key, one in effect.shape.items()}
-        drawn.append(Addition(name, Dose(effect.typical, shape, (0,)), seed))
+        strength = min(effect.typical, limit_strength(name, scale))
+        drawn.append(Addition(name, Dose(strength, shape, (0,)), seed))
     return drawn
 
 
-def strengthen(addition: Addition, strength: float) -> Addition:
+def limit_strength(effect: str, scale: Scale) -> float:
+    """Largest strength of an effect in a body's units.
+
+    A clock starts late by so many seconds, however long the trials are.
+    """
+    most = EFFECTS[effect].largest
+    return most if EFFECTS[effect].clock is None else most / max(scale.time, 1.0)
+
+
+def strengthen(addition: Addition, strength: float, scale: Scale) -> Addition:
     """The same effect of another size, at most the largest."""
-    strength = min(strength, EFFECTS[addition.effect].largest)
+    strength = min(strength, limit_strength(addition.effect, scale))
     return replace(addition, dose=replace(addition.dose, strength=strength))
 
 
