@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from functools import partial
 from typing import overload
@@ -10,10 +9,6 @@ from typing import overload
 from numba import njit
 
 from softfinger.compiled.cache import SourceCache
-
-# between two parallel loops the threads sleep: OpenMP would have them spin;
-# it reads this when the first such loop runs
-os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
 
 @overload
@@ -37,7 +32,7 @@ def compiled(
         Numba's signature, to compile for it at once and for no other; without it the function is
         compiled at its first call, for the types that it is given.
     **options
-        As `numba.njit` takes them: `error_model`, `parallel`, `inline` and others.
+        As `numba.njit` takes them: `error_model`, `inline` and others.
 
     Examples
     --------

@@ -9,10 +9,10 @@ full Ω moved by one EM step that leaves the trial out. With many trials one tri
 """
 
 import numpy as np
-from numba import prange
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
+from softfinger.compiled.threads import run_side_by_side
 from softfinger.inference.budget import BUDGET
 from softfinger.inference.mixed_effects import LOG_TWO_PI, Prior, solve_gram
 from softfinger.inference.mixed_effects_laplace import Fit
@@ -33,15 +33,23 @@ def compute_left_out(
     """
     moved, near, _ = centre_gram(fit.gram, prior, fit.own, fit.shared)
     moved = np.ascontiguousarray(moved)
-    square = _leave_out(moved, near, fit.omega, len(moved) <= BUDGET.omega_moves)
+    moves = len(moved) <= BUDGET.omega_moves
+
+    def run(some: slice) -> tuple[NDArray]:
+        return (_leave_out(moved, near, fit.omega, moves, np.arange(len(moved))[some]),)
+
+    square = run_side_by_side(run, len(moved))[0]
     return square - 0.5 * rows * LOG_TWO_PI - 0.5 * logdet
 
 
-@compiled(parallel=True)
-def _leave_out(gram: NDArray, prior: Prior, omega: NDArray, moves: bool) -> NDArray:
+@compiled
+def _leave_out(
+    gram: NDArray, prior: Prior, omega: NDArray, moves: bool, left_out: NDArray
+) -> NDArray:
     trials = gram.shape[0]
-    density = np.empty(trials)
-    for i in prange(trials):
+    density = np.empty(left_out.size)
+    for k in range(left_out.size):
+        i = left_out[k]
         others = np.empty((trials - 1, gram.shape[1], gram.shape[2]))
         others[:i] = gram[:i]
         others[i:] = gram[i + 1 :]
@@ -49,5 +57,5 @@ def _leave_out(gram: NDArray, prior: Prior, omega: NDArray, moves: bool) -> NDAr
         if moves:
             left = solve_gram(others, prior, omega)[6]
         whole = solve_gram(gram, prior, left)[5]
-        density[i] = whole - solve_gram(others, prior, left)[5]
+        density[k] = whole - solve_gram(others, prior, left)[5]
     return density

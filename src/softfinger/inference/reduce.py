@@ -1,10 +1,10 @@
 """Whitened Gram matrix of each trial."""
 
 import numpy as np
-from numba import prange
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
+from softfinger.compiled.threads import run_side_by_side
 from softfinger.measurement.trials import Trials
 
 
@@ -20,23 +20,19 @@ def reduce_trials(
     angle, slope
         (trial, joint, bin · 2) [rad] at the nodes, and (trial, joint, bin · 2, column).
     """
-    return _reduce(
-        angle,
-        slope,
-        trials.angle,
-        trials.bins,
-        trials.present,
-        trials.scale,
-        trials.protocol,
-        trials.band,
-        trials.first,
-        trials.trust,
-        trials.soft,
-    )
+    t = trials
+    by_trial = angle, slope, t.angle, t.bins, t.present, t.scale, t.protocol, t.trust, t.soft
+
+    def run(some: slice) -> tuple[NDArray]:
+        return (_reduce(t.band, t.first, *(array[some] for array in by_trial)),)
+
+    return run_side_by_side(run, len(angle))[0]
 
 
-@compiled(parallel=True)
+@compiled
 def _reduce(
+    band: NDArray,
+    first: NDArray,
     angle: NDArray,
     slope: NDArray,
     seen: NDArray,
@@ -44,14 +40,12 @@ def _reduce(
     present: NDArray,
     scale: NDArray,
     protocol: NDArray,
-    band: NDArray,
-    first: NDArray,
     trust: NDArray,
     soft: NDArray,
 ) -> NDArray:
     trials, columns = angle.shape[0], slope.shape[3]
     gram = np.empty((trials, columns + 1, columns + 1))
-    for i in prange(trials):
+    for i in range(trials):
         kind = protocol[i]
         rows = _collect_rows(angle[i], slope[i], seen[i], bins[i], present[i], scale[i])
         white = _soften(_whiten_band(band[kind], first[kind], rows, trust[i]), soft[i])

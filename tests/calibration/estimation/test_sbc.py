@@ -4,12 +4,13 @@ import pytest
 
 CHANCE = 0.001  # of a false alarm in a run, shared among the quantities
 WRONG_LOAD = 1.3
+VERY_WRONG_LOAD = 1.6
 
 
 def test_ranks_of_a_small_sample_are_uniform_and_a_wrong_load_is_found(find_p_values):
-    right = find_p_values(6, 1)
+    right = find_p_values(4, 1)
     assert min(right.values()) > CHANCE / len(right)
-    wrong = find_p_values(10, 2, WRONG_LOAD)
+    wrong = find_p_values(6, 2, VERY_WRONG_LOAD)
     assert wrong["log_k_v"] < CHANCE
 
 

@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from softfinger.compiled.threads import run_side_by_side
 from softfinger.faults import Fault
 from softfinger.mechanics import LOG_PARAMETERS, PARAMETERS
 from softfinger.mechanics.chain import compute_inertia_coefficients
@@ -19,7 +20,6 @@ from softfinger.mechanics.checks import require_finite, require_forward_in_time,
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.forward.closed_form import run_closed_form
 from softfinger.mechanics.forward.hooks import compile_hooks, find_hooks
-from softfinger.mechanics.forward.side_by_side import run_side_by_side
 from softfinger.mechanics.forward.slot import SLOTS, list_slots
 from softfinger.mechanics.forward.slots import (
     SlotArrays,

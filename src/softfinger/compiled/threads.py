@@ -1,4 +1,4 @@
-"""Parts of the trials in threads."""
+"""Parts of the trials in threads, which compiled code runs side by side."""
 
 import os
 from collections.abc import Callable
