@@ -51,7 +51,7 @@ class DiagnosisBudget:
     Test: `test_leading_pairs.py::test_pairs_are_fitted_where_much_is_left_out`,
     `test_rank.py::test_a_slow_lag_is_found_where_the_joint_took_its_part`.
     """
-    leading_pairs: int = 5
+    leading_pairs: int = 4
     """Effects of which such pairs are made. Why: three that delay the motion look alike, and what
     acts beside one of them comes after them."""
     leading_forms: int = 2
