@@ -14,7 +14,7 @@ SIGNATURES = {
     "Fault": "said",
     "Form": "name parameters slots covariate local law kin finer lent linear",
     "Law": "name argument reach size terms per kind smooth",
-    "Parameter": "name mean sd per log low high amplitude floor starts report term",
+    "Parameter": "name mean sd per log low high amplitude floor starts report term far",
     "Results": "folder",
     "Setting": (
         "trials joints interval duration torque reversals levels rests load_known tension "

@@ -68,9 +68,9 @@ class Parameter:
     amplitude: bool = False
     floor: float = 0.0
     starts: tuple[float, ...] = ()
-    far: tuple[float, ...] = ()
     report: Mapping[str, Callable[[float, int], float]] = field(default_factory=dict)
     term: bool = False
+    far: tuple[float, ...] = ()
 
 
 def positive(name: str, sd: float, **more: object) -> Parameter:
