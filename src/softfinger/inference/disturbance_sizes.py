@@ -75,7 +75,10 @@ def _build_evidence(
     place: tuple[Array, Array],
     omega: Array,
 ) -> tuple[Callable[[Mapping[str, float]], float], Climb]:
-    """Log evidence [nats] by the sizes of disturbances, and that without bounds with slopes."""
+    """Build the log evidence [nats] by disturbances' sizes.
+
+    Also that without bounds, which has slopes.
+    """
     rounds = BUDGET.disturbance_rounds
 
     @lru_cache(maxsize=1)  # one after the other is weighed beside the same ones

@@ -196,7 +196,10 @@ def pose_problem(
 def _repair_base(
     problem: Problem, fit: Fit, content: ModelFile, *, priors: bool
 ) -> tuple[Problem, Fit]:
-    """Fit a file's model: its priors lead to the mode, whether they count or not."""
+    """Fit the model of a file.
+
+    Its priors lead to the mode, whether they count or not.
+    """
     model = build_model(content, problem.setting)
     start = _find_start(problem, model, fit.own, model.shared_prior[0])
     again = problem.fit(model, (fit.own, start, fit.omega), steps=BUDGET.steps)

@@ -21,7 +21,9 @@ Array = NDArray[np.float64]
 
 
 class Softening(NamedTuple):
-    """Gram matrices of a model's columns and of directions along which noise may be larger.
+    """Gram matrices of a model and of disturbances.
+
+    Along a disturbance's directions the noise may be larger.
 
     Attributes
     ----------
@@ -129,7 +131,7 @@ def _couple(
 
 
 def _expect_products(gram: Array, linear: LinearFit, place: tuple[Array, Array]) -> Array:
-    """E[c cᵀ] (trial, …) with residual = C c, c = (η₀ − η, φ₀ − φ, 1)."""
+    """E[c cᵀ] (trial, …): the residual is C c, c = (η₀ − η, φ₀ − φ, 1)."""
     trials, d = linear.own.shape
     m = len(linear.shared)
     shift = np.concatenate(

@@ -184,7 +184,7 @@ class Setting:
 
     @property
     def one_course(self) -> bool:
-        """Whether there is one trial, and all that moves a function of time."""
+        """Whether all that moves is one function of time."""
         return self.trials == 1 and not self.levels
 
     @property

@@ -205,9 +205,10 @@ def fit_scored(
 
 
 def _begin(problem: Problem, origin: Candidate, score: Score) -> Fit | None:
-    """A few linearisations; far from the origin, a whole fit from each far start.
+    """Begin to fit a form.
 
-    There the evidence has several modes, and the nearest may be a poor one.
+    By a few linearisations; where much is left out, also by a whole fit from each far start. There
+    the evidence has several modes, and the nearest may be a poor one.
     """
     model, known = score.model, len(origin.fit.shared)
 
