@@ -37,6 +37,11 @@ class DiagnosisBudget:
     """[nats] No form with a lower linearised gain is fitted. Why: its prior alone costs that."""
     most_effects: int = 3
     """Effects in a set that is tried. Why: where a third is needed none is named."""
+    beyond: int = 2
+    """Effects added to the best set where none is named. Why: so that most of the rest is shared.
+
+    Test: `test_beyond.py::test_further_effects_are_explained_and_not_named`.
+    """
     rivals: int = 2
     """Sets of effects from which a further effect is tried. Why: forward addition with a second."""
     forms: int = 3

@@ -30,6 +30,7 @@ from softfinger.mismatch.posed import (
     mend_hums,
     pose_load,
 )
+from softfinger.mismatch.search.beyond import go_beyond
 from softfinger.mismatch.search.calibrate import FalseAlarms, calibrate_false_alarms
 from softfinger.mismatch.search.demand import list_free
 from softfinger.mismatch.search.eliminate import fit_less
@@ -56,7 +57,7 @@ from softfinger.mismatch.search.stepwise import (
     hold_against_shape,
     shape_rest,
 )
-from softfinger.mismatch.verdict.conclude import conclude
+from softfinger.mismatch.verdict.conclude import choose_decision, conclude
 from softfinger.mismatch.verdict.schema import Verdict
 from softfinger.progress import track_progress
 from softfinger.settings import read_settings
@@ -135,7 +136,7 @@ def diagnose(
     mended = add_hums(mended, more, problem.trials.name)
     problem = replace(problem, noise=note_hums(problem.noise, hums + more))
     right = mend_recordings(angles, mended) if more else right
-    return _close(problem, search, found, right, mended, cut_short=patience.was_lost)
+    return _close(problem, search, found, right, mended, patience)
 
 
 def search_jointly(
@@ -172,11 +173,10 @@ def _close(
     found: Survey,
     angles: xr.Dataset,
     mended: MeasurementEntry,
-    *,
-    cut_short: bool,
+    patience: Patience,
 ) -> Diagnosis:
     """Examine what is left, weigh all sets, and conclude."""
-    needed, free = found.needed, list_free(found.catalogue[0])
+    needed, free, cut_short = found.needed, list_free(found.catalogue[0]), patience.was_lost
     if search.best is not search.base:
         search = share_with_creep(problem, name_species(problem, search))
     search = shape_rest(problem, settle_search(drop_lent(search), free))
@@ -188,6 +188,9 @@ def _close(
     if search.best is not kept.best:
         findings = examine(problem, search, angles, needed=needed)
     posterior = weigh_models(search.base, search.candidates, free)
+    if choose_decision(search, posterior, findings.is_unlisted(needed)) == "unlisted":
+        task = found.build_task(problem, search.base, patience)
+        search = go_beyond(task, search, found.demand)
     masking = tabulate_masking(found.columns, problem, search.base)
     hidden, refused = set(list_invisible(masking, needed)), found.catalogue[1]
     verdict = conclude(problem, search, posterior, findings, angles, hidden, refused, needed)

@@ -69,8 +69,11 @@ class Survey(NamedTuple):
 
         `worth` as in `search_effects`.
         """
-        found = *self.catalogue, self.columns, *self.ranked
-        return search_effects(Task(problem, base, *found, progress), self.needed, worth)
+        return search_effects(self.build_task(problem, base, progress), self.needed, worth)
+
+    def build_task(self, problem: Problem, base: Candidate, progress: Progress) -> Task:
+        """What a search of the catalogue is given."""
+        return Task(problem, base, *self.catalogue, self.columns, *self.ranked, progress)
 
 
 class Posed(NamedTuple):

@@ -55,6 +55,8 @@ class Search(NamedTuple):
         The last free-form term that was fitted on top of effects.
     alone
         The best free-form term on top of the base model.
+    beyond
+        Under `unlisted`: sets of more effects than the best, of which none is named.
     """
 
     base: Candidate
@@ -66,6 +68,7 @@ class Search(NamedTuple):
     scores: list[Score]
     shape: Shape | None = None
     alone: Shape | None = None
+    beyond: tuple[Candidate, ...] = ()
 
 
 def search_effects(task: Task, needed: float, worth: float = 0.0) -> Search:

@@ -28,7 +28,7 @@ def tabulate_ranking(
     """
     base = search.base.log_evidence
     best: dict[str, Candidate] = {}
-    for candidate in [search.base, *search.candidates, *search.rejected]:
+    for candidate in [search.base, *search.candidates, *search.rejected, *search.beyond]:
         known = best.get(candidate.model.label)
         if known is None or candidate.log_evidence > known.log_evidence:
             best[candidate.model.label] = candidate

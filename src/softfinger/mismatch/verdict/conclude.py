@@ -54,8 +54,6 @@ def conclude(
     if decision == "unlisted":
         location = locate_misfit(problem, search.best, findings)
     sets = posterior.equivalent
-    # beside what is named, no larger set is claimed
-    known = search if decision == "unlisted" else search._replace(rejected=[])
     return Verdict(
         campaign=str(angles.attrs.get("campaign", "")),
         decision=decision,
@@ -77,7 +75,7 @@ def conclude(
         measurement=describe_measurement(problem.noise),
         explained=[]
         if decision == "adequate"
-        else list_explained(problem, known, posterior, needed),
+        else list_explained(problem, search, posterior, needed),
         remaining=describe_remaining(problem, final, findings),
         not_tried=list_not_tried(refused),
     )

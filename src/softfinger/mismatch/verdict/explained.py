@@ -1,19 +1,14 @@
 """What listed effects explain, whatever else may be missing."""
 
-from operator import attrgetter
-
 import numpy as np
 from scipy.stats import norm
 
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.checks.summary import compute_excess, compute_square_excess
-from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.search.settle import Posterior
 from softfinger.mismatch.search.stepwise import Search
 from softfinger.mismatch.verdict.schema import Explained, NotTried
-
-BY_EVIDENCE = attrgetter("log_evidence")
 
 
 def list_explained(
@@ -24,8 +19,7 @@ def list_explained(
     Of the evidence that is missing under the base model a set explains its gain g over it; what
     is missing under the set itself is half of that part of χ² which lasts from bin to bin. Noise
     of another size than was measured changes both alike, and so not the share. The best set of
-    the search comes first. A larger set that the search refused, because a free-form term gains
-    more than it, is listed where it explains far more than the best.
+    the search comes first, or what further effects make of it.
 
     Parameters
     ----------
@@ -34,9 +28,9 @@ def list_explained(
     """
     base, best = search.base, search.best
     found = {ids: c for ids, c in posterior.best.items() if ids and c.fit is not None}
-    found |= _list_refused(search, max(found.values(), key=BY_EVIDENCE, default=best), needed)
+    found |= {c.model.ids - base.model.ids: c for c in search.beyond}
     gains = {ids: c.log_evidence - base.log_evidence for ids, c in found.items()}
-    order = sorted(gains, key=lambda ids: (found[ids].model.ids != best.model.ids, -gains[ids]))
+    order = sorted(gains, key=lambda ids: (not found[ids].model.ids >= best.model.ids, -gains[ids]))
     listed = [ids for ids in order if gains[ids] > needed][: BUDGET.explained]
     return [
         Explained(
@@ -47,17 +41,6 @@ def list_explained(
         )
         for ids in listed
     ]
-
-
-def _list_refused(
-    search: Search, best: Candidate, needed: float
-) -> dict[frozenset[str], Candidate]:
-    """Best models of refused sets that gain far more than any other."""
-    gain = best.log_evidence - search.base.log_evidence
-    asked = best.log_evidence + max(needed, DECISIONS.slight * gain)
-    fitted = sorted((c for c in search.rejected if c.fit is not None), key=BY_EVIDENCE)
-    far = (c for c in fitted if c.log_evidence > asked)
-    return {c.model.ids - search.base.model.ids: c for c in far}
 
 
 def measure_left(problem: Problem, candidate: Candidate) -> float:

@@ -51,3 +51,11 @@ def test_a_damper_that_thins_is_named_where_the_list_has_it(recorded_thinning):
 
 def test_an_effect_that_is_there_says_more_than_a_shape(named):
     assert weigh_against_shape(named.search, named.findings) > 0.99
+
+
+def test_effects_beyond_the_best_set_are_sought_where_none_is_named(wavy, thinned, named):
+    assert named.search.beyond == ()
+    for unlisted in (wavy, thinned):
+        sets = [c.model.ids for c in unlisted.search.beyond]
+        assert [set(one.effects) for one in unlisted.verdict.explained[: len(sets)]] == sets[::-1]
+    assert any(found.search.beyond for found in (wavy, thinned))

@@ -27,9 +27,9 @@ def build(*ids, nats, left=0.0, covers=False):
     return SimpleNamespace(model=model, fit=fit, log_evidence=nats, left=left)
 
 
-def weigh(monkeypatch, base, best, *others, rejected=()):
+def weigh(monkeypatch, base, best, *others, beyond=()):
     monkeypatch.setattr(explained, "measure_left", lambda _, candidate: candidate.left)
-    search = SimpleNamespace(base=base, best=best, rejected=rejected)
+    search = SimpleNamespace(base=base, best=best, beyond=beyond)
     sets = {c.model.ids: c for c in (base, best, *others)}
     return list_explained(None, search, SimpleNamespace(best=sets), 5.0)
 
@@ -50,23 +50,13 @@ def test_a_set_that_gains_no_more_than_chance_is_not_listed(monkeypatch):
     assert weigh(monkeypatch, base, base, build("gravity", nats=4.0)) == []
 
 
-def test_a_set_that_a_free_form_term_beats_is_listed_where_it_explains_far_more(monkeypatch):
-    best = build("wire_friction", nats=1000.0)
-    pairs = [build("wire_friction", name, nats=nats) for name, nats in (("a", 1019), ("b", 1500))]
-    better = build("wire_friction", "b", nats=1600.0)
-    found = weigh(monkeypatch, build(nats=0.0), best, rejected=[better, *pairs])
-    assert [(one.effects, one.gain_nats) for one in found] == [
-        (["wire_friction"], 1000.0),
-        (["b", "wire_friction"], 1600.0),
-    ]
-
-
-def test_pairs_that_add_little_take_no_single_effect_its_place(monkeypatch):
-    """A free-form term took the place of all, so the base model is the best."""
-    base, single = build(nats=0.0), build("gravity", nats=1000.0)
-    pairs = [build("gravity", f"effect_{k}", nats=1010.0 + k) for k in range(7)]
-    found = weigh(monkeypatch, base, base, single, rejected=pairs)
-    assert [one.effects for one in found] == [["gravity"]]
+def test_what_further_effects_make_of_the_best_set_comes_first(monkeypatch):
+    best, other = build("contact_stop", nats=568.0), build("gravity", nats=560.0)
+    larger = build("contact_stop", "inertia", nats=575.0)
+    found = weigh(monkeypatch, build(nats=0.0), best, other, beyond=[larger])
+    assert [one.effects for one in found] == [
+        ["contact_stop", "inertia"], ["contact_stop"], ["gravity"],
+    ]  # fmt: skip
 
 
 def test_an_amplitude_that_is_not_clearly_off_zero_is_told():
