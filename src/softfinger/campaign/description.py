@@ -200,7 +200,9 @@ def _describe(fault: Any, document: Document) -> str:  # noqa: ANN401 (pydantic'
     if isinstance(fault["input"], dict):
         return f"{where}: {message}"
     found = show(repr(fault["input"]))[1:-1]
-    return f"{where}: is {found}; {message}; check the unit in the key's name"
+    said = f"{where}: is {found}; {message}"
+    of_numbers = fault["type"].startswith(("greater", "less", "float", "int", "finite"))
+    return f"{said}; check the unit in the key's name" if of_numbers else said
 
 
 def _known_keys(place: Place) -> list[str]:

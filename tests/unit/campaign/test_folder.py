@@ -39,6 +39,16 @@ def test_a_wrong_description_stops_with_key_and_line(folder, damage, old, new, s
     assert "campaign.yaml" in str(fault.value)
 
 
+def test_the_unit_is_asked_about_where_a_number_is_wrong_and_nowhere_else(folder, damage):
+    damage("campaign.yaml", "source: measured", "source: guessed")
+    damage("campaign.yaml", "[0.025, 0.03]", "[25, 30]")
+    with pytest.raises(CampaignFault) as fault:
+        read_campaign(folder)
+    word, *numbers = fault.value.faults
+    assert str(word).endswith("is 'guessed'; input should be 'measured' or 'synthetic'")
+    assert all(str(number).endswith("check the unit in the key's name") for number in numbers)
+
+
 def test_the_line_of_an_unknown_key_is_named(folder, damage):
     damage("campaign.yaml", "wire_offset_m", "wire_ofset_m")
     with pytest.raises(CampaignFault, match=r"line 7, finger.wire_ofset_m"):
