@@ -50,12 +50,16 @@ class Plain(NamedTuple):
         With them.
     evidence
         [nats] With them.
+    sizes
+        Of disturbances, and of effects' spreads between trials.
     """
 
+    angles: xr.Dataset
     problem: Problem
     fit: Fit
     evidence: float
     measurement: MeasurementEntry
+    sizes: dict[str, float]
 
 
 def read_plain(folder: Path) -> Plain:
@@ -64,20 +68,27 @@ def read_plain(folder: Path) -> Plain:
     angles = open_artifact(folder / "angles.nc", ANGLES)
     problem, fit = pose_problem(angles, content, priors=False)
     found, known = fit, content.measurement or MeasurementEntry()
+    sizes = {**known.disturbances, **content.spreads}
     for _ in range(2):  # the second time with directions in which they move the model that is found
-        softer, found = _fit_softer(problem, found, known)
-    return Plain(problem, found, _measure(softer, found), known)
+        softer, found = _fit_softer(problem, found, sizes)
+    return Plain(angles, problem, found, _measure(softer, found), known, sizes)
 
 
 def measure_lead(known: Path, found: Path) -> float:
     """What the addition's removal explains beyond an answer [nats].
+
+    Of the same frames, with the noise of the plain recordings.
 
     Parameters
     ----------
     known, found
         Folders of the diagnoses without and with the addition: evidence is that of their models.
     """
-    return read_plain(known).evidence - read_plain(found).evidence
+    plain, other = read_plain(known), read_plain(found)
+    again = pose_again(replace(other.problem, noise=plain.problem.noise), other.angles)
+    if again is None:
+        return plain.evidence - other.evidence
+    return plain.evidence - _measure(*_fit_softer(again, other.fit, other.sizes))
 
 
 def choose_strength(
@@ -150,14 +161,14 @@ def _weigh_change(plain: Plain, angles: xr.Dataset) -> float:
     if again is None:
         return -np.inf
     try:
-        return plain.evidence - _measure(*_fit_softer(again, plain.fit, plain.measurement))
+        return plain.evidence - _measure(*_fit_softer(again, plain.fit, plain.sizes))
     except (Fault, np.linalg.LinAlgError):  # far from any fit that has numbers
         return -np.inf
 
 
-def _fit_softer(problem: Problem, fit: Fit, known: MeasurementEntry) -> tuple[Problem, Fit]:
+def _fit_softer(problem: Problem, fit: Fit, sizes: dict[str, float]) -> tuple[Problem, Fit]:
     """Fit a model with the disturbances that move it where it was fitted before."""
-    softer, fit = admit_known(problem, fit, known.disturbances)
+    softer, fit = admit_known(problem, fit, sizes)
     again = softer.fit(softer.base, (fit.own, fit.shared, fit.omega), steps=STEPS)
     if again is None:
         raise Fault("the model cannot be fitted; the recordings move too far")

@@ -15,6 +15,7 @@ from softfinger.inference.disturbances import find_kind, list_disturbances
 from softfinger.inference.mixed_effects_laplace import Fit
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.inference.reduce import whiten_residual, whiten_slope
+from softfinger.inference.spreads import is_spread, list_spreads
 from softfinger.measurement.measure import add_components
 from softfinger.mechanics.effects.measurement_file import LINK_TURN
 
@@ -66,13 +67,17 @@ def forget_spreads(plain: Problem, softer: Problem, candidate: Candidate) -> Pro
     return replace(again, noise=softer.noise.drop_sel(component=spreads))
 
 
-def admit_found(problem: Problem, fit: Fit, few: tuple[Problem, Fit]) -> tuple[Problem, Fit]:
+def admit_found(
+    problem: Problem, fit: Fit, few: tuple[Problem, Fit], spreads: Mapping[str, float]
+) -> tuple[Problem, Fit]:
     """Admit what the residual of the base model shows.
 
     Parameters
     ----------
     few
         Problem and fit of some of the trials, in which it is sought.
+    spreads
+        Those of the effects' parameters, which are known.
 
     Returns
     -------
@@ -82,7 +87,7 @@ def admit_found(problem: Problem, fit: Fit, few: tuple[Problem, Fit]) -> tuple[P
     some, fitted = few
     size, evidence, _ = fit_disturbances(some, Candidate(some.base, fitted, fitted.log_evidence))
     size = {name: sd for name, sd in size.items() if find_kind(name)}
-    found = _fit_softer(problem, fit, size) if size else None
+    found = _fit_softer(problem, fit, size | dict(spreads)) if size or spreads else None
     if found is None:
         return problem, fit
     softer, again = found
@@ -91,7 +96,7 @@ def admit_found(problem: Problem, fit: Fit, few: tuple[Problem, Fit]) -> tuple[P
 
 
 def admit_known(problem: Problem, fit: Fit, size: Mapping[str, float]) -> tuple[Problem, Fit]:
-    """Admit disturbances of known sizes, and fit the base again."""
+    """Admit known disturbances and spreads; fit the base again."""
     if not size:
         return problem, fit
     _refuse_links(size, problem.trials.joints)
@@ -99,7 +104,7 @@ def admit_known(problem: Problem, fit: Fit, size: Mapping[str, float]) -> tuple[
     if found is None:
         raise Fault(
             f"the model cannot be fitted with the disturbances {', '.join(size)} of the model "
-            "file's measurement; remove them there"
+            "file (its `measurement` and `spreads`); remove them there"
         )
     return found
 
@@ -120,6 +125,9 @@ def _fit_softer(
     """Fit the base again with disturbances; None if that fails."""
     candidate = Candidate(problem.base, fit, fit.log_evidence)
     directions = list_disturbances(problem, candidate, set(size))
+    if any(map(is_spread, size)):
+        slope = problem.simulate(candidate.model, fit.own, fit.shared)[1]
+        directions |= list_spreads(candidate, slope)
     size = {name: sd for name, sd in size.items() if name in directions}
     if not size:
         return problem, fit

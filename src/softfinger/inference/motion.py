@@ -14,6 +14,7 @@ from softfinger.inference.setting_table import read_setting
 from softfinger.mechanics import OWN
 from softfinger.mechanics.effects.model import EffectModel
 from softfinger.mechanics.effects.model_file import ModelFile, build_model
+from softfinger.mechanics.effects.spread import vary_effects
 from softfinger.mechanics.forward.simulate import Finger, simulate_joint_angle_array
 from softfinger.mechanics.forward.slots import SlotArrays
 from softfinger.mechanics.load import integrate_load_array
@@ -50,7 +51,11 @@ def move_paper_joint(
 
 
 def build_mover(
-    constant: xr.Dataset, content: ModelFile, effect: xr.DataArray, trial: xr.DataArray
+    constant: xr.Dataset,
+    content: ModelFile,
+    effect: xr.DataArray,
+    trial: xr.DataArray,
+    rng: np.random.Generator | None = None,
 ) -> Move:
     """Build the function that moves a campaign's new trials.
 
@@ -63,6 +68,8 @@ def build_mover(
         (draw, effect_parameter), as the fit of that model names and orders them.
     trial
         Names of the recorded trials, in the order in which `like` counts them.
+    rng
+        Draws how parameters of effects differ between trials; None leaves each at its draw.
 
     Returns
     -------
@@ -77,6 +84,8 @@ def build_mover(
     for k, entry in enumerate(model.entries):
         if entry.parameter.log:
             internal[:, k] = np.log(physical[:, k])
+    if rng is not None:
+        internal = vary_effects(model, internal, content.spreads, rng)
     known = {name: k for k, name in enumerate(fitted.values)}
     place = np.array([known.get(name, 0) for name in trial.values])
 

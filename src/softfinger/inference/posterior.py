@@ -30,6 +30,7 @@ from softfinger.inference.sampling import (
     scale_points,
 )
 from softfinger.inference.whitening import read_trials
+from softfinger.mechanics.effects.measurement_file import MeasurementEntry
 from softfinger.mechanics.effects.model import EffectModel
 from softfinger.mechanics.effects.model_file import ModelFile
 
@@ -105,12 +106,14 @@ def prepare_fit(
     states it, the noise includes what the model's own residual shows of log, clock and picture.
     """
     problem, fit = pose_problem(angles, content, priors=priors)
-    if content is not None and content.measurement is not None:
-        problem, fit = admit_known(problem, fit, content.measurement.disturbances)
-    elif content is None or priors:  # no diagnosis of these very recordings
+    spreads = {} if content is None else content.spreads
+    if content is None or (priors and content.measurement is None):  # no diagnosis of these
         few = choose_some(angles)
         posed = (problem, fit) if few is angles else pose_problem(few, content, priors=priors)
-        problem, fit = admit_found(problem, fit, posed)
+        problem, fit = admit_found(problem, fit, posed, spreads)
+    else:
+        known = content.measurement or MeasurementEntry()
+        problem, fit = admit_known(problem, fit, {**known.disturbances, **spreads})
     return prepare_candidate(angles, problem, Candidate(problem.base, fit, fit.log_evidence))
 
 

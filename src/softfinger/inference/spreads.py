@@ -10,22 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.inference.problem import Candidate
-from softfinger.mechanics.effects.model import EffectModel
+from softfinger.mechanics.effects.spread import MARK, may_vary, name_spread, name_varying
 
 Array = NDArray[np.float64]
-
-MARK = ":"
-CLOCK = "camera_delay"
-"""A delay that differs between trials is the component `clock_offset`."""
-
-
-def name_spread(effect: str, parameter: str) -> str:
-    """Id of a spread among the components of a measurement.
-
-    >>> name_spread("wire_friction", "coefficient")
-    'wire_friction:coefficient'
-    """
-    return f"{effect}{MARK}{parameter}"
 
 
 def is_spread(component: str) -> bool:
@@ -62,18 +49,9 @@ def list_spreads(candidate: Candidate, slope: Array) -> dict[str, Array]:
     found: dict[str, dict[tuple, Array]] = {}
     for k, entry in enumerate(model.entries):
         piece = model.pieces[entry.piece]
-        if piece.effect.level == "between_trials" or piece.effect.id == CLOCK:
+        if not may_vary(piece):
             continue
         size = 1.0 if entry.parameter.log else shared[k]
-        places = found.setdefault(name_spread(piece.effect.id, _name(model, k)), {})
+        places = found.setdefault(name_spread(piece.effect.id, name_varying(model, k)), {})
         places[entry.place] = places.get(entry.place, 0.0) + size * slope[..., own + k]
     return {name: np.stack(list(places.values()), axis=-1) for name, places in found.items()}
-
-
-def _name(model: EffectModel, k: int) -> str:
-    """Name of a number of φ; all terms of a free law differ together."""
-    entry = model.entries[k]
-    if not entry.parameter.term:
-        return entry.parameter.name
-    law = model.pieces[entry.piece].form.law
-    return law.name if law else "law"

@@ -45,16 +45,22 @@ def open_spread(
     known = read_modelled(opened["angles"], provenance.inputs["angles"], model)
     opened["angles"] = known.angles
     rng = np.random.default_rng(derive_seed(seed, rule))
-    move = open_mover(opened["angles"], opened["posterior"], config, model)
+    other = np.random.default_rng(derive_seed(seed, "effects of new trials"))
+    move = open_mover(opened["angles"], opened["posterior"], config, model, other)
     return (*opened.values(), config, rng, move), provenance
 
 
 def open_mover(
-    angles: xr.Dataset, posterior: xr.DataTree, config: Mapping[str, Any], model: Path | None
+    angles: xr.Dataset,
+    posterior: xr.DataTree,
+    config: Mapping[str, Any],
+    model: Path | None,
+    rng: np.random.Generator,
 ) -> Move:
     """Open the forward model of a model file.
 
-    None gives that of the paper's joint.
+    None gives that of the paper's joint. Where a file states that an effect's parameter differs
+    between trials, each draw has its own.
 
     Raises
     ------
@@ -76,4 +82,4 @@ def open_mover(
         raise Fault(f"{model}: the posterior was fitted without it; fit again with this model file")
     effect = take_population_draws(posterior, ["effect"], config["draws"])["effect"]
     constant = posterior.get("constant_data", xr.DataTree()).to_dataset()
-    return build_mover(constant, content, effect, angles["trial"])
+    return build_mover(constant, content, effect, angles["trial"], rng)

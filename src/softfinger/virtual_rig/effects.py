@@ -6,7 +6,9 @@ from numpy.typing import NDArray
 
 from softfinger.mechanics import PARAMETERS
 from softfinger.mechanics.effects.effect import Setting
+from softfinger.mechanics.effects.model import EffectModel
 from softfinger.mechanics.effects.model_file import ModelFile, build_model, read_strength
+from softfinger.mechanics.effects.spread import vary_effects
 from softfinger.mechanics.forward.simulate import describe_finger, simulate_joint_angle_array
 from softfinger.mechanics.forward.slots import SlotArrays, build_slots
 from softfinger.mechanics.geometry import FingerGeometry
@@ -42,7 +44,7 @@ def move_with_effects(
     arm = {"arm_scale": 1.0} if rig.wire_geometry == "paper" else {}
     usual = build_slots(*own.shape[:2], {"inertia_scale": 1.0, **arm})
     absent = build_slots(*own.shape[:2], {})
-    chosen = model.fill_slots(read_strength(model))
+    chosen = _fill_trials(model, content, seed)
     slots = SlotArrays(
         *(np.where(a == none, b, a) for a, b, none in zip(chosen, usual, absent, strict=True))
     )
@@ -54,6 +56,21 @@ def move_with_effects(
     )
     coords = {"trial": drawn["trial"], "joint": drawn["joint"], "time": ("frame", time)}
     return xr.DataArray(angle, coords, ("trial", "joint", "frame"), name="joint_angle")
+
+
+def _fill_trials(model: EffectModel, content: ModelFile, seed: int) -> SlotArrays:
+    """Slots of all trials, each with its own effects where the file has spreads."""
+    middle = read_strength(model)
+    same = model.fill_slots(middle)
+    if not content.spreads:
+        return same
+    filled = SlotArrays(*(whole.copy() for whole in same))
+    for i in range(model.setting.trials):
+        rng = build_generator(seed, i, Purpose.EFFECTS)
+        own = model.fill_slots(vary_effects(model, middle[None], content.spreads, rng)[0])
+        for whole, part in zip(filled, own, strict=True):
+            whole[i] = part[i]
+    return filled
 
 
 def describe_setting(

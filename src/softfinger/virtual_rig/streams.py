@@ -12,6 +12,7 @@ class Purpose(IntEnum):
     CAMERA = 1
     ANGLE_NOISE = 2
     ROOM = 3
+    EFFECTS = 4
 
 
 def build_generator(seed: int, trial_index: int, purpose: Purpose) -> np.random.Generator:

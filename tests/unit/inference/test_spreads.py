@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 from softfinger.inference.disturbance_sizes import fit_disturbances
-from softfinger.inference.disturbed import admit_disturbances, forget_spreads
+from softfinger.inference.disturbed import (
+    admit_disturbances,
+    admit_known,
+    forget_spreads,
+    spread_disturbances,
+)
 from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.inference.simulate import build_recording, describe_noise, draw_noise_array
 from softfinger.inference.spreads import is_spread, list_spreads
@@ -92,6 +97,17 @@ def test_a_spread_is_that_of_the_effect_and_not_of_the_measurement(scattered):
     assert find_spread(noise, candidate, 0) == {"stiffening_per_rad2": 0.3}
     assert NAME not in [one.id for one in describe_measurement(noise)]
     assert is_spread(NAME)
+
+
+def test_a_fit_with_a_model_file_has_the_spread_of_its_effect(scattered):
+    problem, candidate = scattered
+    repaired = replace(problem, repaired=candidate.model)
+    softer, fit = admit_known(repaired, candidate.fit, {NAME: 0.3})
+    assert softer.disturbed == {NAME: 0.3}
+    assert fit.log_evidence > candidate.fit.log_evidence + 30.0
+    moved = spread_disturbances(softer, np.arange(2), np.tile(TIME[::40], (2, 1)))
+    assert moved.shape == (2, 1, 10, 1)
+    assert np.abs(moved).max() > 0.01
 
 
 def test_one_trial_has_no_spread_and_a_law_between_trials_has_none(scattered):

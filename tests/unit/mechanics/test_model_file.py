@@ -76,6 +76,32 @@ def test_a_fitted_model_returns_from_its_file(write, tmp_path):
     assert (tmp_path / "one.yaml").read_bytes() == (tmp_path / "two.yaml").read_bytes()
 
 
+def test_how_effects_differ_between_trials_returns_from_its_file(write, tmp_path):
+    text = TEXT.replace("joints: [2, 3]", "joints: [2, 3]\n  spreads: {compliance_share: 0.3}")
+    content = read_model_file(write(text))
+    assert content.spreads == {"second_retardation:compliance_share": 0.3}
+    model, p = build_model(content, SETTING), 4
+    again = describe_model(model, np.ones(p), np.eye(p), None, content.spreads)
+    assert [entry.spreads for entry in again.effects] == [{"compliance_share": 0.3}, {}]
+    write_model_file(again, tmp_path / "one.yaml")
+    assert (tmp_path / "one.yaml").read_text().count("spreads") == 1
+    assert read_model_file(tmp_path / "one.yaml").spreads == content.spreads
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("joints: [2, 3]", "{size: 0.1}", "'size' has no spread between trials; there are compl"),
+        ("constant, joints: []", "{delay_s: 0.1}", "'delay_s' has .*; nothing of this effect has"),
+    ],
+)
+def test_a_spread_of_what_does_not_differ_is_refused(write, old, new, said):
+    mark = "\n  " if old.startswith("joints") else ", "
+    content = read_model_file(write(TEXT.replace(old, f"{old}{mark}spreads: {new}")))
+    with pytest.raises(ListedFault, match=said):
+        build_model(content, SETTING)
+
+
 def test_what_recordings_suffer_from_returns_from_its_file(write, tmp_path):
     known = MeasurementEntry(
         steady_load=True,

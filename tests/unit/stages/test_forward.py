@@ -51,7 +51,7 @@ def posterior():
 
 
 def test_effects_move_new_trials_without_the_recordings(angles, posterior, model):
-    move = open_mover(angles, posterior, CONFIG, model)
+    move = open_mover(angles, posterior, CONFIG, model, np.random.default_rng(4))
     own = np.array([[[-2.4, -3.6, 2.8, 0.02]]] * 2)
     time, load = np.array([0.0, 1.0, 8.0]), (np.array([0.0, 8.0]), np.array([0.04, 0.04]))
     moved = move(own, np.array([1, 0]), np.array([0, 1]), time, *load)
@@ -64,18 +64,35 @@ def test_effects_move_new_trials_without_the_recordings(angles, posterior, model
 
 def test_without_effects_it_is_the_papers_joint(angles):
     base = xr.DataTree.from_dict({"posterior": xr.Dataset()})
-    assert open_mover(angles, base, CONFIG, None) is move_paper_joint
+    assert open_mover(angles, base, CONFIG, None, np.random.default_rng(4)) is move_paper_joint
 
 
 def test_posterior_and_model_must_belong_together(angles, posterior, model):
     with pytest.raises(Fault, match="no model file was given"):
-        open_mover(angles, posterior, CONFIG, None)
+        open_mover(angles, posterior, CONFIG, None, np.random.default_rng(4))
     base = xr.DataTree.from_dict({"posterior": xr.Dataset()})
     with pytest.raises(Fault, match="was fitted without it"):
-        open_mover(angles, base, CONFIG, model)
+        open_mover(angles, base, CONFIG, model, np.random.default_rng(4))
 
 
 def test_a_posterior_of_an_older_version_is_named(angles, posterior, model):
     del posterior["constant_data"]
     with pytest.raises(Fault, match="fitted by an older version; fit again"):
-        open_mover(angles, posterior, CONFIG, model)
+        open_mover(angles, posterior, CONFIG, model, np.random.default_rng(4))
+
+
+def test_an_effect_that_differs_between_trials_differs_in_new_ones(angles, posterior, model):
+    """It differs about the posterior's own draw; an effect that is absent stays so."""
+    own = np.array([[[-2.4, -3.6, 2.8, 0.02]]] * 2)
+    time, load = np.array([0.0, 1.0, 8.0]), (np.array([0.0, 8.0]), np.array([0.04, 0.04]))
+    same, varied = [], []
+    for found, more in ((same, ""), (varied, ", spreads: {compliance_share: 0.5}")):
+        model.write_text(MODEL.replace("joints: [1]", "joints: [1]" + more))
+        for seed in range(40):
+            move = open_mover(angles, posterior, CONFIG, model, np.random.default_rng(seed))
+            found.append(move(own, np.array([1, 0]), np.array([0, 1]), time, *load))
+    same, varied = np.array(same), np.array(varied)
+    assert np.ptp(same, axis=0).max() == 0.0
+    np.testing.assert_allclose(varied[:, 1], same[:, 1])
+    moved = same[0, 0, 0, -1] - same[0, 1, 0, -1]
+    assert np.std(varied[:, 0, 0, -1]) == pytest.approx(0.5 * moved, rel=0.3)

@@ -33,12 +33,14 @@ from softfinger.mechanics.effects.prior_file import (
     LogNormalPrior,
     NormalPrior,
     Part,
+    Positive,
     Prior,
     describe_fault,
 )
+from softfinger.mechanics.effects.spread import doubt_spreads, name_spreads, take_spreads
 
 DIGITS = 7
-LAWLESS = {"law": None, "law_size": 1.0}  # not written
+UNUSED = {"law": None, "law_size": 1.0, "spreads": {}}  # not written
 Joint = Annotated[int, Field(ge=1)]
 
 
@@ -48,6 +50,7 @@ class EffectEntry(Part):
     A form of pairs of joints names them as [[2, 1]]: 2 moved by 1.
 
     A free form has its `law`: one curve, or one for each of its joints, `law_size` of the usual.
+    `spreads`: by how much parameters differ between trials, as shares.
     """
 
     id: str
@@ -56,6 +59,7 @@ class EffectEntry(Part):
     law: LawEntry | list[LawEntry] | None = None
     law_size: Annotated[float, Field(gt=0.0, le=1.0)] = 1.0
     priors: dict[str, Prior] = Field(default_factory=dict)
+    spreads: dict[str, Positive] = Field(default_factory=dict)
 
 
 class FittedTo(Part):
@@ -81,6 +85,11 @@ class ModelFile(Part):
     def place(self) -> str:
         """The file, for messages."""
         return self._place
+
+    @property
+    def spreads(self) -> dict[str, float]:
+        """Spread's name → relative sd between trials."""
+        return name_spreads({entry.id: entry.spreads for entry in self.effects})
 
     def was_fitted_to(self, sha256: str) -> bool:
         """Whether priors come from `angles` of this hash."""
@@ -134,7 +143,7 @@ def write_model_file(content: ModelFile, path: Path | str) -> None:
     unused = {"measurement"} if content.measurement is None else None
     document = content.model_dump(mode="json", exclude=unused)
     document["effects"] = [
-        {key: v for key, v in effect.items() if key not in LAWLESS or v != LAWLESS[key]}
+        {key: v for key, v in effect.items() if key not in UNUSED or v != UNUSED[key]}
         for effect in document["effects"]
     ]
     with Path(path).open("w", encoding="utf-8", newline="\n") as stream:
@@ -167,6 +176,7 @@ def build_model(content: ModelFile, setting: Setting, *, priors: bool = True) ->
         alone = EffectModel(setting, (piece,))
         known |= _read_priors(entry, alone, place, faults)
         known |= read_laws(entry.law, alone, place, faults)
+        faults += [f"{place}: {said}" for said in doubt_spreads(entry.spreads, piece, alone)]
     if faults:
         raise ListedFault(content.place, faults)
     return EffectModel(setting, tuple(pieces), known if priors else {})
@@ -199,8 +209,15 @@ def describe_model(
     mean: NDArray[np.float64],
     covariance: NDArray[np.float64],
     fitted_to: FittedTo | None,
+    spreads: Mapping[str, float] | None = None,
 ) -> ModelFile:
-    """Describe a model, given φ's mean and covariance."""
+    """Describe a model, given φ's mean and covariance.
+
+    Parameters
+    ----------
+    spreads
+        Spread's name → relative sd between trials.
+    """
     sd, effects = np.sqrt(np.diag(covariance)), []
     for number, piece in enumerate(model.pieces):
         priors = {
@@ -218,6 +235,7 @@ def describe_model(
                 law=describe_laws(model, number, mean, covariance),
                 law_size=piece.size,
                 priors=priors,
+                spreads=take_spreads(piece, model, spreads or {}),
             )
         )
     return ModelFile(

@@ -103,5 +103,6 @@ def measure_free_form(diagnosis: Diagnosis, free: FreeForm) -> dict[str, float]:
 def describe_repair(diagnosis: Diagnosis, fitted_to: FittedTo) -> ModelFile:
     """Describe the repaired model, as a model file."""
     best = diagnosis.search.best
-    content = describe_model(best.model, best.fit.shared, best.fit.shared_covariance, fitted_to)
+    found = best.fit.shared, best.fit.shared_covariance
+    content = describe_model(best.model, *found, fitted_to, diagnosis.problem.disturbed)
     return content.model_copy(update={"measurement": diagnosis.mended.shorten()})

@@ -5,8 +5,8 @@ import xarray as xr
 from scipy.stats import norm
 
 from softfinger.inference.problem import Candidate, Problem
-from softfinger.inference.spreads import CLOCK, name_spread
 from softfinger.mechanics.effects.model import Entry
+from softfinger.mechanics.effects.spread import CLOCK, name_spread
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.checks.locate import find_window
 from softfinger.mismatch.search.settle import Posterior

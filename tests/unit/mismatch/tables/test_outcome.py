@@ -1,5 +1,7 @@
 """The artifacts of a diagnosis: what they declare, and what they say of a known campaign."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -105,6 +107,13 @@ def test_the_repaired_model_returns_as_fitted(named):
     best = named.search.best
     assert model.label == best.model.label
     np.testing.assert_allclose(model.shared_prior[0], best.fit.shared, rtol=1e-5)
+
+
+def test_the_repaired_model_has_the_spread_that_was_found(named):
+    spread = {"second_retardation:compliance_share": 0.2, "drift": 1.0}
+    found = named._replace(problem=replace(named.problem, disturbed=spread))
+    content = describe_repair(found, FittedTo(campaign="drawn", sha256="0" * 64))
+    assert content.effects[0].spreads == {"compliance_share": 0.2}
 
 
 def test_without_left_out_physics_nothing_is_repaired(clean, draw_campaign):
