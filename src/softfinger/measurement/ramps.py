@@ -1,8 +1,9 @@
 """Loads that move from row to row, as straight lines.
 
-A row that differs is read as a step (`campaign.load_log`). A ramp or a wave of several rows is then
-a stair, half a row late. It is straight from row to row instead, and leaves the level before and
-meets the one after where its nearest rows lead. A step between two levels stays one.
+A row that differs from the one closely before it is read as a step (`campaign.load_log`). A ramp or
+a wave of several rows is then a stair, half a row late. It is straight from row to row instead, and
+leaves the level before and meets the one after where its nearest rows lead. A step between two
+levels stays one, and so does any that rows far apart state: the log itself has two values there.
 """
 
 from itertools import pairwise
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-def straighten_ramps_array(time: Array, torque: Array) -> tuple[Array, Array]:
+def straighten_ramps_array(time: Array, torque: Array, within: float) -> tuple[Array, Array]:
     """Replace steps that follow each other by lines.
 
     Parameters
@@ -21,6 +22,8 @@ def straighten_ramps_array(time: Array, torque: Array) -> tuple[Array, Array]:
     time, torque
         (knot,) [s], [N m]; of two knots at one time the later one is a row. The last one may be
         repeated.
+    within
+        Time [s] within which two rows were read as a step.
 
     Returns
     -------
@@ -28,13 +31,14 @@ def straighten_ramps_array(time: Array, torque: Array) -> tuple[Array, Array]:
         (knot,). Of each step the knot before it is at an end of the ramp, or equals the row.
 
     >>> stair = np.array([0.0, 1, 1, 2, 2, 3, 3, 4]), np.array([0.0, 0, 1, 1, 3, 3, 4, 4])
-    >>> straighten_ramps_array(*stair)
+    >>> straighten_ramps_array(*stair, 1.5)
     (array([0. , 0.5, 1. , 2. , 2. , 2.5, 3. , 4. ]), array([0., 0., 1., 3., 3., 4., 4., 4.]))
     """
     differs = (np.diff(time) != 0.0) | (np.diff(torque) != 0.0)
     number = 2 + np.flatnonzero(differs).max(initial=-1)  # of knots that are no repetition
     rows = np.flatnonzero(np.append(np.diff(time[:number]) > 0.0, True))
-    is_step = (np.diff(rows) > 1) & (np.diff(torque[rows]) != 0.0)
+    is_near = np.diff(time[rows]) <= within
+    is_step = is_near & (np.diff(rows) > 1) & (np.diff(torque[rows]) != 0.0)
     turns = np.flatnonzero(np.diff(is_step, prepend=False, append=False))
     straight = time.copy(), torque.copy()
     for first, end in pairwise(turns):

@@ -16,6 +16,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from softfinger.measurement.decisions import DECISIONS
+from softfinger.measurement.frames import compute_frame_interval_array
 from softfinger.measurement.ramps import straighten_ramps_array
 
 Array = NDArray[np.float64]
@@ -202,7 +203,10 @@ def steady_log(angles: xr.Dataset) -> tuple[xr.Dataset, float]:
     is_row = np.diff(time, axis=1, append=np.inf) > 0.0
     loaded = is_row & (np.abs(steady) > change[:, None])
     away = np.append(torque[loaded] / steady[loaded] - 1.0, 0.0)
-    logs = [straighten_ramps_array(*log) for log in zip(time, steady, strict=True)]
+    frames = angles["time"].transpose("trial", "frame").values
+    interval = compute_frame_interval_array(frames, np.isfinite(frames))
+    within = DECISIONS.step_rows * interval
+    logs = [straighten_ramps_array(*log, within) for log in zip(time, steady, strict=True)]
     parts = zip(names, map(np.stack, zip(*logs, strict=True)), strict=True)
     steadied = angles.assign({name: (dims, values) for name, values in parts})
     return steadied, float(np.sqrt(np.mean(away**2)))

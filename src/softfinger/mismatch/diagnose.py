@@ -103,7 +103,9 @@ def diagnose(
     """
     settings = read_settings(MismatchSettings, config, "mismatch")
 
-    alarms: FalseAlarms | None = None  # chance gains alike however the recordings are mended
+    # chance gains alike however the recordings are mended, but for a load that is another
+    alarms: FalseAlarms | None = None
+    steadied: bool | None = None
 
     def survey(problem: Problem, base: Candidate) -> Survey:
         nonlocal alarms
@@ -119,6 +121,9 @@ def diagnose(
         return Survey((pieces, refused), columns, alarms, needed, ranked)
 
     def pose(mended: MeasurementEntry, known: Mapping[str, tuple[float, float]]) -> Posed:
+        nonlocal alarms, steadied
+        alarms = alarms if mended.steady_load == steadied else None
+        steadied = mended.steady_load
         right = mend_recordings(angles, mended)
         plain, fit = pose_problem(right, content, priors=priors)
         if known:

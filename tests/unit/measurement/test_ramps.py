@@ -8,25 +8,27 @@ from hypothesis import strategies as st
 from softfinger.campaign.load_log import build_load_array
 from softfinger.measurement.ramps import straighten_ramps_array
 
+WITHIN = 0.05
+
 
 def read(rows, begin, span, interval=0.02):
     """Knots that the reader makes of a ramp from 0 to 1."""
     time = interval * np.arange(rows)
     load = np.interp(time, [begin, begin + span], [0.0, 1.0])
-    return build_load_array(time, load, step_within=0.05)
+    return build_load_array(time, load, step_within=WITHIN)
 
 
 @pytest.mark.parametrize("span", [0.07, 0.1, 0.15])
 @pytest.mark.parametrize("begin", [0.2, 0.207, 0.213])
 def test_a_ramp_begins_and_ends_where_it_did(begin, span):
-    time, torque = straighten_ramps_array(*read(40, begin, span))
+    time, torque = straighten_ramps_array(*read(40, begin, span), WITHIN)
     dense = np.linspace(0.0, 0.75, 3001)
     truth = np.interp(dense, [begin, begin + span], [0.0, 1.0])
     np.testing.assert_allclose(np.interp(dense, time, torque), truth, atol=1e-6)
 
 
 def test_a_ramp_of_one_row_is_as_steep_as_it_must_be():
-    time, torque = straighten_ramps_array(*read(40, 0.21, 0.02))
+    time, torque = straighten_ramps_array(*read(40, 0.21, 0.02), WITHIN)
     dense = np.linspace(0.0, 0.75, 3001)
     truth = np.interp(dense, [0.21, 0.23], [0.0, 1.0])
     assert abs(np.trapezoid(np.interp(dense, time, torque) - truth, dense)) < 0.001
@@ -34,30 +36,38 @@ def test_a_ramp_of_one_row_is_as_steep_as_it_must_be():
 
 def test_a_step_stays_a_step():
     stair = read(40, 0.205, 0.01)
-    for found, known in zip(straighten_ramps_array(*stair), stair, strict=True):
+    for found, known in zip(straighten_ramps_array(*stair, WITHIN), stair, strict=True):
         np.testing.assert_array_equal(found, known)
 
 
 def test_a_wave_is_no_stair():
     time = 0.02 * np.arange(200)
     wave = np.where(time < 0.5, 0.0, 1.0 - np.cos(time - 0.5))
-    knots, load = straighten_ramps_array(*build_load_array(time, wave, 0.05))
+    knots, load = straighten_ramps_array(*build_load_array(time, wave, WITHIN), WITHIN)
     dense = np.linspace(0.0, 3.9, 4001)
     truth = np.where(dense < 0.5, 0.0, 1.0 - np.cos(dense - 0.5))
     np.testing.assert_allclose(np.interp(dense, knots, load), truth, atol=2e-4)
 
 
 def test_steps_between_levels_stay():
-    stair = build_load_array(0.02 * np.arange(12), np.repeat([0.0, 1.0, 0.5, 0.6], 3), 0.05)
-    for found, known in zip(straighten_ramps_array(*stair), stair, strict=True):
+    stair = build_load_array(0.02 * np.arange(12), np.repeat([0.0, 1.0, 0.5, 0.6], 3), WITHIN)
+    for found, known in zip(straighten_ramps_array(*stair, WITHIN), stair, strict=True):
+        np.testing.assert_array_equal(found, known)
+
+
+def test_steps_that_the_log_itself_states_at_one_time_stay():
+    """From level to level, four seconds apart: no stair of rows."""
+    time, load = np.array([0.0, 4, 4, 8, 8, 12, 12, 16]), np.array([4.0, 4, 10, 10, 2, 2, 9, 9])
+    knots = build_load_array(time, load, WITHIN)
+    for found, known in zip(straighten_ramps_array(*knots, WITHIN), knots, strict=True):
         np.testing.assert_array_equal(found, known)
 
 
 def test_the_last_knot_may_be_repeated():
-    stair = build_load_array(0.02 * np.arange(5), np.array([0.0, 0.0, 1.0, 2.0, 3.0]), 0.05)
+    stair = build_load_array(0.02 * np.arange(5), np.array([0.0, 0.0, 1.0, 2.0, 3.0]), WITHIN)
     padded = [np.append(part, np.repeat(part[-1], 3)) for part in stair]
-    straight = straighten_ramps_array(*stair)
-    for found, known in zip(straighten_ramps_array(*padded), straight, strict=True):
+    straight = straighten_ramps_array(*stair, WITHIN)
+    for found, known in zip(straighten_ramps_array(*padded, WITHIN), straight, strict=True):
         np.testing.assert_array_equal(found[: len(known)], known)
         np.testing.assert_array_equal(found[len(known) :], known[-1])
 
@@ -65,8 +75,8 @@ def test_the_last_knot_may_be_repeated():
 @given(st.lists(st.floats(-1.0, 1.0), min_size=2, max_size=12))
 def test_rows_stay_and_time_runs_forward(load):
     time = 0.02 * np.arange(len(load))
-    stair = build_load_array(time, np.array(load), 0.05)
-    straight = straighten_ramps_array(*stair)
+    stair = build_load_array(time, np.array(load), WITHIN)
+    straight = straighten_ramps_array(*stair, WITHIN)
     assert np.all(np.diff(straight[0]) >= 0.0)
     rows = np.flatnonzero(np.append(np.diff(stair[0]) > 0.0, True))
     for found, known in zip(straight, stair, strict=True):
