@@ -91,8 +91,14 @@ def _fit_trials(angles: xr.Dataset, frames: xr.Dataset) -> xr.Dataset:
 
 
 def _move(angles: xr.Dataset, found: xr.Dataset) -> NDArray[np.float64]:
-    """Motion (trial, joint, frame) [rad], 0 if unknown."""
+    """Motion (trial, joint, frame) [rad], 0 if unknown.
+
+    A flow against the load is none; stiffness or damping of the wrong sign are unknown.
+    """
     parameters = found["estimate"].to_dataset("parameter")
+    flow = parameters["c_p"]
+    known = (parameters["k_v"] > 0.0) & (parameters["c_v"] > 0.0)
+    parameters = parameters.assign(c_p=flow.where(~(flow <= 0.0), np.inf)).where(known)
     return compute_motion(angles, parameters).fillna(0.0).transpose(*LAYOUT).values
 
 

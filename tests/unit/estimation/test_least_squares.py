@@ -31,3 +31,13 @@ def test_gross_errors_hardly_move_the_estimates(make_campaign, rng):
     moved = (found["estimate"] - clean["estimate"]) / clean["estimate_sd"]
     assert np.abs(moved).median() < 0.2
     np.testing.assert_allclose(found["residual_rms"], clean["residual_rms"], rtol=0.1)
+
+
+def test_a_flow_against_the_load_is_an_estimate_and_no_end(make_campaign, rng):
+    angles, _, _ = make_campaign(rng, time=TIME, load=LOAD)
+    angles = angles.assign(joint_angle=angles["joint_angle"] - 0.03 * angles["time"])
+    found = fit_least_squares(angles, RULE)
+    flow = found.sel(parameter="c_p")
+    assert (flow["estimate"] < 0.0).any()
+    assert not flow["kept"].values[flow["estimate"].values < 0.0].any()
+    assert (found["residual_rms"] < 0.02).all()
