@@ -40,4 +40,4 @@ def test_a_flow_against_the_load_is_an_estimate_and_no_end(make_campaign, rng):
     flow = found.sel(parameter="c_p")
     assert (flow["estimate"] < 0.0).any()
     assert not flow["kept"].values[flow["estimate"].values < 0.0].any()
-    assert (found["residual_rms"] < 0.02).all()
+    assert (found["residual_rms"] < 0.05).all()
