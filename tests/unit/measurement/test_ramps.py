@@ -55,10 +55,12 @@ def test_steps_between_levels_stay():
         np.testing.assert_array_equal(found, known)
 
 
-def test_steps_that_the_log_itself_states_at_one_time_stay():
-    """From level to level, four seconds apart: no stair of rows."""
-    time, load = np.array([0.0, 4, 4, 8, 8, 12, 12, 16]), np.array([4.0, 4, 10, 10, 2, 2, 9, 9])
-    knots = build_load_array(time, load, WITHIN)
+@given(st.lists(st.tuples(st.floats(0.2, 9.0), st.floats(-9.0, 9.0)), min_size=1, max_size=8))
+def test_steps_that_a_log_states_at_one_time_stay(levels):
+    """From level to level: no stair of rows, however many follow each other."""
+    ends = np.cumsum([duration for duration, _ in levels])
+    time = np.stack([np.append(0.0, ends[:-1]), ends], axis=1).ravel()
+    knots = build_load_array(time, np.repeat([level for _, level in levels], 2), WITHIN)
     for found, known in zip(straighten_ramps_array(*knots, WITHIN), knots, strict=True):
         np.testing.assert_array_equal(found, known)
 
