@@ -103,27 +103,22 @@ def diagnose(
     """
     settings = read_settings(MismatchSettings, config, "mismatch")
 
-    # chance gains alike however the recordings are mended, but for a load that is another
-    alarms: FalseAlarms | None = None
-    steadied: bool | None = None
+    alarms: dict[bytes, FalseAlarms] = {}  # of one load, chance gains alike however it is mended
 
     def survey(problem: Problem, base: Candidate) -> Survey:
-        nonlocal alarms
         pieces, refused = list_pieces(problem.setting)
         pieces = [piece for piece in pieces if piece.effect.id not in base.model.ids]
-        freedom = list_freedom(problem) if alarms is None else ()
+        load = problem.trials.load_torque.tobytes()
+        freedom = () if load in alarms else list_freedom(problem)
         columns = collect_columns(problem, base, progress(pieces, "trying effects"), freedom)
-        if alarms is None:
+        if load not in alarms:
             rng, draws = np.random.default_rng(seed), settings.bootstrap_replicates
-            alarms = calibrate_false_alarms(columns, problem, base, rng, draws)
-        needed = alarms.threshold(settings.false_alarm_probability)
+            alarms[load] = calibrate_false_alarms(columns, problem, base, rng, draws)
+        needed = alarms[load].threshold(settings.false_alarm_probability)
         ranked = rank_pieces(problem, base, columns, progress)
-        return Survey((pieces, refused), columns, alarms, needed, ranked)
+        return Survey((pieces, refused), columns, alarms[load], needed, ranked)
 
     def pose(mended: MeasurementEntry, known: Mapping[str, tuple[float, float]]) -> Posed:
-        nonlocal alarms, steadied
-        alarms = alarms if mended.steady_load == steadied else None
-        steadied = mended.steady_load
         right = mend_recordings(angles, mended)
         plain, fit = pose_problem(right, content, priors=priors)
         if known:

@@ -1,5 +1,6 @@
 """Whether the load follows what its log reads on a plateau, or the log errs."""
 
+from importlib import import_module
 from types import SimpleNamespace
 
 import numpy as np
@@ -23,6 +24,7 @@ from softfinger.mismatch.posed import Posed, mend_clock, mend_steps, pose_load
 from softfinger.mismatch.search.judge import _carry_over
 from softfinger.mismatch.search.log_and_clock import find_clock_rate, find_steps_early, weigh_log
 
+whole = import_module("softfinger.mismatch.diagnose")  # the package has a function of this name
 TIME = np.arange(300) / 15
 ROWS = np.arange(21.0)
 UNKNOWN = {f"link_{k}": ("joint", [np.nan]) for k in ("length", "mass", "centre", "inertia")}
@@ -245,3 +247,22 @@ def test_a_clock_is_not_set_where_an_effect_explains_more():
     assert mended.clock_rate == pytest.approx(0.002, rel=0.1)
     assert known["clock_rate"][0] == abs(mended.clock_rate)
     assert mend([effect]).angles is late
+
+
+@pytest.mark.parametrize("follows", [False, True])
+def test_chance_is_calibrated_for_the_load_that_counts(follows, monkeypatch):
+    calibrated, calibrate = [], whole.calibrate_false_alarms
+
+    def note(columns, problem, *rest):
+        calibrated.append(np.ptp(problem.trials.load_torque[0, 1:9]) > 0.0)
+        return calibrate(columns, problem, *rest)
+
+    monkeypatch.setattr(whole, "calibrate_false_alarms", note)
+    config = {
+        "bootstrap_replicates": 99,
+        "false_alarm_probability": 0.05,
+        "sample_repaired": False,
+        "longest_search_s": 600.0,
+    }
+    whole.diagnose(record(follows), config, 5, lambda items, _: items)
+    assert calibrated == ([False, True] if follows else [False])
