@@ -1,4 +1,4 @@
-"""Parts of the trials in threads, which compiled code runs side by side."""
+"""Parts of the trials, run side by side in threads."""
 
 import os
 from collections.abc import Callable

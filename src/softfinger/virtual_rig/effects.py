@@ -59,7 +59,7 @@ def move_with_effects(
 
 
 def _fill_trials(model: EffectModel, content: ModelFile, seed: int) -> SlotArrays:
-    """Slots of all trials, each with its own effects where the file has spreads."""
+    """Slots of all trials, with spreads of each."""
     middle = read_strength(model)
     same = model.fill_slots(middle)
     if not content.spreads:

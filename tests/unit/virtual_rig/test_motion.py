@@ -1,6 +1,6 @@
 import numpy as np
 
-from softfinger.mechanics.effects.model_file import read_model_file
+from softfinger.mechanics.effects.model_file import EffectEntry, ModelFile
 from softfinger.virtual_rig.motion import draw_motion
 
 
@@ -26,28 +26,26 @@ def test_the_load_and_the_wires_geometry_matter(config):
     assert (paper.joint_angle > truth.joint_angle).isel(frame=slice(1, None)).all()
 
 
-MODEL = """\
-version: 1
-joint: three_element
-torque: constant_arm
-effects:
-- id: second_retardation
-  form: own_compliance
-  joints: [1]
-  priors:
-    compliance_share_1: {mean: 0.3, sd: 0.02}
-    retardation_time_s: {median: 0.3, log_sd: 0.1}
-"""
+def build_model_file(**spreads):
+    retardation = EffectEntry(
+        id="second_retardation",
+        form="own_compliance",
+        joints=[1],
+        priors={
+            "compliance_share_1": {"mean": 0.3, "sd": 0.02},
+            "retardation_time_s": {"median": 0.3, "log_sd": 0.1},
+        },
+        spreads=spreads,
+    )
+    return ModelFile(version=1, joint="three_element", torque="constant_arm", effects=[retardation])
 
 
-def test_an_effect_that_differs_between_trials_differs_in_each(config, tmp_path):
-    path, extra = tmp_path / "model.yaml", []
+def test_an_effect_that_differs_between_trials_differs_in_each(config):
     plain = draw_motion(config, 2)
-    for spread in ("", "  spreads: {compliance_share: 0.2}\n"):
-        path.write_text(MODEL + spread)
-        moved = draw_motion(config, 2, read_model_file(path))
-        extra.append((moved.joint_angle - plain.joint_angle).isel(joint=0, frame=3).values)
-    same, varied = extra
+    same, varied = (
+        (draw_motion(config, 2, file).joint_angle - plain.joint_angle).isel(joint=0, frame=3).values
+        for file in (build_model_file(), build_model_file(compliance_share=0.2))
+    )
     share = varied / same
     assert len(set(np.round(share, 6))) == len(share)
     assert 0.05 < share.std() < 0.6

@@ -6,7 +6,7 @@ from scipy.stats import norm
 
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mechanics.effects.model import Entry
-from softfinger.mechanics.effects.spread import CLOCK, name_spread
+from softfinger.mechanics.effects.spread import CLOCK, take_spreads
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.checks.locate import find_window
 from softfinger.mismatch.search.settle import Posterior
@@ -78,13 +78,9 @@ def find_spread(measurement: xr.Dataset, candidate: Candidate, number: int) -> d
             strict=True,
         )
     )
-    effect = candidate.model.pieces[number].effect.id
-    spread = {
-        name.removeprefix(name_spread(effect, "")): size
-        for name, size in found.items()
-        if name.startswith(name_spread(effect, ""))
-    }
-    if effect == CLOCK and "clock_offset" in found:
+    piece = candidate.model.pieces[number]
+    spread = take_spreads(piece, candidate.model, found)
+    if piece.effect.id == CLOCK and "clock_offset" in found:
         mean = estimate_parameters(candidate, number)["delay_s"].mean
         spread["delay_s"] = found["clock_offset"] / max(abs(mean), found["clock_offset"] / 10.0)
     return spread
