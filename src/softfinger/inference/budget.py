@@ -80,6 +80,8 @@ class InferenceBudget:
     """Trials in one call. Why: it bounds the memory."""
     jitter_bins: int = 40
     """Bins of a trial in which jitter counts. Why: those in which it moves fastest."""
+    step_hats: int = 64
+    """Hats over the gaps of a slow log, for all steps of a trial. Why: each is a simulation."""
     gain_shapes: int = 5
     """Shapes of a gain's random walk. Why: the sixth has 1 % of its variance."""
     drift_shapes: int = 16

@@ -7,7 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.inference.budget import BUDGET
-from softfinger.inference.disturbances import IN_NOISE, SIZES, find_kind, list_disturbances
+from softfinger.inference.disturbances import (
+    IN_GAPS,
+    IN_NOISE,
+    SIZES,
+    find_kind,
+    list_disturbances,
+)
 from softfinger.inference.mixed_effects import Prior
 from softfinger.inference.mixed_effects_linearised import (
     SharedBounds,
@@ -61,7 +67,7 @@ def fit_disturbances(
 
     def is_plausible(name: str, size: float) -> bool:
         kind = find_kind(name)
-        if kind and size * measure_sd_array(directions[name]) > largest:
+        if kind and kind not in IN_GAPS and size * measure_sd_array(directions[name]) > largest:
             return False
         return kind is None or kind in IN_NOISE or not is_at_bound(size, sizes[name])
 

@@ -30,6 +30,7 @@ from softfinger.inference.walks import (
     turn_link,
     walk_array,
 )
+from softfinger.measurement.open_gaps import bridge_gaps_array, find_open_gaps_array
 from softfinger.mechanics.effects.measurement_file import LINK_TURN
 
 Array = NDArray[np.float64]
@@ -40,6 +41,7 @@ SIZES: Mapping[str, Array] = {
     "timing_jitter": np.array(PRIORS.jitter_sizes_s),
     "clock_offset": np.array(PRIORS.offset_sizes_s),
     "clock_rate": np.array(PRIORS.rate_sizes),
+    "step_scatter": np.array(PRIORS.step_sizes),
     "drift": np.array(PRIORS.drift_sizes),
     "picture_turn": np.array(PRIORS.drift_sizes),
     LINK_TURN: np.array(PRIORS.drift_sizes),
@@ -49,6 +51,7 @@ SIZES: Mapping[str, Array] = {
 CLOCKS = frozenset({"clock_offset", "clock_rate"})
 DRIFTS = ("drift", "gain_drift", "picture_turn", LINK_TURN, "lasting_noise")  # wander slowly
 IN_NOISE = frozenset({"drift", "picture_turn", LINK_TURN, "lasting_noise"})  # their unit
+IN_GAPS = frozenset({"step_scatter"})  # as large as the log leaves open
 STEP_SHARE = 0.01  # of a row's load by which the model is moved
 STEP_S = 0.002
 
@@ -79,6 +82,9 @@ def list_disturbances(
         made["clock_rate"] = lambda: (speed * time)[..., None]
         made["noisy_load"] = lambda: _move_rows(problem, candidate)
         made["load_drift"] = lambda: _drift_load(problem, candidate)
+        gaps = _find_gaps(problem)
+        if any(map(len, gaps)):
+            made["step_scatter"] = lambda: _bridge_gaps(problem, candidate, gaps)
     listed = {name: make() for name, make in made.items() if only is None or name in only}
     # at the edge of what it can be simulated with, a model has no motion under a log that errs
     return {name: columns for name, columns in listed.items() if np.isfinite(columns).all()}
@@ -179,6 +185,38 @@ def _drift_load(problem: Problem, candidate: Candidate) -> Array:
         for shape in np.moveaxis(walk, -1, 0)
     ]
     return np.stack([(angle - still) / STEP_SHARE for angle in moved], axis=-1)
+
+
+def _find_gaps(problem: Problem) -> list[NDArray[np.int64]]:
+    """Gaps of each trial's log in which a step came."""
+    trials = problem.trials
+    logs = zip(trials.load_time, trials.load_torque, strict=True)
+    return [find_open_gaps_array(*log, trials.interval) for log in logs]
+
+
+def _bridge_gaps(problem: Problem, candidate: Candidate, gaps: list[NDArray[np.int64]]) -> Array:
+    """Effect on the angles of steps that came somewhere in a gap of the log."""
+    trials, most = problem.trials, max(map(len, gaps))
+    logs = list(zip(trials.load_time, trials.load_torque, gaps, strict=True))
+    widest = max(float(np.diff(time)[gap].max(initial=0.0)) for time, _, gap in logs)
+    fine = int(np.ceil(np.log2(widest / trials.interval)))
+    levels = max(1, min(fine, int(np.log2(BUDGET.step_hats / most + 1))))
+    opened = [bridge_gaps_array(*log, levels) for log in logs]
+    time, torque = (_pad_last([log[k] for log in opened]) for k in (0, 1))
+    bridge = np.zeros((len(logs), most * (2**levels - 1), time.shape[1]))
+    for trial, (_, _, hats) in zip(bridge, opened, strict=True):
+        trial[: len(hats), : hats.shape[1]] = hats
+    still = _simulate(problem, candidate)
+    moved = [
+        _simulate(problem, candidate, load_time=time, load_torque=torque + STEP_SHARE * hats)
+        for hats in np.moveaxis(bridge, 1, 0)
+    ]
+    return np.stack([(angle - still) / STEP_SHARE for angle in moved], axis=-1)
+
+
+def _pad_last(parts: list[Array]) -> Array:
+    """Stack logs (knot,), the last knot repeated."""
+    return np.stack([np.pad(p, (0, max(map(len, parts)) - len(p)), "edge") for p in parts])
 
 
 def _group_rows(torque: Array) -> tuple[NDArray[np.int64], Array]:

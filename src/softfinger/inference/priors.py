@@ -63,6 +63,11 @@ class InferencePriors:
     """[s] The same of a trial's clock. Why: up to a frame."""
     rate_sizes: tuple[float, ...] = (1e-4, 3e-4, 1e-3, 3e-3)
     """The same of its rate. Why: a quartz has 1e-4 at worst, a driver's clock 1e-3."""
+    step_sizes: tuple[float, ...] = (0.5, 1.0)
+    """The same of steps in a slow log's gaps: 1 is any moment of them. Why: or nearer the middle.
+
+    Test: `test_step_scatter.py::test_steps_between_the_rows_of_a_slow_log_are_found`.
+    """
     drift_sizes: tuple[float, ...] = (0.5, 1.0, 2.0, 4.0)
     """The same of the picture's drift, over the noise. Why: hardly seen up to plain."""
     lasting_sizes: tuple[float, ...] = (0.5, 1.0, 2.0, 4.0)

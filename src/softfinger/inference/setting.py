@@ -5,6 +5,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from softfinger.inference.decisions import DECISIONS
+from softfinger.measurement.open_gaps import find_open_gaps_array
 from softfinger.measurement.step_time import find_step_gaps_array
 from softfinger.measurement.trials import Trials
 from softfinger.mechanics.effects.effect import Setting
@@ -92,7 +93,10 @@ def _has_levels(load: NDArray, torque: float) -> bool:
 def find_step_gap(trials: Trials) -> float:
     """Widest gap [s] in a step, or 0."""
     load = trials.load_time, trials.load_torque
-    return float(find_step_gaps_array(*load, trials.interval).max(initial=0.0))
+    gaps = [find_step_gaps_array(*load, trials.interval).max(initial=0.0)]
+    for time, torque in zip(*load, strict=True):
+        gaps += np.diff(time)[find_open_gaps_array(time, torque, trials.interval)].tolist()
+    return float(max(gaps))
 
 
 def find_first_seen(time: NDArray, trials: Trials) -> float:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from softfinger.measurement.frames import compute_frame_interval_array
 from softfinger.measurement.steady import steady_log
-from softfinger.measurement.step_time import advance_steps_array
+from softfinger.measurement.step_time import advance_steps_array, open_steps_array
 from softfinger.mechanics.effects.measurement_file import HumEntry, MeasurementEntry
 
 MENDED = frozenset({"step_time"})
@@ -32,13 +32,13 @@ def mend_recordings(angles: xr.Dataset, known: MeasurementEntry) -> xr.Dataset:
     -------
     Dataset
         As `angles`, with time multiplied by 1 + rate, plateaus of the load at their mean, its steps
-        sooner by a share of their gaps, and each hum a cos ωt + b sin ωt taken off, t being the
-        time that was set right.
+        sooner by a share of their gaps or straight lines over them, and each hum
+        a cos ωt + b sin ωt taken off, t being the time that was set right.
     """
     if known.steady_load:
         angles = steady_log(angles)[0]
-    if known.steps_early:
-        angles = _advance_steps(angles, known.steps_early)
+    if known.steps_early or known.steps_open:
+        angles = _move_steps(angles, known)
     if known.clock_rate:
         angles = angles.assign(time=angles["time"] * (1.0 + known.clock_rate))
     if known.hums:
@@ -48,14 +48,18 @@ def mend_recordings(angles: xr.Dataset, known: MeasurementEntry) -> xr.Dataset:
     return angles
 
 
-def _advance_steps(angles: xr.Dataset, share: float) -> xr.Dataset:
+def _move_steps(angles: xr.Dataset, known: MeasurementEntry) -> xr.Dataset:
     time = angles["time"].transpose("trial", "frame").values
     knots, torque = (
         angles[name].transpose("trial", "knot") for name in ("load_time", "load_torque")
     )
+    load = knots.values, torque.values
     interval = compute_frame_interval_array(time, np.isfinite(time))
-    sooner = advance_steps_array(knots.values, torque.values, share, interval)
-    return angles.assign(load_time=(knots.dims, sooner))
+    if known.steps_open:
+        moved = open_steps_array(*load, interval)
+    else:
+        moved = advance_steps_array(*load, known.steps_early, interval)
+    return angles.assign(load_time=(knots.dims, moved))
 
 
 def _move_hum(angles: xr.Dataset, hum: HumEntry) -> NDArray[np.float64]:

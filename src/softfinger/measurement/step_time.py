@@ -44,3 +44,17 @@ def advance_steps_array(
     array([0.  , 1.  , 1.05, 1.05, 2.  ])
     """
     return load_time - share * find_step_gaps_array(load_time, load_torque, frame_interval)
+
+
+def open_steps_array(load_time: Array, load_torque: Array, frame_interval: float) -> Array:
+    """Make of steps straight lines over their gaps.
+
+    Returns the times [s] of all knots (…, knot).
+
+    >>> knots, load = np.array([0.0, 1.0, 1.1, 1.1, 2.0]), np.array([0.0, 0.0, 0.0, 4.0, 4.0])
+    >>> open_steps_array(knots, load, 0.1).round(6)
+    array([0. , 1. , 1. , 1.1, 2. ])
+    """
+    gaps = find_step_gaps_array(load_time, load_torque, frame_interval)
+    first = np.diff(load_time, append=np.inf) == 0.0  # of the two knots of a step
+    return load_time - np.where(first, gaps, 0.0)

@@ -126,6 +126,14 @@ WORDS = {
         ),
         "clock_offset",
     ),
+    "step_scatter": Words(
+        "gap_share",
+        lambda s, _: (
+            "The load log is slow: its steps came between two rows, with "
+            f"{s:.2g} times the scatter of any moment between them."
+        ),
+        "clock_offset",
+    ),
     "clock_rate": Words(
         "relative_sd",
         lambda s, _: f"The clocks of camera and load log differ by {100 * s:.2g} % in rate.",

@@ -13,6 +13,7 @@ from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.measure import add_components
 from softfinger.measurement.mend import mend_recordings
 from softfinger.measurement.steady import steady_log
+from softfinger.measurement.step_time import find_step_gaps_array
 from softfinger.mechanics.effects.measurement_file import MeasurementEntry
 from softfinger.mechanics.effects.model import Piece
 from softfinger.mismatch.candidates.columns import ScoreColumns
@@ -25,8 +26,9 @@ from softfinger.mismatch.search.eliminate import choose_top
 from softfinger.mismatch.search.extend import Task
 from softfinger.mismatch.search.judge import find_leader, fit_again
 from softfinger.mismatch.search.log_and_clock import (
+    Steps,
     find_clock_rate,
-    find_steps_early,
+    place_steps,
     weigh_log,
 )
 from softfinger.mismatch.search.stepwise import Search, search_effects
@@ -126,15 +128,18 @@ def mend_steps(posed: Posed, pose: Pose) -> Posed:
     Where a log is as slow as the frames, all motion seems too early: no delay of the camera, which
     the log cannot show.
     """
-    plain, gap = posed.plain, posed.plain.setting.step_gap
+    plain, trials = posed.plain, posed.plain.trials
+    gaps = find_step_gaps_array(trials.load_time, trials.load_torque, trials.interval)
+    gap = float(gaps.max(initial=0.0))
     if not plain.setting.load_known or gap <= plain.setting.time_floor:
         return posed
     survey = posed.survey
-    share, nats = find_steps_early(plain, posed.base, survey.ranked[0], survey.needed)
-    if share == 0.0:
+    steps = place_steps(plain, posed.base, survey.ranked[0], survey.needed)
+    if steps == Steps():
         return posed
-    mended = posed.mended.model_copy(update={"steps_early": share})
-    return pose(mended, {**posed.known, "step_time": (share * gap, nats)})
+    placed = {"steps_open": True} if steps.is_open else {"steps_early": steps.early}
+    early = {} if steps.is_open else {"step_time": (steps.early * gap, steps.nats)}
+    return pose(posed.mended.model_copy(update=placed), {**posed.known, **early})
 
 
 def mend_clock(posed: Posed, pose: Pose) -> Posed:

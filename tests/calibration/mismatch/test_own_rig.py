@@ -4,6 +4,8 @@ import json
 import subprocess
 import sys
 
+import numpy as np
+import pandas as pd
 import pytest
 
 from softfinger.mechanics.effects.model_file import EffectEntry, ModelFile, write_model_file
@@ -19,6 +21,15 @@ LAG = {
     "id": "actuator_lag", "form": "first_order", "priors": {"lag_s": {"mean": 0.25, "sd": 0.01}},
     "spreads": {"lag_s": 0.3},
 }  # fmt: skip
+SHORT_LAG = {
+    "id": "actuator_lag", "form": "first_order", "priors": {"lag_s": {"mean": 0.05, "sd": 0.005}},
+}  # fmt: skip
+BETWEEN = """\
+virtual_rig:
+  {n_trials: 10, level: angles, duration_s: 16.0, fps: 30.0,
+   load_time_s: [0.0, 0.53, 0.53, 4.07, 4.07, 8.02, 8.02, 12.06, 12.06, 16.0],
+   load_tension_n: [0.0, 0.0, 4.0, 4.0, 10.0, 10.0, 2.0, 2.0, 9.0, 9.0]}
+"""
 STIFFENING = {
     "id": "strain_stiffening", "form": "square_in_joint_angle", "joints": [1, 2, 3],
     "priors": {f"stiffening_per_rad2_{j}": {"mean": 1.5, "sd": 0.1} for j in (1, 2, 3)},
@@ -32,17 +43,46 @@ def diagnose(tmp_path):
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
 
-    def run(effect, trials):
-        (tmp_path / "c.yaml").write_text(RIG.format(trials=trials))
-        entries = [EffectEntry(**effect)]
+    def run(effects, rig, spoil=lambda campaign: None):
+        (tmp_path / "c.yaml").write_text(rig)
+        entries = [EffectEntry(**effect) for effect in effects]
         parts = {"version": 1, "joint": "three_element", "torque": "constant_arm"}
         write_model_file(ModelFile(**parts, effects=entries), tmp_path / "model.yaml")
         call("virtual-rig", "--out", tmp_path / "rig", "--model", tmp_path / "model.yaml")
+        spoil(tmp_path / "rig/campaign")
         out = tmp_path / "out"
         call("diagnose", tmp_path / "rig/campaign", "--out", out, "--no-mcmc", "--no-report")
         return json.loads((out / "verdict.json").read_text())
 
     return run
+
+
+def read_seldom(rate):
+    """Read every trial's load so often a second [Hz], from a phase of its own on."""
+    rng = np.random.default_rng(1)
+
+    def spoil(campaign):
+        for path in sorted((campaign / "load").glob("*.csv")):
+            log = pd.read_csv(path)
+            rows = np.append(0.0, np.arange(rng.uniform(0.0, 1.0 / rate), 16.0, 1.0 / rate))
+            last = (
+                np.searchsorted(log["time_s"], rows, side="right") - 1
+            )  # steps from level to level
+            read = {"time_s": rows, "tension_n": log["tension_n"].to_numpy()[last]}
+            pd.DataFrame(read).to_csv(path, index=False)
+
+    return spoil
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rate", [10.0, 30.0])
+@pytest.mark.parametrize("effects", [(), (SHORT_LAG,)], ids=["clean", "lag"])
+def test_a_log_that_is_read_seldom_hides_no_effect_and_shows_none(diagnose, rate, effects):
+    """Steps came at any moment between two of its rows, and false effects explained them."""
+    verdict = diagnose(effects, BETWEEN, read_seldom(rate))
+    assert {one["id"] for one in verdict["effects"]} == {effect["id"] for effect in effects}
+    assert verdict["decision"] == ("named" if effects else "adequate")
+    assert "clock_offset" in {one["id"] for one in verdict["measurement"]}
 
 
 @pytest.mark.slow
@@ -52,7 +92,7 @@ def diagnose(tmp_path):
 )
 def test_what_the_rig_was_given_is_named(diagnose, effect, trials, parameter, strength):
     """The links have mass, so that inertia may be named beside it."""
-    verdict = diagnose(effect, trials)
+    verdict = diagnose((effect,), RIG.format(trials=trials))
     found = {one["id"]: one for one in verdict["effects"]}
     assert verdict["decision"] == "named"
     assert set(found) - {"inertia"} == {effect["id"]}

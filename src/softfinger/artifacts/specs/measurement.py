@@ -69,6 +69,13 @@ SPEC = ArtifactSpec(
             "how much sooner steps of the load come, as a share of the gaps of its log",
             optional=True,
         ),
+        "steps_open": Variable(
+            (),
+            "1",
+            "steps of the load come at any moment of the gaps of its log",
+            "truth value",
+            optional=True,
+        ),
         "hum_frequency": Variable(
             ("hum",), "Hz", "of what the angles hum, strongest first", at_least=0.0
         ),

@@ -13,6 +13,7 @@ Disturbance = Literal[
     "timing_jitter",
     "clock_offset",
     "clock_rate",
+    "step_scatter",
     "drift",
     "gain_drift",
     "lasting_noise",
@@ -39,12 +40,13 @@ class MeasurementEntry(Part):
 
     `steady_load`: readings count as levels and straight ramps; `clock_rate`: how slow the
     camera's clock runs, as a share; `steps_early`: how much sooner than at its later row a step of
-    the load comes, as a share of the gap between the two rows that state it; `disturbances`: their
-    sds, each in its own unit.
+    the load comes, as a share of the gap between the two rows that state it; `steps_open`: it comes
+    at any moment of that gap; `disturbances`: their sds, each in its own unit.
     """
 
     steady_load: bool = False
     steps_early: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+    steps_open: bool = False
     clock_rate: Annotated[float, Field(gt=-0.5, lt=0.5)] = 0.0
     hums: list[HumEntry] = Field(default_factory=list)
     disturbances: dict[Disturbance | LinkTurn, Positive] = Field(default_factory=dict)

@@ -1,15 +1,17 @@
 """Whether the motion prefers another load log or clock."""
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 from scipy.optimize import minimize_scalar
 
-from softfinger.inference.disturbances import SIZES
+from softfinger.inference.disturbances import SIZES, list_disturbances
+from softfinger.inference.disturbed import admit_disturbances
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.measurement.decisions import DECISIONS as MEASURING
-from softfinger.measurement.step_time import advance_steps_array
+from softfinger.measurement.step_time import advance_steps_array, open_steps_array
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.search.judge import fit_again, list_leaders
 
@@ -63,12 +65,22 @@ def find_clock_rate(plain: Problem, base: Candidate) -> tuple[float, float]:
     return float(found.x), -float(found.fun)
 
 
-def find_steps_early(
-    plain: Problem, base: Candidate, singles: list[Candidate], needed: float
-) -> tuple[float, float]:
-    """Find how early in their gaps the load's steps come.
+class Steps(NamedTuple):
+    """When the load's steps come, and what that gains.
 
-    Also what that gains [nats]; both 0 where a model of the log as it is explains more.
+    `early`: sooner than at their later rows, as a share of the gap; `is_open`: at any moment of it;
+    `nats` [nats] over the log as it is.
+    """
+
+    early: float = 0.0
+    is_open: bool = False
+    nats: float = 0.0
+
+
+def place_steps(plain: Problem, base: Candidate, singles: list[Candidate], needed: float) -> Steps:
+    """Find when in their gaps the load's steps come.
+
+    As the log has them where a model of the log as it is explains more.
 
     By the base model or the best effects, each at its best and an effect less what chance gains.
 
@@ -79,30 +91,46 @@ def find_steps_early(
     """
     leaders = base, *list_leaders(base, singles, needed)
     known = max(_discount(c, base, needed) for c in leaders)
+    best, most = Steps(), 0.0
+    for candidate in leaders:
+        found = max(
+            (_find_steps_early(plain, candidate, base), _open_steps(plain, candidate, base)),
+            key=lambda steps: steps.nats - MEASURING.present_nats * steps.is_open,
+        )
+        lead = _discount(candidate, base, needed) + found.nats - known
+        if found.nats > MEASURING.present_nats and lead >= most:
+            best, most = found, lead
+    return best
+
+
+def _find_steps_early(plain: Problem, candidate: Candidate, base: Candidate) -> Steps:
     load = plain.trials.load_time, plain.trials.load_torque
 
-    def refit(candidate: Candidate, share: float) -> Candidate | None:
+    def lose(share: float) -> float:
         sooner = advance_steps_array(*load, share, plain.trials.interval)
         moved = replace(plain, trials=plain.trials._replace(load_time=sooner))
-        return fit_again(moved, candidate, base)
-
-    def lose(share: float, candidate: Candidate) -> float:
-        again = refit(candidate, share)
+        again = fit_again(moved, candidate, base)
         return (
             BUDGET.no_motion_nats if again is None else candidate.log_evidence - again.log_evidence
         )
 
-    best, nats, most = 0.0, 0.0, 0.0
-    for candidate in leaders:
-        options = {"xatol": BUDGET.step_digits}
-        found = minimize_scalar(
-            lose, bounds=(0.0, 1.0), args=(candidate,), method="bounded", options=options
-        )
-        gain = -float(found.fun)
-        lead = _discount(candidate, base, needed) + gain - known
-        if gain > MEASURING.present_nats and lead >= most:
-            best, nats, most = float(found.x), gain, lead
-    return best, nats
+    options = {"xatol": BUDGET.step_digits}
+    found = minimize_scalar(lose, bounds=(0.0, 1.0), method="bounded", options=options)
+    return Steps(float(found.x), nats=-float(found.fun))
+
+
+def _open_steps(plain: Problem, candidate: Candidate, base: Candidate) -> Steps:
+    """Let steps come at any moment of their gaps."""
+    trials, unit = plain.trials, {"step_scatter": 1.0}
+    line = open_steps_array(trials.load_time, trials.load_torque, trials.interval)
+    opened = replace(plain, trials=trials._replace(load_time=line))
+    again = fit_again(opened, candidate, base)
+    directions = {} if again is None else list_disturbances(opened, again, set(unit))
+    if again is None or not directions:
+        return Steps(nats=-np.inf)
+    softer = fit_again(admit_disturbances(opened, unit, directions), again, base)
+    nats = -np.inf if softer is None else softer.log_evidence - candidate.log_evidence
+    return Steps(is_open=True, nats=nats)
 
 
 def _discount(candidate: Candidate, base: Candidate, needed: float) -> float:

@@ -42,7 +42,9 @@ def tabulate_diagnosis(
     problem, search = diagnosis.problem, diagnosis.search
     models = search.base, search.best
     needed = diagnosis.false_alarms.threshold(config["false_alarm_probability"])
-    mended = diagnosis.mended.model_dump(include={"clock_rate", "steady_load", "steps_early"})
+    mended = diagnosis.mended.model_dump(
+        include={"clock_rate", "steady_load", "steps_early", "steps_open"}
+    )
     tables = {
         "ranking": tabulate_ranking(search, diagnosis.posterior, diagnosis.false_alarms, needed),
         "location": tabulate_location(problem, *models, diagnosis.findings.line),

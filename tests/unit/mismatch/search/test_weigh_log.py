@@ -22,7 +22,7 @@ from softfinger.mechanics.effects.measurement_file import MeasurementEntry
 from softfinger.mismatch import posed as diagnosed
 from softfinger.mismatch.posed import Posed, mend_clock, mend_steps, pose_load
 from softfinger.mismatch.search.judge import _carry_over
-from softfinger.mismatch.search.log_and_clock import find_clock_rate, find_steps_early, weigh_log
+from softfinger.mismatch.search.log_and_clock import Steps, find_clock_rate, place_steps, weigh_log
 
 whole = import_module("softfinger.mismatch.diagnose")  # the package has a function of this name
 TIME = np.arange(300) / 15
@@ -158,10 +158,14 @@ def test_under_one_step_a_rate_is_an_offset_that_all_trials_share(monkeypatch):
 
 
 def record_steps(early):
-    """Record 8 trials of one step, so much sooner than its row; the log has one each 40 ms."""
+    """Record 8 trials of one step, so much sooner than its row, which comes after 40 ms.
+
+    `early` is a number or (8, 1) [s].
+    """
     rng, names = np.random.default_rng(6), [f"t{i}" for i in range(8)]
     load = np.tile([0.0, 0.0, 0.04, 0.04], (8, 1))
-    came = np.tile([0.0, 1.0 - early, 1.0 - early, 20.0], (8, 1))
+    came = np.array([0.0, 1.0, 1.0, 20.0]) - early * np.array([0.0, 1.0, 1.0, 0.0])
+    came = np.broadcast_to(came, (8, 4))
     recording = build_recording(TIME, came, load, 1, names)
     mean = np.array([[-2.4, -3.6, 2.9, 0.02]])
     own = draw_parameters(mean, np.array([0.2, 0.4, 0.7, 0.01]), recording, rng)
@@ -185,8 +189,9 @@ def test_a_step_comes_within_the_gap_of_its_log(early):
     problem, fit = pose_problem(angles)
     assert problem.setting.step_gap == pytest.approx(0.04)
     base = Candidate(problem.base, fit, fit.log_evidence)
-    share, nats = find_steps_early(problem, base, [], 7.0)
+    share, is_open, nats = place_steps(problem, base, [], 7.0)
     assert share == pytest.approx(early / 0.04, abs=0.05)
+    assert not is_open
     assert (nats > 20.0) == (early > 0.0)
     survey = SimpleNamespace(ranked=([], []), needed=7.0)
     posed = Posed(angles, problem, base, survey, {}, MeasurementEntry())
@@ -200,9 +205,10 @@ def test_a_step_comes_within_the_gap_of_its_log(early):
     np.testing.assert_allclose(mended["load_time"].values[:, 2:4], 1.0 - early, atol=2e-3)
 
 
-def explain_all(fit, name):
-    """An effect that explains far more than anything else could."""
-    model = SimpleNamespace(ids=frozenset({name}))
+def explain_all(fit, name, base=None):
+    """An effect that explains far more than anything else could, and moves as the base model."""
+    moves = {k: getattr(base, k) for k in ("fill_slots", "fill_tangents") if base is not None}
+    model = SimpleNamespace(ids=frozenset({name}), **moves)
     return SimpleNamespace(model=model, fit=fit, log_evidence=fit.log_evidence + 1e5)
 
 
@@ -210,15 +216,33 @@ def test_a_step_stays_where_an_effect_explains_more_at_its_row(monkeypatch):
     angles = record_steps(0.018)
     problem, fit = pose_problem(angles)
     base = Candidate(problem.base, fit, fit.log_evidence)
-    effect = explain_all(fit, "inertia")
-    assert find_steps_early(problem, base, [], 7.0)[0] > 0.0
-    fit_again = find_steps_early.__globals__["fit_again"]
+    effect = explain_all(fit, "inertia", base.model)
+    assert place_steps(problem, base, [], 7.0).early > 0.0
+    fit_again = place_steps.__globals__["fit_again"]
 
     def refit(problem, candidate, base):  # the effect gains nothing from sooner steps
         return effect if candidate is effect else fit_again(problem, candidate, base)
 
-    monkeypatch.setitem(find_steps_early.__globals__, "fit_again", refit)
-    assert find_steps_early(problem, base, [effect], 7.0) == (0.0, 0.0)
+    monkeypatch.setitem(place_steps.__globals__, "fit_again", refit)
+    assert place_steps(problem, base, [effect], 7.0) == Steps()
+
+
+def test_steps_that_come_at_any_moment_of_their_gaps_are_open():
+    angles = record_steps(np.random.default_rng(4).uniform(0.0, 0.04, (8, 1)))
+    problem, fit = pose_problem(angles)
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    steps = place_steps(problem, base, [], 7.0)
+    assert steps.is_open
+    assert steps.nats > 20.0
+    survey = SimpleNamespace(ranked=([], []), needed=7.0)
+    posed = Posed(angles, problem, base, survey, {}, MeasurementEntry())
+    entry, known = mend_steps(posed, lambda mended, known: (mended, known))
+    assert entry == MeasurementEntry(steps_open=True)
+    assert known == {}
+    mended = mend_recordings(angles, entry)
+    opened, fit = pose_problem(mended)
+    size, _, _ = fit_disturbances(opened, Candidate(opened.base, fit, fit.log_evidence))
+    assert size["step_scatter"] == pytest.approx(1.0, rel=0.5)
 
 
 def test_what_was_mended_is_kept_where_other_frames_count():
