@@ -31,6 +31,7 @@ from softfinger.inference.walks import (
     walk_array,
 )
 from softfinger.measurement.open_gaps import bridge_gaps_array, find_open_gaps_array
+from softfinger.measurement.steady import stack_logs
 from softfinger.mechanics.effects.measurement_file import LINK_TURN
 
 Array = NDArray[np.float64]
@@ -202,7 +203,7 @@ def _bridge_gaps(problem: Problem, candidate: Candidate, gaps: list[NDArray[np.i
     fine = int(np.ceil(np.log2(widest / trials.interval)))
     levels = max(1, min(fine, int(np.log2(BUDGET.step_hats / most + 1))))
     opened = [bridge_gaps_array(*log, levels) for log in logs]
-    time, torque = (_pad_last([log[k] for log in opened]) for k in (0, 1))
+    time, torque = (stack_logs([log[k] for log in opened]) for k in (0, 1))
     bridge = np.zeros((len(logs), most * (2**levels - 1), time.shape[1]))
     for trial, (_, _, hats) in zip(bridge, opened, strict=True):
         trial[: len(hats), : hats.shape[1]] = hats
@@ -212,11 +213,6 @@ def _bridge_gaps(problem: Problem, candidate: Candidate, gaps: list[NDArray[np.i
         for hats in np.moveaxis(bridge, 1, 0)
     ]
     return np.stack([(angle - still) / STEP_SHARE for angle in moved], axis=-1)
-
-
-def _pad_last(parts: list[Array]) -> Array:
-    """Stack logs (knot,), the last knot repeated."""
-    return np.stack([np.pad(p, (0, max(map(len, parts)) - len(p)), "edge") for p in parts])
 
 
 def _group_rows(torque: Array) -> tuple[NDArray[np.int64], Array]:

@@ -28,22 +28,25 @@ def find_open_gaps_array(time: Array, torque: Array, interval: float) -> NDArray
     Returns
     -------
     knot
-        (gap,) the knots from which the load runs to the next. The log rests on either side; and it
-        reads there as seldom, or the gap is as narrow as one that can be read as a jump.
+        (gap,) the knots from which the load runs to the next. Either the gap is as narrow as one
+        that is read as a jump, and the load rests on both sides; or the log has rows as far apart
+        where the load rests, a dozen of them, so that it states no ramp but reads seldom.
 
-    >>> time, load = np.arange(5.0), np.array([0.0, 0.0, 0.0, 2.0, 2.0])
+    >>> time, load = np.arange(20.0), np.append(np.zeros(14), np.full(6, 2.0))
     >>> find_open_gaps_array(time, load, 0.1)
-    array([2])
+    array([13])
     """
     differs = (np.diff(time) != 0.0) | (np.diff(torque) != 0.0)
     row = np.flatnonzero(np.append(differs, True))  # of alike ones the last
     apart, rise = np.diff(time[row]), np.abs(np.diff(torque[row]))
     change = DECISIONS.load_change * max(np.ptp(torque), np.abs(torque).max())
-    before, after = np.pad(apart, 1)[:-2], np.pad(apart, 1, constant_values=np.inf)[2:]
+    between = np.maximum(np.pad(rise, 1)[:-2], np.pad(rise, 1)[2:]) <= change
     narrow = (apart > 0.0) & (apart <= DECISIONS.step_rows * interval)
-    paced = (before > 0.0) & (np.maximum(before, after) <= DECISIONS.step_rows * apart)
-    rests = np.maximum(np.pad(rise, 1)[:-2], np.pad(rise, 1)[2:]) <= change
-    return row[np.flatnonzero((rise > change) & rests & (narrow | paced))]
+    pace = np.sort(apart[(rise <= change) & (apart > 0.0)])
+    near = (apart / DECISIONS.step_rows, apart * DECISIONS.step_rows)
+    rows = np.searchsorted(pace, near[1], "right") - np.searchsorted(pace, near[0])
+    seldom = ~narrow & (rows >= DECISIONS.plateau_rows)
+    return row[np.flatnonzero((rise > change) & ((narrow & between) | seldom))]
 
 
 def build_hats_array(levels: int) -> Array:

@@ -4,12 +4,17 @@ A row that differs from the one closely before it is read as a step (`campaign.l
 a wave of several rows is then a stair, half a row late. It is straight from row to row instead, and
 leaves the level before and meets the one after where its nearest rows lead. A step between two
 levels stays one, and so does any that rows far apart state: the log itself has two values there.
+
+Under a log that is slower than the camera a ramp is read as lines from row to row. It begins and
+ends between two of them all the same, where its nearest rows lead.
 """
 
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+
+from softfinger.measurement.decisions import DECISIONS
 
 Array = NDArray[np.float64]
 
@@ -47,6 +52,48 @@ def straighten_ramps_array(time: Array, torque: Array, within: float) -> tuple[A
             knots = row[1:] - 1  # that hold the row before
             straight[0][knots], straight[1][knots] = _join_rows(time[row], torque[row])
     return straight
+
+
+def turn_between_rows_array(
+    time: Array, torque: Array, gaps: NDArray[np.int64]
+) -> tuple[Array, Array]:
+    """Let ramps turn between the rows of a slow log.
+
+    Parameters
+    ----------
+    time, torque
+        (knot,) [s], [N m]; the last one may be repeated.
+    gaps
+        (gap,) knots from which the load runs to the next, as of `find_open_gaps_array`. Two at
+        least, one after the other, are a ramp. It turns where the load rests beside it.
+
+    Returns
+    -------
+    time, torque
+        (knot + turn,).
+
+    >>> time, load = np.arange(6.0), np.array([0.0, 0.0, 1.0, 3.0, 4.0, 4.0])
+    >>> turn_between_rows_array(time, load, np.array([1, 2, 3]))[0]
+    array([0. , 1. , 1.5, 2. , 3. , 3.5, 4. , 5. ])
+    """
+    moves = np.abs(np.diff(torque))
+    beside = np.pad(moves, 1)
+    at, when, level = [], [], []
+    for run in np.split(gaps, np.flatnonzero(np.diff(gaps) != 1) + 1):
+        if run.size < 2:
+            continue
+        row = slice(run[0], run[-1] + 2)
+        joined = _join_rows(time[row], torque[row])[0]
+        ends = (
+            (run[0], run[0] - 1, 0, torque[run[0]]),
+            (run[-1], run[-1] + 1, -1, torque[run[-1] + 1]),
+        )
+        for gap, next_to, end, rests_at in ends:
+            if beside[next_to + 1] <= DECISIONS.load_change * moves[gap]:
+                at.append(gap + 1)
+                when.append(joined[end])
+                level.append(rests_at)
+    return np.insert(time, at, when), np.insert(torque, at, level)
 
 
 def _join_rows(time: Array, torque: Array) -> tuple[Array, Array]:

@@ -7,6 +7,7 @@ decides between this model of the log and the other, in which the load follows e
 stays until the next.
 """
 
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -17,7 +18,8 @@ from numpy.typing import NDArray
 
 from softfinger.measurement.decisions import DECISIONS
 from softfinger.measurement.frames import compute_frame_interval_array
-from softfinger.measurement.ramps import straighten_ramps_array
+from softfinger.measurement.open_gaps import find_open_gaps_array
+from softfinger.measurement.ramps import straighten_ramps_array, turn_between_rows_array
 
 Array = NDArray[np.float64]
 
@@ -207,6 +209,17 @@ def steady_log(angles: xr.Dataset) -> tuple[xr.Dataset, float]:
     interval = compute_frame_interval_array(frames, np.isfinite(frames))
     within = DECISIONS.step_rows * interval
     logs = [straighten_ramps_array(*log, within) for log in zip(time, steady, strict=True)]
-    parts = zip(names, map(np.stack, zip(*logs, strict=True)), strict=True)
-    steadied = angles.assign({name: (dims, values) for name, values in parts})
+    logs = [turn_between_rows_array(*log, find_open_gaps_array(*log, interval)) for log in logs]
+    parts = zip(names, map(stack_logs, zip(*logs, strict=True)), strict=True)
+    steadied = angles.drop_dims("knot").assign({name: (dims, values) for name, values in parts})
     return steadied, float(np.sqrt(np.mean(away**2)))
+
+
+def stack_logs(parts: Sequence[Array]) -> Array:
+    """Stack logs (knot,) of trials, the last knot repeated.
+
+    >>> stack_logs([np.array([0.0, 1.0]), np.array([0.0, 1.0, 2.0])])
+    array([[0., 1., 1.],
+           [0., 1., 2.]])
+    """
+    return np.stack([np.pad(p, (0, max(map(len, parts)) - len(p)), "edge") for p in parts])

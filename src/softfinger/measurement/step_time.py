@@ -43,7 +43,8 @@ def advance_steps_array(
     >>> advance_steps_array(knots, load, 0.5, 0.1).round(6)
     array([0.  , 1.  , 1.05, 1.05, 2.  ])
     """
-    return load_time - share * find_step_gaps_array(load_time, load_torque, frame_interval)
+    gaps = find_step_gaps_array(load_time, load_torque, frame_interval)
+    return _forget_rounding(load_time - share * gaps)
 
 
 def open_steps_array(load_time: Array, load_torque: Array, frame_interval: float) -> Array:
@@ -57,4 +58,9 @@ def open_steps_array(load_time: Array, load_torque: Array, frame_interval: float
     """
     gaps = find_step_gaps_array(load_time, load_torque, frame_interval)
     first = np.diff(load_time, append=np.inf) == 0.0  # of the two knots of a step
-    return load_time - np.where(first, gaps, 0.0)
+    return _forget_rounding(load_time - np.where(first, gaps, 0.0))
+
+
+def _forget_rounding(time: Array) -> Array:
+    """Times that rounding alone lets run backwards, in their order."""
+    return np.maximum.accumulate(time, axis=-1)

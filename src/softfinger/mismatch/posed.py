@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
+import numpy as np
 import xarray as xr
 
 from softfinger.inference.disturbance_sizes import fit_disturbances
@@ -115,7 +116,7 @@ def pose_load(angles: xr.Dataset, pose: Pose) -> Posed:
     left = DECISIONS.form_error * (leader.log_evidence - posed.base.log_evidence)
     if more >= MEASURING.present_nats + left:
         return mend_steps(pose(MeasurementEntry(), {}), pose)
-    if more >= 0.0 or error == 0.0:
+    if more >= 0.0 or error == 0.0 or not np.isfinite(more):  # of no fit there is no evidence
         return posed
     noise = add_components(posed.plain.noise, {"noisy_load": error}, {"noisy_load": -more})
     known = {**posed.known, "noisy_load": (error, -more)}

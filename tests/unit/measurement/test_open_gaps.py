@@ -49,21 +49,34 @@ def test_opened_steps_keep_their_order_and_their_rows(rows):
     time = np.cumsum([gap for gap, _ in rows])
     knots, load = build_load_array(time, np.array([value for _, value in rows]), 1.5)
     opened = open_steps_array(knots, load, 1.0)
-    assert (np.diff(opened) >= -1e-12).all()
+    assert (np.diff(opened) >= 0.0).all()
     last = np.append(np.diff(knots) > 0.0, True)
     np.testing.assert_array_equal(opened[last], knots[last])
 
 
-def test_only_a_step_between_levels_that_are_read_as_seldom_has_an_open_gap():
-    paced = np.arange(6.0)
-    assert find(paced, [0, 0, 0, 5, 5, 5]) == [2]
-    assert find(paced, [0, 0, 0, 5, 5, 1]) == [2]
-    assert find(paced, [0, 0, 2, 4, 5, 5]) == []  # a ramp
-    assert find(paced, [2, 2, 2, 2.05, 2, 2]) == []  # noise of the log
-    assert find([0, 4, 5, 9], [0, 0, 5, 5]) == []  # a ramp that two rows state
-    assert find([0, 3, 3, 9], [0, 0, 5, 5]) == []  # a jump
-    assert find([0, 3, 3.03, 9], [0, 0, 5, 5]) == [1]  # as narrow as one that is read as a jump
+def rest(*load):
+    """A log of a row a second that rests for a dozen of them, and then reads these loads."""
+    return find(np.arange(12.0 + len(load)), np.append(np.full(12, load[0]), load))
+
+
+def test_a_log_that_reads_as_seldom_at_rest_has_open_gaps_where_the_load_moves():
+    assert rest(0, 5, 5) == [12]
+    assert rest(0, 5, 5, 1) == [12, 14]
+    assert rest(0, 2, 4, 5, 5) == [12, 13, 14]
+    assert rest(2, 2.05, 2) == []  # noise of the log
+
+
+def test_rows_that_state_a_ramp_or_a_jump_leave_no_gap_open():
+    assert find([0, 2, 4, 6, 8], [0, 0, 5, 5, 0]) == []
+    assert find([0, 5, 10, 15], [0, 8, 0, 8]) == []
+    assert find([*np.arange(0, 3, 0.1), 5, *np.arange(5.1, 8, 0.1)], [0] * 30 + [5] * 31) == []
+    assert find([0, 3, 3, 9], [0, 0, 5, 5]) == []
+
+
+def test_rows_as_close_as_those_of_a_jump_leave_a_gap_between_levels_open():
+    assert find([0, 3, 3.03, 9], [0, 0, 5, 5]) == [1]
     assert find([0, 3, 3, 3.03, 9, 9], [0, 0, 0, 5, 5, 5]) == [2]  # with knots repeated
+    assert find([0, 3, 3.03, 3.06, 9], [0, 0, 3, 5, 5]) == []  # a ramp
 
 
 def test_a_step_that_was_opened_has_an_open_gap():

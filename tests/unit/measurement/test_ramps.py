@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from softfinger.campaign.load_log import build_load_array
-from softfinger.measurement.ramps import straighten_ramps_array
+from softfinger.measurement.open_gaps import find_open_gaps_array
+from softfinger.measurement.ramps import straighten_ramps_array, turn_between_rows_array
 
 WITHIN = 0.05
 
@@ -83,3 +84,34 @@ def test_rows_stay_and_time_runs_forward(load):
     rows = np.flatnonzero(np.append(np.diff(stair[0]) > 0.0, True))
     for found, known in zip(straight, stair, strict=True):
         np.testing.assert_array_equal(found[rows], known[rows])
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.3, 0.77])
+@pytest.mark.parametrize("span", [0.21, 0.4])
+def test_a_ramp_turns_between_the_rows_of_a_slow_log(phase, span):
+    """Between its first and last row alone it seems to begin sooner, and to end later."""
+    rows = 0.08 * (phase + np.arange(40))
+    log = build_load_array(rows, np.interp(rows, [1.03, 1.03 + span], [2.0, 9.0]), WITHIN)
+    gaps = find_open_gaps_array(*log, WITHIN / 1.5)
+    time, torque = turn_between_rows_array(*log, gaps)
+    dense = np.linspace(rows[0], rows[-1], 3001)
+    truth = np.interp(dense, [1.03, 1.03 + span], [2.0, 9.0])
+    few = 0.3  # of a last row that rises by less than a change of load
+    np.testing.assert_allclose(np.interp(dense, time, torque), truth, atol=few)
+    again = turn_between_rows_array(time, torque, find_open_gaps_array(time, torque, WITHIN / 1.5))
+    np.testing.assert_allclose(np.interp(dense, *again), truth, atol=few)
+
+
+def test_a_slow_log_of_a_decay_becomes_no_worse():
+    def decay(time):
+        return np.where(time < 1.0, 0.0, -np.expm1((1.0 - time) / 0.15))
+
+    rows, dense = 0.08 * np.arange(40), np.linspace(0.0, 3.1, 3001)
+    log = build_load_array(rows, decay(rows), WITHIN)
+    gaps = find_open_gaps_array(*log, WITHIN / 1.5)
+    assert gaps.size > 2
+    turned = turn_between_rows_array(*log, gaps)
+    before, after = (np.interp(dense, *knots) - decay(dense) for knots in (log, turned))
+    assert np.abs(after).sum() < np.abs(before).sum()
+    late = dense > 1.1
+    np.testing.assert_array_equal(after[late], before[late])
