@@ -2,12 +2,12 @@
 
 import json
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
+from softfinger.cli import app
 from softfinger.mismatch.verdict.schema import read_verdict
 
 EXAMPLE = Path(__file__).parents[3] / "data/example"
@@ -16,12 +16,9 @@ EXAMPLE = Path(__file__).parents[3] / "data/example"
 @pytest.fixture(scope="module")
 def diagnosed(tmp_path_factory):
     out = tmp_path_factory.mktemp("diagnosis") / "out"
-    code = "from softfinger.cli import main; main()"
     arguments = ["diagnose", str(EXAMPLE), "--out", str(out), "--no-mcmc", "--json"]
-    done = subprocess.run(
-        [sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
+    done = CliRunner().invoke(app, arguments)
+    assert done.exit_code == 0, done.stderr
     return out, done.stdout
 
 

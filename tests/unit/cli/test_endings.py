@@ -2,28 +2,11 @@
 
 import os
 import shutil
-import sys
 from pathlib import Path
 
 import pytest
 
-from softfinger.cli import main
-
 EXAMPLE = Path(__file__).parents[3] / "data/example"
-
-
-@pytest.fixture
-def run(monkeypatch, capsys, tmp_path):
-    """Run the command line in an empty folder: exit status and what was said on stderr."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["softfinger", *map(str, arguments)])
-        with pytest.raises(SystemExit) as end:
-            main()
-        return end.value.code, capsys.readouterr().err
-
-    return run
 
 
 @pytest.mark.parametrize(
@@ -39,18 +22,18 @@ def run(monkeypatch, capsys, tmp_path):
         (["virtual-rig", "--example", "--out", EXAMPLE], "contains a campaign already"),
     ],
 )
-def test_paths_that_cannot_be_used_are_one_sentence(run, tmp_path, arguments, said):
+def test_paths_that_cannot_be_used_are_one_sentence(call_here, tmp_path, arguments, said):
     (tmp_path / "file").write_text("")
     (tmp_path / "taken/angles.nc").mkdir(parents=True)
-    status, error = run(*arguments)
+    status, _, error = call_here(*arguments)
     assert status == 1
     assert said in error
     assert "unexpected" not in error
 
 
-def test_the_unexpected_is_one_sentence_that_names_a_file(run, tmp_path, monkeypatch):
+def test_the_unexpected_is_one_sentence_that_names_a_file(call_here, tmp_path, monkeypatch):
     monkeypatch.setattr("softfinger.stages.check.find_doubts", lambda angles: 1 / 0)
-    status, error = run("check", EXAMPLE)
+    status, _, error = call_here("check", EXAMPLE)
     (file,) = tmp_path.glob("softfinger-error-*.txt")
     assert status == 1
     assert error.count("\n") == 1
@@ -58,30 +41,30 @@ def test_the_unexpected_is_one_sentence_that_names_a_file(run, tmp_path, monkeyp
     assert "ZeroDivisionError" in file.read_text()
 
 
-def test_results_of_another_campaign_are_refused(run, tmp_path):
-    assert run("angles", EXAMPLE, "--out", "out")[0] == 0
+def test_results_of_another_campaign_are_refused(call_here, tmp_path):
+    assert call_here("angles", EXAMPLE, "--out", "out").status == 0
     other = shutil.copytree(EXAMPLE, tmp_path / "other")
     table = other / "angles/trial_001.csv"
     table.write_text(table.read_text().replace("0.270997", "0.270996"))
-    status, error = run("fit", other, "--out", "out")
+    status, _, error = call_here("fit", other, "--out", "out")
     assert status == 1
     assert "angles.nc: was made from other recordings than those of" in error
 
 
-def test_a_warning_counts_where_it_is_asked_for(run, tmp_path):
+def test_a_warning_counts_where_it_is_asked_for(call_here, tmp_path):
     wrong = shutil.copytree(EXAMPLE, tmp_path / "wrong")
     shutil.copy(wrong / "angles/trial_001.csv", wrong / "angles/trial_002.csv")
-    assert run("check", wrong)[0] == 0
-    assert run("check", wrong, "--strict")[0] == 1
-    assert run("check", EXAMPLE, "--strict")[0] == 0
+    assert call_here("check", wrong).status == 0
+    assert call_here("check", wrong, "--strict").status == 1
+    assert call_here("check", EXAMPLE, "--strict").status == 0
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full here")  # noqa: PTH110
-def test_a_full_disk_is_one_sentence(run, monkeypatch, tmp_path):
+def test_a_full_disk_is_one_sentence(call_here, monkeypatch, tmp_path):
     (tmp_path / "out").mkdir()
     target = tmp_path / f"out/.angles.{os.getpid()}.partial.nc"
     target.symlink_to("/dev/full")
-    status, error = run("angles", EXAMPLE, "--out", "out")
+    status, _, error = call_here("angles", EXAMPLE, "--out", "out")
     assert status == 1
     assert "No space left on device; make room" in error
     assert list((tmp_path / "out").iterdir()) == []

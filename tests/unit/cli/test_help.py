@@ -53,10 +53,8 @@ def test_the_version_is_the_packages():
     ("arguments", "status"),
     [(["effects"], 0), (["effects", "nothing"], 1), (["effect"], 2), (["check"], 2)],
 )
-def test_exit_status_of_a_program(arguments, status):
-    code = "from softfinger.cli import main; main()"
-    done = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True)
-    assert done.returncode == status
+def test_exit_status_of_a_program(call_here, arguments, status):
+    assert call_here(*arguments).status == status
 
 
 def test_a_refused_campaign_is_a_document_for_programs(tmp_path):

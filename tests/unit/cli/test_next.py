@@ -2,8 +2,6 @@
 
 import csv
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +19,6 @@ from softfinger.stages.prepare import prepare_angles
 
 EXAMPLE = Path(__file__).parents[3] / "data/example"
 RIG = Path(__file__).parents[3] / "docs/rig/plan.yaml"
-CODE = "from softfinger.cli import main; main()"
 
 
 def build_verdict(campaign):
@@ -58,16 +55,11 @@ def results(tmp_path_factory):
     return out
 
 
-def ask(*arguments):
-    command = [sys.executable, "-c", CODE, "next", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
-
-
-def test_a_plan_runs_on_the_rig_and_on_others(results, tmp_path):
+def test_a_plan_runs_on_the_rig_and_on_others(call, results, tmp_path):
     file = tmp_path / "plan.yaml"
     limits = ("--trials", 4, "--max-load", 8, "--max-angle", 2.5, "--minutes", 2.4, "--rest-s", 30)
-    done = ask(results, *limits, "--rig", RIG, "--out", file, "--json")
-    assert done.returncode == 0, done.stderr
+    done = call("next", results, *limits, "--rig", RIG, "--out", file, "--json")
+    assert done.status == 0, done.stderr
     said = json.loads(done.stdout)
     plan = read_plan(file)
     assert len(build_schedule(plan)) == 4
@@ -92,20 +84,20 @@ def test_a_plan_runs_on_the_rig_and_on_others(results, tmp_path):
         (("--fps", 200, "--rig", RIG), "camera of"),
     ],
 )
-def test_what_a_rig_cannot_run_is_refused(results, tmp_path, arguments, words):
-    done = ask(results, *arguments, "--out", tmp_path / "plan.yaml")
-    assert done.returncode == 1
+def test_what_a_rig_cannot_run_is_refused(call, results, tmp_path, arguments, words):
+    done = call("next", results, *arguments, "--out", tmp_path / "plan.yaml")
+    assert done.status == 1
     assert words in done.stderr
     assert "Traceback" not in done.stderr
 
 
-def test_a_folder_without_a_diagnosis_or_of_two_campaigns_is_refused(results, tmp_path):
-    done = ask(tmp_path, "--out", tmp_path / "plan.yaml")
-    assert done.returncode == 1
+def test_a_folder_without_a_diagnosis_or_of_two_campaigns_is_refused(call, results, tmp_path):
+    done = call("next", tmp_path, "--out", tmp_path / "plan.yaml")
+    assert done.status == 1
     assert "it has no verdict.json" in done.stderr
     for name in ("angles.nc", "survivors.yaml"):
         (tmp_path / name).write_bytes((results / name).read_bytes())
     write_verdict(build_verdict("another"), tmp_path / "verdict.json")
-    done = ask(tmp_path, "--out", tmp_path / "plan.yaml")
-    assert done.returncode == 1
+    done = call("next", tmp_path, "--out", tmp_path / "plan.yaml")
+    assert done.status == 1
     assert "it is of campaign 'another'" in done.stderr

@@ -2,14 +2,15 @@
 
 import os
 import resource
-import shutil
-import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
+
+from softfinger.cli import app
 
 PROJECT = Path(__file__).parents[3]
 EXAMPLE = str(PROJECT / "data/example")
@@ -35,7 +36,8 @@ main()
 """
 
 
-def call(folder, *arguments, code=CODE, **options):
+def start(folder, *arguments, code=CODE, **options):
+    """Run the command line in a process of its own."""
     return subprocess.run(
         [sys.executable, "-c", code, *arguments],
         cwd=folder, capture_output=True, text=True, check=False, **options,
@@ -45,20 +47,20 @@ def call(folder, *arguments, code=CODE, **options):
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
     """Results of `angles` where nothing is odd: name → bytes."""
-    folder = tmp_path_factory.mktemp("whole")
-    assert call(folder, "angles", EXAMPLE, "--out", "out").returncode == 0
-    return read(folder / "out")
+    out = tmp_path_factory.mktemp("whole") / "out"
+    assert CliRunner().invoke(app, ["angles", EXAMPLE, "--out", str(out)]).exit_code == 0
+    return read(out)
 
 
 def read(folder):
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
-def assert_one_sentence(done):
-    assert done.returncode == 1
-    assert done.stderr.count("\n") == 1
-    assert "unexpected" not in done.stderr
-    assert "Traceback" not in done.stderr
+def assert_one_sentence(status, _, error):
+    assert status == 1
+    assert error.count("\n") == 1
+    assert "unexpected" not in error
+    assert "Traceback" not in error
 
 
 @pytest.mark.parametrize("home", [None, "/nonexistent", "/dev/null"])
@@ -67,49 +69,48 @@ def test_without_a_home_or_a_cache_the_results_are_the_same(tmp_path, made, home
     environment = {key: value for key, value in os.environ.items() if key in kept}
     if home:
         environment |= {"HOME": home, "XDG_CACHE_HOME": f"{home}/cache"}
-    done = call(tmp_path, "angles", EXAMPLE, "--out", "out", env=environment)
+    done = start(tmp_path, "angles", EXAMPLE, "--out", "out", env=environment)
     assert (done.returncode, done.stderr) == (0, "")
     assert read(tmp_path / "out") == made
 
 
 def test_a_clock_that_jumps_changes_nothing(tmp_path, made):
-    done = call(tmp_path, "angles", EXAMPLE, "--out", "out", code=JUMPING)
+    done = start(tmp_path, "angles", EXAMPLE, "--out", "out", code=JUMPING)
     assert (done.returncode, done.stderr) == (0, "")
     assert read(tmp_path / "out") == made
 
 
-def test_a_folder_of_results_that_vanishes_is_one_sentence(tmp_path, made):
-    done = call(tmp_path, "angles", EXAMPLE, "--out", "out", code=VANISHING)
-    assert_one_sentence(done)
+def test_a_folder_of_results_that_vanishes_is_one_sentence(call_here, tmp_path, made):
+    done = start(tmp_path, "angles", EXAMPLE, "--out", "out", code=VANISHING)
+    assert_one_sentence(done.returncode, done.stdout, done.stderr)
     assert "out" in done.stderr
-    assert call(tmp_path, "angles", EXAMPLE, "--out", "out").returncode == 0
+    assert call_here("angles", EXAMPLE, "--out", "out").status == 0
     assert read(tmp_path / "out") == made
 
 
 @pytest.mark.skipif(not Path("/sys/kernel").is_dir(), reason="nowhere that cannot be written")
 @pytest.mark.parametrize("verb", [["angles", EXAMPLE], ["run", EXAMPLE]])
-def test_a_folder_that_cannot_be_written_is_one_sentence(tmp_path, verb):
-    done = call(tmp_path, *verb, "--out", "/sys/kernel/results")
-    assert_one_sentence(done)
+def test_a_folder_that_cannot_be_written_is_one_sentence(call_here, verb):
+    done = call_here(*verb, "--out", "/sys/kernel/results")
+    assert_one_sentence(*done)
     assert "/sys/kernel/results" in done.stderr
 
 
 @pytest.mark.parametrize("verb", [["angles", EXAMPLE], ["virtual-rig"]])
 @pytest.mark.parametrize("room", [0, 16_000])
-def test_a_file_for_which_there_is_no_room_is_one_sentence(tmp_path, verb, room):
+def test_a_file_for_which_there_is_no_room_is_one_sentence(call_here, tmp_path, verb, room):
     (tmp_path / "small.yaml").write_text("virtual_rig: {n_trials: 3, level: angles}\n")
-
-    def limit():
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (room, room))
-
-    arguments = [*verb, "--out", "out", "--config", "small.yaml"]
-    done = call(tmp_path, *arguments, preexec_fn=limit)
-    assert_one_sentence(done)
+    arguments = [*verb, "--config", "small.yaml", "--out"]
+    largest = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (room, largest[1]))
+    try:
+        done = call_here(*arguments, "out")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, largest)
+    assert_one_sentence(*done)
     assert [path for path in (tmp_path / "out").rglob("*") if "partial" in path.name] == []
     assert list((tmp_path / "out").glob("*.nc")) == []
-    shutil.rmtree(tmp_path / "out", ignore_errors=True)  # without room there is none
-    assert call(tmp_path, *arguments).returncode == 0
+    assert call_here(*arguments, "again").status == 0
 
 
 STARTING = """\
@@ -162,15 +163,17 @@ def holder(tmp_path):
     running.stdout.close()
 
 
-def test_a_second_verb_names_the_first_and_a_dead_ones_lock_is_free(tmp_path, made, holder):
-    done = call(tmp_path, "angles", EXAMPLE, "--out", "out")
-    assert_one_sentence(done)
+def test_a_second_verb_names_the_first_and_a_dead_ones_lock_is_free(
+    call_here, tmp_path, made, holder
+):
+    done = call_here("angles", EXAMPLE, "--out", "out")
+    assert_one_sentence(*done)
     assert f"process {holder.pid} works on this folder" in done.stderr
     assert list((tmp_path / "out").iterdir()) == []
     holder.kill()
     holder.wait()
     began = time.monotonic()
-    assert call(tmp_path, "angles", EXAMPLE, "--out", "out").returncode == 0
+    assert call_here("angles", EXAMPLE, "--out", "out").status == 0
     assert time.monotonic() - began < 120.0
     assert read(tmp_path / "out") == made
 
