@@ -14,6 +14,11 @@ SMALL = """\
 out: results
 trials_per_job: 2
 virtual_rig: {n_trials: 3, duration_s: 3.0, fps: 30.0, load_time_s: [0.0, 3.0]}
+estimation: {chains: 2, tune: 100, draws: 200, predictive_draws: 40}
+mismatch: {bootstrap_replicates: 99, false_alarm_probability: 0.01}
+propagation:
+  {draws: 50, sampled_draws: 8, draw_samples: 64, band_samples: 512, band_times: 61,
+   density_times_s: [0.0, 0.3, 1.0, 3.0], density_angles: 64}
 """
 
 

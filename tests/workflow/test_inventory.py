@@ -1,15 +1,15 @@
 """The report of any model has the same sections, checks and figures."""
 
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 from softfinger.artifacts import open_tree
 from softfinger.artifacts.specs.checks import SPEC as CHECKS
 from softfinger.artifacts.specs.summary import SPEC as SUMMARY
+from softfinger.cli import app
 from softfinger.provenance import PROJECT
 
 FEW = "estimation: {chains: 2, tune: 60, draws: 60, cores: 1}\n"
@@ -23,12 +23,8 @@ effects:
 
 
 def softfinger(verb: str, out: Path, *more: str) -> None:
-    code = "from softfinger.cli import main; main()"
     arguments = [verb, str(PROJECT / "data/example"), "--out", str(out), *more]
-    done = subprocess.run(
-        [sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
+    CliRunner().invoke(app, arguments, catch_exceptions=False)
 
 
 def run_to_report(folder: Path, model: str | None) -> dict[str, set[str]]:
