@@ -19,10 +19,11 @@ BESIDE = Path(__file__).parents[2] / "shared/realdata"
 
 
 class FolderScheduling(LoadScopeScheduling):
-    """Tests of one folder share fixtures, and so one of the processes that run side by side."""
+    """Tests of one part share fixtures, and so one of the processes that run side by side."""
 
     def _split_scope(self, nodeid: str) -> str:
-        return nodeid.split("::")[0].rpartition("/")[0]
+        folder = nodeid.split("::")[0].rpartition("/")[0]
+        return "/".join(folder.split("/")[:3])  # tests/unit/mismatch, with the folders in it
 
 
 def pytest_xdist_make_scheduler(config, log):
@@ -31,8 +32,8 @@ def pytest_xdist_make_scheduler(config, log):
 
 def pytest_collection_modifyitems(items):
     """The longest first, so that no process waits for them in the end."""
-    first = ("workflow", "concealed", "estimation")
-    items.sort(key=lambda item: item.path.parent.name not in first)
+    first = {"workflow", "mismatch", "concealed", "estimation"}
+    items.sort(key=lambda item: first.isdisjoint(Path(item.nodeid).parent.parts[:3]))
 
 
 @pytest.fixture

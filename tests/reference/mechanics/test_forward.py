@@ -174,7 +174,7 @@ def arrive_late(load):
 
 
 def integrate(parameters, slots, load):
-    """The same physics, written out anew, stepped by Radau with a tight tolerance."""
+    """The same physics, written out anew, stepped by LSODA with a tight tolerance."""
     k_v, c_v, c_p, q_ini = (parameters[name].to_numpy()[0] for name in NAMES)
     get = {
         "stiff": 0.0, "stop": 0.0, "sinh": 0.0, "arm": 0.0, "along": 0.0, "across": 0.0,
@@ -267,7 +267,7 @@ def integrate(parameters, slots, load):
         inside = TIME[(start <= TIME) & (end > TIME)]
         line = np.array([start, end]), np.array([first, last])
         solution = solve_ivp(
-            rate, (start, end), state, "Radau", np.r_[inside, end],
+            rate, (start, end), state, "LSODA", np.r_[inside, end],
             args=(lambda t, line=line: np.interp(t, *line),), rtol=1e-9, atol=1e-11,
         )  # fmt: skip
         q_v, q_p = solution.y[:3, : inside.size], solution.y[3:6, : inside.size]

@@ -11,7 +11,7 @@ from softfinger.concealed.protocols import PROTOCOLS, Load, draw_loads, write_ro
 from softfinger.concealed.registry import EFFECTS
 from softfinger.concealed.setting import disturb, draw_setting, record_cleanly, set_strengths
 
-SPEC = CaseSpec(5, ("gravity",), ((),), (0.6,), "staircase", 4, "gappy")
+SPEC = CaseSpec(5, ("gravity",), ((),), (0.6,), "staircase", 4, "gappy", duration_s=12.0)
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +37,7 @@ def test_the_reader_takes_the_folder_as_it_is(made):
         load = setting.trials[k].load
         times, torque, kind = read_load(campaign, trial, 1.0 / setting.rig.fps, 0.0)
         assert kind == "tension_n"
-        probe = np.setdiff1d(np.linspace(0.0, 40.0, 1237), load.time)
+        probe = np.setdiff1d(np.linspace(0.0, 12.0, 1237), load.time)
         np.testing.assert_allclose(
             Load(times, torque).value(probe),
             setting.rig.wire_offset * load.value(probe),
@@ -61,7 +61,7 @@ def test_the_truth_says_everything_and_lies_beside(made):
     assert truth["aimed_at_nats"]["gravity"] > 1.0
     assert len(truth["individuals"]) == 4
     start, end = truth["window_s"]
-    assert 0.0 <= start < end < 40.0
+    assert 0.0 <= start < end < 12.0
 
 
 def test_nothing_in_the_folder_tells(made):
@@ -103,7 +103,7 @@ def test_a_filmed_case_hands_the_motion_to_the_film_maker(tmp_path):
         path.write_bytes(b"frames")
 
     generate_campaign(spec, tmp_path / "b", tmp_path / "b.json", film)
-    assert [angle.shape for angle, _, _ in filmed] == [(1201, 3)] * 2
+    assert [angle.shape for angle, _, _ in filmed] == [(361, 3)] * 2
     assert all(fps == 30.0 for _, fps, _ in filmed)
     assert filmed[0][2] != filmed[1][2]
     campaign = read_campaign(tmp_path / "b")
@@ -167,7 +167,7 @@ def test_numbers_of_earlier_versions_are_what_they_were():
 def twins(tmp_path_factory):
     """The same campaign twice, once with two nuisances."""
     place = tmp_path_factory.mktemp("twins")
-    plain = replace(SPEC, noise="white", duration_s=12.0)
+    plain = replace(SPEC, noise="white")
     spoilt = replace(plain, nuisances=("noisy_load", "lost_frames"))
     return place, [
         generate_campaign(spec, place / name, place / f"{name}.json")

@@ -66,8 +66,8 @@ def cut_short(angles, _):
 
 
 DAMAGES = [
-    keep_one_trial, lose_frames, shake_the_clock, throw_in_outliers, forget_the_load_log,
-    scale_the_load, hold_the_joint, freeze_the_joint, cut_short,
+    keep_one_trial, lose_frames, shake_the_clock, throw_in_outliers, hold_the_joint,
+    freeze_the_joint, cut_short,
 ]  # fmt: skip
 
 
@@ -87,8 +87,10 @@ def test_without_a_load_log_lags_cannot_be_told(draw_campaign):
     angles = forget_the_load_log(draw_campaign(6, 0.0), None)
     verdict = diagnose(angles, CONFIG, 3, quiet).verdict
     assert {"actuator_lag", "camera_delay"} <= set(verdict.not_testable)
+    assert np.isfinite(verdict.residual_rms_rad.final)
 
 
 def test_a_wrong_factor_on_the_load_changes_no_decision(draw_campaign):
     verdict = diagnose(scale_the_load(draw_campaign(2, 0.0), None), CONFIG, 5, quiet).verdict
     assert verdict.decision == "adequate"
+    assert np.isfinite(verdict.residual_rms_rad.final)
