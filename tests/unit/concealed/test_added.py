@@ -1,5 +1,7 @@
 """Effects added to recordings that a test writes, and answers judged."""
 
+import shutil
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -22,10 +24,10 @@ specimen:
 OWN = np.log(np.array([0.1, 0.02, 20.0]))
 
 
-@pytest.fixture
-def folder(tmp_path):
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
     """Four trials of 12 s: 3 N at 1 s, off at 8 s; millimetres, a repeated frame, a gap."""
-    place = tmp_path / "strip"
+    place = tmp_path_factory.mktemp("recorded") / "strip"
     for name in ("angles", "load", "raw"):
         (place / name).mkdir(parents=True)
     (place / "campaign.yaml").write_text(DESCRIPTION)
@@ -47,12 +49,18 @@ def folder(tmp_path):
     return place
 
 
+@pytest.fixture(scope="module")
+def fitted(folder):
+    """Bodies and scale of that folder."""
+    return read_bodies(folder)
+
+
 def read(folder, number):
     return pd.read_csv(folder / f"angles/t{number}.csv")
 
 
-def test_bodies_are_fitted_in_the_units_of_the_finger(folder):
-    bodies, scale = read_bodies(folder)
+def test_bodies_are_fitted_in_the_units_of_the_finger(fitted):
+    bodies, scale = fitted
     assert [body.name for body in bodies] == ["t0", "t1", "t2", "t3"]
     body = bodies[1]
     assert (scale.load, scale.time) == (pytest.approx(0.3), pytest.approx(11.95 / 30))
@@ -90,8 +98,8 @@ def test_an_effect_can_be_added_to_a_body_that_only_flows():
     assert np.isfinite(moved).all()
 
 
-def test_an_added_lag_is_where_the_load_changes_and_nowhere_else(folder, tmp_path):
-    bodies, scale = read_bodies(folder)
+def test_an_added_lag_is_where_the_load_changes_and_nowhere_else(folder, fitted, tmp_path):
+    bodies, scale = fitted
     addition = Addition("actuator_lag", Dose(0.3, {}, (0,)), 1)
     write_added(folder, tmp_path / "added", bodies, scale, addition)
     before, after = read(folder, 2), read(tmp_path / "added", 2)
@@ -106,8 +114,8 @@ def test_an_added_lag_is_where_the_load_changes_and_nowhere_else(folder, tmp_pat
     assert not (tmp_path / "added/raw").exists()
 
 
-def test_a_delay_shifts_the_clock_and_leaves_the_motion(folder, tmp_path):
-    bodies, scale = read_bodies(folder)
+def test_a_delay_shifts_the_clock_and_leaves_the_motion(folder, fitted, tmp_path):
+    bodies, scale = fitted
     addition = Addition("camera_delay", Dose(0.1, {}, (0,)), 1)
     write_added(folder, tmp_path / "added", bodies, scale, addition)
     before, after = read(folder, 0), read(tmp_path / "added", 0)
@@ -118,6 +126,7 @@ def test_a_delay_shifts_the_clock_and_leaves_the_motion(folder, tmp_path):
 
 
 def test_rounded_readings_are_rounded_again_and_others_are_not(folder, tmp_path):
+    folder = shutil.copytree(folder, tmp_path / "strip")
     rounded = read(folder, 2)
     rounded["motion"] = (rounded["motion"] / 0.02).round() * 0.02
     rounded.to_csv(folder / "angles/t2.csv", index=False, float_format="%.9f")
@@ -130,8 +139,8 @@ def test_rounded_readings_are_rounded_again_and_others_are_not(folder, tmp_path)
     assert np.abs(step - step.round()).max() > 0.1
 
 
-def test_what_is_taken_off_is_what_is_added(folder, tmp_path):
-    bodies, scale = read_bodies(folder)
+def test_what_is_taken_off_is_what_is_added(folder, fitted, tmp_path):
+    bodies, scale = fitted
     for effect, column in (("actuator_lag", "motion"), ("camera_delay", "time_s")):
         addition, change = Addition(effect, Dose(0.1, {}, (0,)), 1), []
         for times in (1.0, -1.0):
@@ -142,8 +151,8 @@ def test_what_is_taken_off_is_what_is_added(folder, tmp_path):
         np.testing.assert_allclose(change[0], -change[1], atol=1e-6)
 
 
-def test_a_temperature_becomes_a_covariate(folder, tmp_path):
-    bodies, scale = read_bodies(folder)
+def test_a_temperature_becomes_a_covariate(folder, fitted, tmp_path):
+    bodies, scale = fitted
     addition = Addition("temperature", Dose(0.05, {"stiffness": 1.0}, (0,)), 1)
     write_added(folder, tmp_path / "added", bodies, scale, addition)
     warmth = pd.read_csv(tmp_path / "added/trials.csv")["temperature_c"] - 22.0

@@ -13,6 +13,7 @@ from softfinger.mechanics.effects.model_file import EffectEntry, FittedTo, Model
 from softfinger.mismatch import diagnose
 from softfinger.mismatch.tables.outcome import describe_repair
 from softfinger.mismatch.tables.predict import list_levels
+from softfinger.mismatch.verdict import refine as refine_module
 from softfinger.mismatch.verdict.refine import refine_verdict
 
 CONFIG = {
@@ -142,7 +143,8 @@ def test_sampling_refines_the_parameters_of_a_verdict(named, recorded):
     )
 
 
-def test_chains_that_do_not_agree_refine_nothing(named, recorded):
+def test_chains_that_do_not_agree_refine_nothing(named, recorded, sampled, monkeypatch):
+    monkeypatch.setattr(refine_module, "sample_posterior", lambda *_: (sampled, None))
     refined, _ = refine_verdict(named, recorded, np.random.default_rng(3), 0.1)
     assert refined == named.verdict
 
