@@ -122,7 +122,7 @@ def test_an_effect_of_strength_zero_leaves_a_clean_campaign(tmp_path):
 
 
 def test_the_papers_own_case_moves_by_the_papers_wire(tmp_path):
-    spec = build_paper_case("single_step", 1, 9)
+    spec = replace(build_paper_case("single_step", 1, 9), duration_s=12.0)
     truth = generate_campaign(spec, tmp_path / "paper", tmp_path / "paper.json")
     assert truth["effects"][0]["parameters"] == {"arm_scale": 1.0}
     assert truth["aimed_at_nats"] == {}
