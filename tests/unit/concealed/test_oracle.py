@@ -17,7 +17,7 @@ from softfinger.concealed.strength import (
 from softfinger.concealed.suite import CaseSpec
 
 
-def _spec(name, joints, protocol="staircase", trials=6, seed=11, noise="white"):
+def _spec(name, joints, protocol="staircase", trials=3, seed=11, noise="white"):
     return CaseSpec(seed, (name,), (joints,), (0.5,), protocol, trials, noise)
 
 
