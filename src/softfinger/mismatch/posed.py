@@ -27,7 +27,7 @@ from softfinger.mismatch.search.eliminate import choose_top
 from softfinger.mismatch.search.extend import Task
 from softfinger.mismatch.search.judge import find_leader, fit_again
 from softfinger.mismatch.search.log_and_clock import (
-    Steps,
+    PlacedSteps,
     find_clock_rate,
     place_steps,
     weigh_log,
@@ -136,7 +136,7 @@ def mend_steps(posed: Posed, pose: Pose) -> Posed:
         return posed
     survey = posed.survey
     steps = place_steps(plain, posed.base, survey.ranked[0], survey.needed)
-    if steps == Steps():
+    if steps == PlacedSteps():
         return posed
     placed = {"steps_open": True} if steps.is_open else {"steps_early": steps.early}
     early = {} if steps.is_open else {"step_time": (steps.early * gap, steps.nats)}

@@ -65,7 +65,7 @@ def find_clock_rate(plain: Problem, base: Candidate) -> tuple[float, float]:
     return float(found.x), -float(found.fun)
 
 
-class Steps(NamedTuple):
+class PlacedSteps(NamedTuple):
     """When the load's steps come, and what that gains.
 
     `early`: sooner than at their later rows, as a share of the gap; `is_open`: at any moment of it;
@@ -77,7 +77,9 @@ class Steps(NamedTuple):
     nats: float = 0.0
 
 
-def place_steps(plain: Problem, base: Candidate, singles: list[Candidate], needed: float) -> Steps:
+def place_steps(
+    plain: Problem, base: Candidate, singles: list[Candidate], needed: float
+) -> PlacedSteps:
     """Find when in their gaps the load's steps come.
 
     As the log has them where a model of the log as it is explains more.
@@ -91,7 +93,7 @@ def place_steps(plain: Problem, base: Candidate, singles: list[Candidate], neede
     """
     leaders = base, *list_leaders(base, singles, needed)
     known = max(_discount(c, base, needed) for c in leaders)
-    best, most = Steps(), 0.0
+    best, most = PlacedSteps(), 0.0
     for candidate in leaders:
         found = max(
             (_find_steps_early(plain, candidate, base), _open_steps(plain, candidate, base)),
@@ -103,7 +105,7 @@ def place_steps(plain: Problem, base: Candidate, singles: list[Candidate], neede
     return best
 
 
-def _find_steps_early(plain: Problem, candidate: Candidate, base: Candidate) -> Steps:
+def _find_steps_early(plain: Problem, candidate: Candidate, base: Candidate) -> PlacedSteps:
     load = plain.trials.load_time, plain.trials.load_torque
 
     def lose(share: float) -> float:
@@ -116,10 +118,10 @@ def _find_steps_early(plain: Problem, candidate: Candidate, base: Candidate) -> 
 
     options = {"xatol": BUDGET.step_digits}
     found = minimize_scalar(lose, bounds=(0.0, 1.0), method="bounded", options=options)
-    return Steps(float(found.x), nats=-float(found.fun))
+    return PlacedSteps(float(found.x), nats=-float(found.fun))
 
 
-def _open_steps(plain: Problem, candidate: Candidate, base: Candidate) -> Steps:
+def _open_steps(plain: Problem, candidate: Candidate, base: Candidate) -> PlacedSteps:
     """Let steps come at any moment of their gaps."""
     trials, unit = plain.trials, {"step_scatter": 1.0}
     line = open_steps_array(trials.load_time, trials.load_torque, trials.interval)
@@ -127,10 +129,10 @@ def _open_steps(plain: Problem, candidate: Candidate, base: Candidate) -> Steps:
     again = fit_again(opened, candidate, base)
     directions = {} if again is None else list_disturbances(opened, again, set(unit))
     if again is None or not directions:
-        return Steps(nats=-np.inf)
+        return PlacedSteps(nats=-np.inf)
     softer = fit_again(admit_disturbances(opened, unit, directions), again, base)
     nats = -np.inf if softer is None else softer.log_evidence - candidate.log_evidence
-    return Steps(is_open=True, nats=nats)
+    return PlacedSteps(is_open=True, nats=nats)
 
 
 def _discount(candidate: Candidate, base: Candidate, needed: float) -> float:

@@ -22,7 +22,12 @@ from softfinger.mechanics.effects.measurement_file import MeasurementEntry
 from softfinger.mismatch import posed as diagnosed
 from softfinger.mismatch.posed import Posed, mend_clock, mend_steps, pose_load
 from softfinger.mismatch.search.judge import _carry_over
-from softfinger.mismatch.search.log_and_clock import Steps, find_clock_rate, place_steps, weigh_log
+from softfinger.mismatch.search.log_and_clock import (
+    PlacedSteps,
+    find_clock_rate,
+    place_steps,
+    weigh_log,
+)
 
 whole = import_module("softfinger.mismatch.diagnose")  # the package has a function of this name
 TIME = np.arange(300) / 15
@@ -224,7 +229,7 @@ def test_a_step_stays_where_an_effect_explains_more_at_its_row(monkeypatch):
         return effect if candidate is effect else fit_again(problem, candidate, base)
 
     monkeypatch.setitem(place_steps.__globals__, "fit_again", refit)
-    assert place_steps(problem, base, [effect], 7.0) == Steps()
+    assert place_steps(problem, base, [effect], 7.0) == PlacedSteps()
 
 
 def test_steps_that_come_at_any_moment_of_their_gaps_are_open():
