@@ -129,8 +129,8 @@ WORDS = {
     "step_scatter": Words(
         "gap_share",
         lambda s, _: (
-            "The load log is slow: its steps came between two rows, with "
-            f"{s:.2g} times the scatter of any moment between them."
+            "The load log reads too seldom to show when its steps came: they scatter "
+            f"{s:.2g} times as much as any moment between two of its rows would."
         ),
         "clock_offset",
     ),
