@@ -81,7 +81,10 @@ class InferenceBudget:
     jitter_bins: int = 40
     """Bins of a trial in which jitter counts. Why: those in which it moves fastest."""
     step_hats: int = 64
-    """Hats over the gaps of a slow log, for all steps of a trial. Why: each is a simulation."""
+    """Hats over the gaps of a slow log, for all steps of a trial. Why: each is a simulation.
+
+    Test: `test_step_scatter.py::test_a_load_that_always_moves_has_no_steps`.
+    """
     gain_shapes: int = 5
     """Shapes of a gain's random walk. Why: the sixth has 1 % of its variance."""
     drift_shapes: int = 16

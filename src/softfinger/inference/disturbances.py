@@ -84,7 +84,7 @@ def list_disturbances(
         made["noisy_load"] = lambda: _move_rows(problem, candidate)
         made["load_drift"] = lambda: _drift_load(problem, candidate)
         gaps = _find_gaps(problem)
-        if any(map(len, gaps)):
+        if 0 < max(map(len, gaps)) <= BUDGET.step_hats:  # a load that moves in more is a wave
             made["step_scatter"] = lambda: _bridge_gaps(problem, candidate, gaps)
     listed = {name: make() for name, make in made.items() if only is None or name in only}
     # at the edge of what it can be simulated with, a model has no motion under a log that errs

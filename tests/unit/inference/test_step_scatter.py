@@ -103,3 +103,12 @@ def test_the_bridges_move_the_angles_as_steps_at_any_moment_do(slow):
     np.testing.assert_allclose(foreseen[after], scatters[after], rtol=0.05)
     np.testing.assert_allclose(foreseen[within], scatters[within], rtol=0.25)
     assert not columns[0, :, node < first].any()
+
+
+def test_a_load_that_always_moves_has_no_steps(slow):
+    """In more gaps than there can be hats."""
+    problem, base = slow
+    trials = problem.trials
+    wave = np.where(trials.load_time > 3.0, 0.03 + 0.02 * np.cos(2.0 * trials.load_time), 0.0)
+    moving = replace(problem, trials=trials._replace(load_torque=wave))
+    assert "step_scatter" not in list_disturbances(moving, base)
