@@ -65,7 +65,8 @@ def turn_between_rows_array(
         (knot,) [s], [N m]; the last one may be repeated.
     gaps
         (gap,) knots from which the load runs to the next, as of `find_open_gaps_array`. Two at
-        least, one after the other, are a ramp. It turns where the load rests beside it.
+        least, one after the other, are a ramp. It turns where the load rests beside it, and where
+        it meets another one.
 
     Returns
     -------
@@ -76,24 +77,48 @@ def turn_between_rows_array(
     >>> turn_between_rows_array(time, load, np.array([1, 2, 3]))[0]
     array([0. , 1. , 1.5, 2. , 3. , 3.5, 4. , 5. ])
     """
-    moves = np.abs(np.diff(torque))
+    moves = np.abs(np.diff(torque)) * (np.diff(time) > 0.0)
     beside = np.pad(moves, 1)
-    at, when, level = [], [], []
+    at, when, level = _find_crests(time, torque, gaps)
     for run in np.split(gaps, np.flatnonzero(np.diff(gaps) != 1) + 1):
         if run.size < 2:
             continue
-        row = slice(run[0], run[-1] + 2)
+        # a last row may rise by less than a change of load
+        first, last = run[0] - (beside[run[0]] > 0.0), run[-1] + (beside[run[-1] + 2] > 0.0)
+        row = slice(first, last + 2)
         joined = _join_rows(time[row], torque[row])[0]
-        ends = (
-            (run[0], run[0] - 1, 0, torque[run[0]]),
-            (run[-1], run[-1] + 1, -1, torque[run[-1] + 1]),
-        )
+        ends = (first, first, 0, torque[first]), (last, last + 2, -1, torque[last + 1])
         for gap, next_to, end, rests_at in ends:
-            if beside[next_to + 1] <= DECISIONS.load_change * moves[gap]:
+            if beside[next_to] <= DECISIONS.load_change * moves[gap]:
                 at.append(gap + 1)
                 when.append(joined[end])
                 level.append(rests_at)
     return np.insert(time, at, when), np.insert(torque, at, level)
+
+
+def _find_crests(
+    time: Array, torque: Array, gaps: NDArray[np.int64]
+) -> tuple[list[int], list[float], list[float]]:
+    """Where two ramps meet within a gap: the knot after it, time and load.
+
+    Each is a straight line over two gaps at least.
+    """
+    at, when, level = [], [], []
+    for gap in range(2, len(time) - 3):
+        beside = np.array([gap - 2, gap - 1, gap + 1, gap + 2])
+        if not np.isin(beside, gaps).all():
+            continue
+        slope = (torque[beside + 1] - torque[beside]) / (time[beside + 1] - time[beside])
+        slight = DECISIONS.load_change * np.abs(slope).max()
+        turn, wide = slope[1] - slope[2], time[gap + 1] - time[gap]
+        if max(abs(slope[1] - slope[0]), abs(slope[3] - slope[2])) > slight or abs(turn) <= slight:
+            continue
+        after = (torque[gap + 1] - torque[gap] - slope[2] * wide) / turn
+        if 0.0 < after < wide:
+            at.append(gap + 1)
+            when.append(time[gap] + after)
+            level.append(torque[gap] + slope[1] * after)
+    return at, when, level
 
 
 def _join_rows(time: Array, torque: Array) -> tuple[Array, Array]:

@@ -20,6 +20,7 @@ from softfinger.mechanics.forward.slot import Slot, declare
 from softfinger.mechanics.forward.work import Model, Work
 
 POWER = 8.0  # of the saturation
+SELDOM = 1.5  # frames between two rows, beyond which they are read as a line
 _SATURATION, _LAW, _REFERENCE, _SLOWNESS = declare(
     load_saturation=Slot(
         "chain", "1", 0.0, "acting load u (1 + b (|u|/reference)^8)^(-1/8); limit b^(-1/8)",
@@ -146,8 +147,12 @@ def _build_forms(setting: Setting) -> list[Form] | str:
         return {"load_slowness": values["rise_time_s"] / largest}
 
     law = Law("load_law", "load_nm", largest, 0.3, terms=5)
+    saturation = Form("saturation", (most,), fill_saturation)
+    if setting.step_gap > SELDOM * setting.interval:
+        # a law of loads that the finger passed between two rows would only bend the line there
+        return [saturation]
     return [
-        Form("saturation", (most,), fill_saturation),
+        saturation,
         Form("rate", (rise,), fill_rate),
         free_form(law, {"load_reference": largest}),
     ]

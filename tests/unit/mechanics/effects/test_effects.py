@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -181,6 +183,15 @@ def test_a_shift_in_time_is_worth_a_name_where_the_log_states_when_its_steps_are
             # of a free response the first share arrives a quarter of a frame late
             late = 0.25 * setting.interval if form.is_free else 1.0
             assert form.parameters[0].floor * late == pytest.approx(frames * setting.interval)
+
+
+@pytest.mark.parametrize(("gap", "forms"), [(1.0, 3), (3.0, 1)])
+def test_how_a_load_rises_is_asked_of_logs_that_show_it(gap, forms):
+    """A free law of the load bent the line between two rows of a slow log into a step."""
+    setting = build_setting()
+    setting = replace(setting, step_gap=gap * setting.interval)
+    names = [form.name for form in list_effects()["load_limit"].build_forms(setting)]
+    assert (len(names), names[0]) == (forms, "saturation")
 
 
 @pytest.mark.parametrize("way", ["across", "along"])
