@@ -196,7 +196,7 @@ def _find_gaps(problem: Problem) -> list[NDArray[np.int64]]:
 
 
 def _bridge_gaps(problem: Problem, candidate: Candidate, gaps: list[NDArray[np.int64]]) -> Array:
-    """Effect on the angles of steps that came somewhere in a gap of the log."""
+    """How steps at any moment of their gaps move the angles."""
     trials, most = problem.trials, max(map(len, gaps))
     logs = list(zip(trials.load_time, trials.load_torque, gaps, strict=True))
     widest = max(float(np.diff(time)[gap].max(initial=0.0)) for time, _, gap in logs)

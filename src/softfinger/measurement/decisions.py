@@ -123,6 +123,18 @@ class MeasurementDecisions:
     Why: the campaign's reader takes them for one.
     Test: `test_step_time.py::test_the_gaps_are_those_in_which_the_reader_sees_steps`.
     """
+    same_pace: float = 1.5
+    """Ratio of two gaps between rows up to which a log reads at one pace.
+
+    Why: a lost row doubles a gap, and the log then still states what it read before and after.
+    Test: `test_open_gaps.py::test_one_lost_row_is_another_pace`.
+    """
+    pace_rows: int = 12
+    """Rows at rest, as far apart as two others, from which a log reads seldom.
+
+    Why: by hand, levels and ramps are stated by a few rows.
+    Test: `test_open_gaps.py::test_rows_that_state_a_ramp_or_a_jump_leave_no_gap_open`.
+    """
     alike_per_decade: int = 8
     """Groups of such frames in a decade of time.
 

@@ -43,9 +43,9 @@ def find_open_gaps_array(time: Array, torque: Array, interval: float) -> NDArray
     between = np.maximum(np.pad(rise, 1)[:-2], np.pad(rise, 1)[2:]) <= change
     narrow = (apart > 0.0) & (apart <= DECISIONS.step_rows * interval)
     pace = np.sort(apart[(rise <= change) & (apart > 0.0)])
-    near = (apart / DECISIONS.step_rows, apart * DECISIONS.step_rows)
+    near = (apart / DECISIONS.same_pace, apart * DECISIONS.same_pace)
     rows = np.searchsorted(pace, near[1], "right") - np.searchsorted(pace, near[0])
-    seldom = ~narrow & (rows >= DECISIONS.plateau_rows)
+    seldom = ~narrow & (rows >= DECISIONS.pace_rows)
     return row[np.flatnonzero((rise > change) & ((narrow & between) | seldom))]
 
 

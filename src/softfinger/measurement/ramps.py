@@ -103,11 +103,12 @@ def _find_crests(
 
     Each is a straight line over two gaps at least.
     """
+    is_open = np.zeros(len(time) + 4, bool)  # gaps from −2 on
+    is_open[gaps + 2] = True
+    meets = is_open[:-4] & is_open[1:-3] & is_open[3:-1] & is_open[4:]
     at, when, level = [], [], []
-    for gap in range(2, len(time) - 3):
-        beside = np.array([gap - 2, gap - 1, gap + 1, gap + 2])
-        if not np.isin(beside, gaps).all():
-            continue
+    for gap in np.flatnonzero(meets):
+        beside = gap + np.array([-2, -1, 1, 2])
         slope = (torque[beside + 1] - torque[beside]) / (time[beside + 1] - time[beside])
         slight = DECISIONS.load_change * np.abs(slope).max()
         turn, wide = slope[1] - slope[2], time[gap + 1] - time[gap]

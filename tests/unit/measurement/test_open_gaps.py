@@ -4,6 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from softfinger.campaign.load_log import build_load_array
+from softfinger.measurement.decisions import DECISIONS
 from softfinger.measurement.open_gaps import (
     bridge_gaps_array,
     build_hats_array,
@@ -71,6 +72,18 @@ def test_rows_that_state_a_ramp_or_a_jump_leave_no_gap_open():
     assert find([0, 5, 10, 15], [0, 8, 0, 8]) == []
     assert find([*np.arange(0, 3, 0.1), 5, *np.arange(5.1, 8, 0.1)], [0] * 30 + [5] * 31) == []
     assert find([0, 3, 3, 9], [0, 0, 5, 5]) == []
+    few = DECISIONS.pace_rows  # gaps at rest, and one less
+    assert find(np.arange(few + 2), [*np.zeros(few + 1), 5]) == [few]
+    assert find(np.arange(few + 1), [*np.zeros(few), 5]) == []
+
+
+def test_one_lost_row_is_another_pace():
+    time, load = np.arange(20.0), np.append(np.zeros(15), np.full(5, 5.0))
+    slightly, doubly = time.copy(), time.copy()
+    slightly[15:] += 0.4
+    doubly[15:] += 1.0
+    assert find(slightly, load) == [14]
+    assert find(doubly, load) == []
 
 
 def test_rows_as_close_as_those_of_a_jump_leave_a_gap_between_levels_open():

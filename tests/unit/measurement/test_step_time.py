@@ -10,6 +10,7 @@ from softfinger.measurement.step_time import (
     find_step_gaps_array,
     open_steps_array,
 )
+from softfinger.mechanics.effects import load_limit
 
 ROWS = st.lists(
     st.tuples(st.floats(1e-3, 3.0), st.sampled_from([0.0, 1.0, 2.0])), min_size=1, max_size=12
@@ -34,12 +35,12 @@ def test_a_step_that_is_stated_at_once_has_no_gap():
 
 
 def test_the_gaps_are_those_in_which_the_reader_sees_steps():
-    assert DECISIONS.step_rows == STEP_WITHIN_FRAME_INTERVALS
+    assert DECISIONS.step_rows == STEP_WITHIN_FRAME_INTERVALS == load_limit.SELDOM
 
 
 @pytest.mark.parametrize("share", [None, 1.0])
 def test_rounding_moves_no_step_before_its_row(share):
-    """A load cell read at 100 Hz steps in every row; where times ran backwards, no fit was."""
+    """Times that ran backwards let no model be fitted."""
     rng = np.random.default_rng(2)
     time = np.round(rng.uniform(0.0, 0.01, 200)[:, None] + 0.01 * np.arange(20), 6)
     for rows in time:

@@ -108,6 +108,19 @@ def test_a_log_takes_no_more_than_the_best_effect_may_leave(explained, follows, 
     assert posed == ([True, False] if follows else [True])
 
 
+def test_readings_that_no_model_follows_are_no_evidence(monkeypatch):
+    """An infinite evidence went into the verdict, which cannot have one."""
+    angles = record(follows=False)
+    problem, fit = pose_problem(steady_log(angles)[0])
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    survey = SimpleNamespace(ranked=([], []), needed=7.0)
+    monkeypatch.setattr(diagnosed, "weigh_log", lambda *_: -np.inf)
+    found = pose_load(
+        angles, lambda mended, known: Posed(angles, problem, base, survey, known, mended)
+    )
+    assert found.known == {}
+
+
 def test_a_log_of_steady_plateaus_stays_as_it_is():
     angles = record(follows=False)
     steady, _ = steady_log(angles)
@@ -163,9 +176,9 @@ def test_under_one_step_a_rate_is_an_offset_that_all_trials_share(monkeypatch):
 
 
 def record_steps(early):
-    """Record 8 trials of one step, so much sooner than its row, which comes after 40 ms.
+    """Record 8 trials of a step sooner than its row.
 
-    `early` is a number or (8, 1) [s].
+    `early` is a number or (8, 1) [s]; the rows are 40 ms apart.
     """
     rng, names = np.random.default_rng(6), [f"t{i}" for i in range(8)]
     load = np.tile([0.0, 0.0, 0.04, 0.04], (8, 1))
