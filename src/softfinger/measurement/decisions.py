@@ -177,6 +177,15 @@ class MeasurementDecisions:
     Why: a load cell's noise is less, and a step of a protocol is more.
     Test: `test_noise.py::test_a_dense_log_of_a_steady_load_has_one_change`.
     """
+    straight: float = 0.001
+    """Distance from a line within which rows of a log are straight.
+
+    As a share of the load's range.
+
+    Why: a smooth wave, cut into such pieces, turns by eight times as much, far less than a change;
+    and the corner of a ramp is seen within a thousandth of its length.
+    Test: `test_corners.py`.
+    """
     lively: float = 3.0
     """Variance beyond which a window is not calm.
 

@@ -6,6 +6,7 @@ It rests long after a change.
 import numpy as np
 from numpy.typing import NDArray
 
+from softfinger.measurement.corners import find_corners_array
 from softfinger.measurement.decisions import DECISIONS
 
 
@@ -17,7 +18,7 @@ def find_quiet_array(
     They lie well after the last change of load and before the next one.
 
     A change is a knot at which the load jumps, or its slope turns, by more than 5 % of its range
-    (a slope counts by what it moves in the time to the next knot).
+    (a slope counts by what it moves along a straight piece beside the knot).
 
     >>> find_quiet_array(np.arange(6.0), np.array([0.0, 5.0]), np.array([1.0, 1.0]))
     array([False, False,  True,  True,  True, False])
@@ -79,14 +80,17 @@ def find_load_changes_array(
 ) -> NDArray[np.float64]:
     """Find the times [s] of noticeable load changes.
 
-    The load or its slope changes.
+    The load or its slope changes. A slope is that of a straight piece, whatever rows it has.
 
     >>> find_load_changes_array(np.array([0.0, 4.0, 4.0, 8.0]), np.array([0.0, 0.0, 1.0, 1.0]))
     array([4.])
     """
-    threshold = DECISIONS.load_change * max(np.ptp(load_torque), np.abs(load_torque).max())
-    if threshold == 0:
+    size = max(np.ptp(load_torque), np.abs(load_torque).max())
+    if size == 0:
         return np.empty(0)
+    threshold = DECISIONS.load_change * size
+    corners = find_corners_array(load_time, load_torque, DECISIONS.straight * size)
+    load_time, load_torque = load_time[corners], load_torque[corners]
     step = np.diff(load_time)
     rise = np.diff(load_torque)
     slope = np.divide(rise, step, out=np.zeros_like(rise), where=step > 0)
