@@ -1,5 +1,7 @@
 """A log's changes of load do not depend on how densely it was written."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -48,7 +50,7 @@ def test_every_knot_is_near_the_straight_pieces(torque, steps, tolerance):
     assert (np.diff(corners) > 0).all()
     jumps = np.flatnonzero(np.diff(time) == 0.0)
     assert {*jumps, *jumps + 1} <= {*corners}
-    for begin, end in zip(corners[:-1], corners[1:], strict=True):
+    for begin, end in pairwise(corners):
         inside = slice(begin, end + 1)
         if time[end] > time[begin]:
             line = np.interp(time[inside], time[[begin, end]], torque[[begin, end]])
