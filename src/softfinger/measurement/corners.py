@@ -26,7 +26,8 @@ def find_corners_array(time: NDArray, torque: NDArray, tolerance: float) -> NDAr
 
     Returns
     -------
-    (corner,) knots, the first and the last among them. Both knots of a jump are corners.
+    (corner,) knots, the first and the last among them. Both knots of a jump are corners; a knot
+    that is there twice is no jump.
 
     >>> dense = np.linspace(0.0, 8.0, 81)
     >>> find_corners_array(dense, 4.0 - np.abs(dense - 4.0), 0.004)
@@ -38,14 +39,14 @@ def find_corners_array(time: NDArray, torque: NDArray, tolerance: float) -> NDAr
         begin = corners[-1]
         span = time[k] - time[begin]
         slope = (torque[k] - torque[begin]) / span if span > 0.0 else np.inf
-        jumps = time[k] == time[k - 1]
+        jumps = time[k] == time[k - 1] and abs(torque[k] - torque[k - 1]) > tolerance
         if k - 1 > begin and (jumps or not least <= slope <= most):
             corners.append(k - 1)
             least, most, begin, span = -np.inf, np.inf, k - 1, time[k] - time[k - 1]
         if jumps:
             corners.append(k)
             least, most = -np.inf, np.inf
-        else:
+        elif span > 0.0:
             least = max(least, (torque[k] - tolerance - torque[begin]) / span)
             most = min(most, (torque[k] + tolerance - torque[begin]) / span)
     if corners[-1] != time.size - 1:

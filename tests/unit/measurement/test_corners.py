@@ -21,8 +21,9 @@ def write_densely(rate, start=0.0):
 
 @pytest.mark.parametrize("rate", [10.0, 37.0, 100.0, 1000.0])
 @pytest.mark.parametrize("digits", [12, 3])
-def test_a_dense_triangle_changes_where_it_turns(rate, digits):
-    time, load = write_densely(rate)
+@pytest.mark.parametrize("times", [1, 2])
+def test_a_dense_triangle_changes_where_it_turns(rate, digits, times):
+    time, load = (np.repeat(rows, times) for rows in write_densely(rate))
     found = find_load_changes_array(time, load.round(digits))
     sparse = find_load_changes_array(TURNS, LOADS)
     assert sparse.tolist() == [0.5, 4.5, 8.5, 12.5]
@@ -48,7 +49,7 @@ def test_every_knot_is_near_the_straight_pieces(torque, steps, tolerance):
     assert corners[0] == 0
     assert corners[-1] == torque.size - 1
     assert (np.diff(corners) > 0).all()
-    jumps = np.flatnonzero(np.diff(time) == 0.0)
+    jumps = np.flatnonzero((np.diff(time) == 0.0) & (np.abs(np.diff(torque)) > tolerance))
     assert {*jumps, *jumps + 1} <= {*corners}
     for begin, end in pairwise(corners):
         inside = slice(begin, end + 1)
