@@ -7,8 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from softfinger.campaign.load_log import build_load_array
 from softfinger.measurement.corners import find_corners_array
 from softfinger.measurement.quiet import find_load_changes_array
+from softfinger.measurement.ramps import straighten_ramps_array
 
 TURNS = np.array([0.0, 0.5, 4.5, 8.5, 12.5, 20.0])
 LOADS = np.array([0.0, 0.0, 7.0, 0.0, 7.0, 7.0])
@@ -56,3 +58,9 @@ def test_every_knot_is_near_the_straight_pieces(torque, steps, tolerance):
         if time[end] > time[begin]:
             line = np.interp(time[inside], time[[begin, end]], torque[[begin, end]])
             assert np.abs(torque[inside] - line).max() <= tolerance * (1.0 + 1e-9) + 1e-12
+
+
+def test_ramps_that_were_read_as_stairs_turn_where_they_did():
+    stair = build_load_array(*write_densely(100.0), step_within=0.05)
+    found = find_load_changes_array(*straighten_ramps_array(*stair, 0.05))
+    assert np.abs(found - [0.5, 4.5, 8.5, 12.5]).max() < 0.02
