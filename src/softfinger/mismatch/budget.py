@@ -71,6 +71,12 @@ class DiagnosisBudget:
     """Loss of a log or clock under which a model has no motion. Why: finite, for a parabola."""
     step_digits: float = 2e-3
     """Of a gap of the load's log, to which a step is placed. Why: a tenth of a millisecond."""
+    step_share: float = 0.05
+    """Of a gap of the load's log, by which steps are moved first.
+
+    Why: where that explains less, so does more, and a search to the end took fourteen fits.
+    Test: `test_weigh_log.py::test_steps_that_came_at_their_rows_are_left_there_by_one_fit`.
+    """
     rest_nats: float = 0.02
     """[nats] at which a finalist's fit rests. Why: far below any decision's size."""
     shape_steps: int = 25

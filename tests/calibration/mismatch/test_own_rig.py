@@ -30,6 +30,12 @@ virtual_rig:
    load_time_s: [0.0, 0.53, 0.53, 4.07, 4.07, 8.02, 8.02, 12.06, 12.06, 16.0],
    load_tension_n: [0.0, 0.0, 4.0, 4.0, 10.0, 10.0, 2.0, 2.0, 9.0, 9.0]}
 """
+TRIANGLE = """\
+virtual_rig:
+  {n_trials: 10, level: angles, duration_s: 36.0, fps: 30.0, angle_noise_sd_rad: 0.001,
+   load_time_s: [0.0, 0.5, 4.5, 8.5, 12.5, 16.5, 20.5, 24.5, 28.5, 32.5],
+   load_tension_n: [0.0, 0.0, 8.0, 0.0, 8.0, 0.0, 8.0, 0.0, 8.0, 0.0]}
+"""
 STIFFENING = {
     "id": "strain_stiffening", "form": "square_in_joint_angle", "joints": [1, 2, 3],
     "priors": {f"stiffening_per_rad2_{j}": {"mean": 1.5, "sd": 0.1} for j in (1, 2, 3)},
@@ -72,6 +78,24 @@ def read_seldom(rate):
             pd.DataFrame(read).to_csv(path, index=False)
 
     return spoil
+
+
+def read_often(campaign):
+    """Read every trial's load a hundred times a second, by a cell that scatters by 0.5 %."""
+    rng = np.random.default_rng(1)
+    for path in sorted((campaign / "load").glob("*.csv")):
+        log = pd.read_csv(path)
+        rows = np.arange(0.0, 36.0, 0.01)
+        load = np.interp(rows, log["time_s"], log["tension_n"])
+        read = {"time_s": rows, "tension_n": load * (1.0 + 0.005 * rng.normal(size=rows.size))}
+        pd.DataFrame(read).to_csv(path, index=False)
+
+
+@pytest.mark.slow
+def test_a_log_that_is_read_often_shows_no_effect(diagnose):
+    """The corners of its ramps are changes of load, though between two rows it hardly turns."""
+    verdict = diagnose((), TRIANGLE, read_often)
+    assert verdict["decision"] == "adequate"
 
 
 @pytest.mark.slow

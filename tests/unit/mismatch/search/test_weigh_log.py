@@ -223,6 +223,16 @@ def test_a_step_comes_within_the_gap_of_its_log(early):
     np.testing.assert_allclose(mended["load_time"].values[:, 2:4], 1.0 - early, atol=2e-3)
 
 
+def test_steps_that_came_at_their_rows_are_left_there_by_one_fit(monkeypatch):
+    problem, fit = pose_problem(record_steps(0.0))
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    fit_again, fits = place_steps.__globals__["fit_again"], []
+    count = {"fit_again": lambda *with_: fits.append(with_) or fit_again(*with_)}
+    monkeypatch.setitem(place_steps.__globals__, *count.popitem())
+    assert place_steps(problem, base, [], 7.0) == PlacedSteps()
+    assert len(fits) <= 1 + 2  # opened steps are fitted twice
+
+
 def explain_all(fit, name, base=None):
     """An effect that explains far more than anything else could, and moves as the base model."""
     moves = {k: getattr(base, k) for k in ("fill_slots", "fill_tangents") if base is not None}
