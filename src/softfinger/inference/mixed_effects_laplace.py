@@ -120,7 +120,7 @@ def fit_nonlinear(
         step, change = moves = linear.own - own, linear.shared - place[1]
         wanted = _scale(linear, moves)
         most = moving.limit(wanted)
-        lack = expand(prior, omega, place, gram).expect(moves)
+        lack = expand(prior, omega, place, gram).promise(moves)
         answer = most * step, most * change
         taken = take_step(linearise, prior, omega, place, answer, gram, limits, region)
         if taken is None:
@@ -247,7 +247,7 @@ def _find_lack(
     moved, near, centre = centre_gram(gram, prior, *place)
     linear, _ = hold_bounds(moved, near, bounds, hold_omega(moved, near, omega), centre)
     own, shared = settle(prior, omega, *place)
-    return expand(prior, omega, (own, shared), gram).expect(
+    return expand(prior, omega, (own, shared), gram).promise(
         (linear.own - own, linear.shared - shared)
     )
 

@@ -73,6 +73,16 @@ class Quadratic(NamedTuple):
         bent += shared @ self.beside @ shared
         return float(np.sum(own * self.own) + shared @ self.shared - bent / 2.0)
 
+    def promise(self, step: Place) -> float:
+        """What the linear model's answer promises [nats].
+
+        All of the misfit where the answer is worse than no step: then it is rounding, in a
+        direction that the recordings hardly show.
+        """
+        expected = self.expect(step)
+        slight = 1e-6 * abs(self.value) + 0.005
+        return expected if expected >= -slight else abs(self.value)
+
     def damp(self, damping: float, longest: Longest) -> "Quadratic":
         """Add curvature, in units of the longest steps."""
         within = self.within + damping * np.diag(longest.own**-2.0)
