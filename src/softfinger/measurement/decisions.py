@@ -184,7 +184,7 @@ class MeasurementDecisions:
 
     Why: a smooth wave, cut into such pieces, turns by eight times as much, far less than a change;
     and the corner of a ramp is seen within a thousandth of its length.
-    Test: `test_corners.py`.
+    Test: `test_corners.py::test_a_dense_triangle_changes_where_it_turns`.
     """
     lively: float = 3.0
     """Variance beyond which a window is not calm.
