@@ -21,7 +21,8 @@ class Sight:
     """One trial as written, with its nuisances' marks."""
 
     recording: Recording  # with the stated times and the load that acted; NaN where nothing shows
-    rows: Array  # (row, 2) of the load log
+    rows: Array  # (row, 2) of the load log as it is written
+    known: Array  # (row, 2) of the log as the oracle knows it
     marks: dict[str, Mark]
 
 
@@ -34,7 +35,8 @@ def spoil(
     """
     if not setting.faults:
         disturbed = disturb(setting, clean, seed)
-        return [Sight(r, write_rows(r.trial.load), {}) for r in disturbed]
+        logs = [write_rows(recording.trial.load) for recording in disturbed]
+        return [Sight(r, rows, rows, {}) for r, rows in zip(disturbed, logs, strict=True)]
     rng = np.random.default_rng([seed, 1])
     return [_spoil_trial(setting, doses, recording, seed, rng) for recording in clean]
 
@@ -76,7 +78,11 @@ def _spoil_trial(
             angle = finish(angle, fault, _listen(name, seed, trial.number))
     angle = angle.copy()
     angle[draw_missing(setting.noise, time.size, rng)] = np.nan
-    return Sight(replace(clean, angle=angle), rows, marks)
+    written = rows
+    for name, fault in faults.items():
+        if write := NUISANCES[name].write:
+            written = write(written, fault, trial, _listen(name, seed, trial.number))
+    return Sight(replace(clean, angle=angle), written, rows, marks)
 
 
 def _simulate_at(setting: Setting, doses: dict[str, Dose], clean: Recording, taken: Array) -> Array:
@@ -121,7 +127,7 @@ def _recall_trial(setting: Setting, sight: Sight, seed: int, names: list[str]) -
             clock = NUISANCES[name].clock
             time = clock(time, setting.faults[name], trial, _listen(name, seed, trial.number))
     if any(NUISANCES[name].log for name in setting.faults):
-        trial = replace(trial, load=read_rows(sight.rows))
+        trial = replace(trial, load=read_rows(sight.known))
     marks = [sight.marks[name] for name in names if name in sight.marks]
     for mark in marks:
         if mark.left_out is not None:

@@ -25,9 +25,9 @@ def draw_clean(seed: int, n: int) -> list[CaseSpec]:
 
     Examples
     --------
-    >>> suite = draw_clean(1, 36)
+    >>> suite = draw_clean(1, 38)
     >>> len({spec.nuisances for spec in suite if len(spec.nuisances) == 1})
-    16
+    17
     """
     rng = np.random.default_rng([seed, n, 3])
     single: list[tuple[str, ...]] = [(name,) for name in NUISANCES]

@@ -12,6 +12,7 @@ from softfinger.concealed.nuisances import (
     other_day,
     outliers,
     quantised_angles,
+    sampled_log,
     signal_noise,
     student_noise,
     swimming_marker,
@@ -39,6 +40,7 @@ NUISANCES: dict[str, Nuisance] = {
         swimming_marker,
         laplace_population,
         other_day,
+        sampled_log,
     )
 }
 # Findings that a kind of noise gives rise to by itself.

@@ -112,7 +112,9 @@ class Nuisance:
     clock_known
         Whether the oracle knows these times; if not, a mark's columns describe them.
     log
-        Rows of the load log as they are written.
+        Rows of the load log, with its errors.
+    write
+        Rows as they are written; the oracle knows those before.
     mark
         What is left in the angles.
     finish
@@ -131,6 +133,7 @@ class Nuisance:
     clock: Callable[[Array, Fault, Circumstances, Random], Array] | None = None
     clock_known: bool = False
     log: Callable[[Array, Fault, Circumstances, Random], Array] | None = None
+    write: Callable[[Array, Fault, Circumstances, Random], Array] | None = None
     mark: Callable[[Scene, Fault, Random], Mark] | None = None
     finish: Callable[[Array, Fault, Random], Array] | None = None
 

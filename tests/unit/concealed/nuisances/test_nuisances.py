@@ -281,3 +281,22 @@ def test_another_day_is_a_batch_of_trials():
     assert 2 <= len(batch) <= 8
     assert batch == list(range(batch[0], batch[-1] + 1))
     assert all(sights[k].marks["other_day"].scale != 1.0 for k in batch)
+
+
+def test_a_sampled_log_has_regular_rows_and_the_oracle_knows_the_load():
+    setting, clean, sights = _spoil("sampled_log", protocol="triangle")
+    interval = setting.faults["sampled_log"].size
+    known = recall(setting, sights, SEED)
+    for sight, recording, plain in zip(sights, known, clean, strict=True):
+        np.testing.assert_allclose(np.diff(sight.rows[1:, 0]), interval)
+        np.testing.assert_array_equal(recording.trial.load.tension, plain.trial.load.tension)
+        away = sight.rows[:, 1] - plain.trial.load.value(sight.rows[:, 0])
+        assert np.abs(away).max() < 1e-3
+    assert len({sight.rows[1, 0] for sight in sights}) == len(sights)
+
+
+def test_a_noisy_log_that_is_sampled_is_known_before_it_is():
+    setting, _, sights = _spoil("noisy_load", "sampled_log")
+    rows = recall(setting, sights, SEED)[0].trial.load.time.size
+    assert rows < len(sights[0].rows)
+    assert len(sights[0].known) < len(sights[0].rows)
