@@ -93,9 +93,13 @@ def read_often(campaign):
 
 @pytest.mark.slow
 def test_a_log_that_is_read_often_shows_no_effect(diagnose):
-    """The corners of its ramps are changes of load, though between two rows it hardly turns."""
+    """The corners of its ramps are changes of load, though between two rows it hardly turns.
+
+    The links have mass, so that inertia may be named.
+    """
     verdict = diagnose((), TRIANGLE, read_often)
-    assert verdict["decision"] == "adequate"
+    assert verdict["decision"] in ("adequate", "named")
+    assert {one["id"] for one in verdict["effects"]} <= {"inertia"}
 
 
 @pytest.mark.slow
