@@ -95,11 +95,14 @@ def read_often(campaign):
 def test_a_log_that_is_read_often_shows_no_effect(diagnose):
     """The corners of its ramps are changes of load, though between two rows it hardly turns.
 
-    The links have mass, so that inertia may be named.
+    The links have mass, so that inertia may be named, with their own mass: it was twice that.
     """
     verdict = diagnose((), TRIANGLE, read_often)
     assert verdict["decision"] in ("adequate", "named")
-    assert {one["id"] for one in verdict["effects"]} <= {"inertia"}
+    for one in verdict["effects"]:
+        assert one["id"] == "inertia"
+        scale = one["parameters"]["inertia_scale"]
+        assert abs(scale["mean"] - 1.0) < 3.0 * scale["sd"]
 
 
 @pytest.mark.slow
