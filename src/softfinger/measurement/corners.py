@@ -14,8 +14,8 @@ from softfinger.compiled import compiled
 def find_corners_array(time: NDArray, torque: NDArray, tolerance: float) -> NDArray:
     """Find knots that straight pieces lead through.
 
-    Each piece is as long as all knots in it are near its line (Imai and Iri 1988, from knot to
-    knot).
+    Each piece is as long as some line from its first knot passes near all others: the cone of
+    Sklansky and Gonzalez (1980), Pattern Recognition 12, 327.
 
     Parameters
     ----------

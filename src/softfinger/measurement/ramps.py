@@ -99,9 +99,9 @@ def turn_between_rows_array(
 def _find_crests(
     time: Array, torque: Array, gaps: NDArray[np.int64]
 ) -> tuple[list[int], list[float], list[float]]:
-    """Where two ramps meet within a gap: the knot after it, time and load.
+    """Where two ramps meet within a gap.
 
-    Each is a straight line over two gaps at least.
+    Returns the knot after it, time and load. Each ramp is a straight line over two gaps at least.
     """
     is_open = np.zeros(len(time) + 4, bool)  # gaps from −2 on
     is_open[gaps + 2] = True

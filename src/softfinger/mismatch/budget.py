@@ -74,7 +74,7 @@ class DiagnosisBudget:
     step_share: float = 0.05
     """Of a gap of the load's log, by which steps are moved first.
 
-    Why: where that explains less, so does more, and a search to the end took fourteen fits.
+    Why: where that explains less, so does more; a search to the end takes many fits.
     Test: `test_weigh_log.py::test_steps_that_came_at_their_rows_are_left_there_by_one_fit`.
     """
     rest_nats: float = 0.02

@@ -31,7 +31,7 @@ def list_children(process: int) -> set[int]:
 
 @pytest.fixture
 def children_before():
-    """Children that an earlier test's pool of processes keeps, such as its resource tracker."""
+    """Children that an earlier test's pool of processes keeps."""
     return list_children(os.getpid())
 
 

@@ -23,6 +23,6 @@ def test_the_best_step_promises_what_it_gains(curvature):
 
 
 def test_an_answer_that_is_worse_than_its_place_promises_all_of_the_misfit():
-    """Its evidence was then billions of nats above that of any model."""
+    """Its evidence was then above that of any model."""
     misfit, best = bend(1e15, 1.0)
     assert misfit.promise((best + 5.0, np.zeros(1))) == VALUE

@@ -16,7 +16,10 @@ from softfinger.concealed.protocols import read_rows
 
 
 def _write(rows: Array, fault: Fault, trial: Circumstances, rng: Random) -> Array:
-    """Read the tension every s seconds, from a moment of the trial's own on."""
+    """Read the tension every s seconds.
+
+    The first moment is each trial's own.
+    """
     first = fault.size * rng.uniform(0.1, 1.0)
     time = np.append(0.0, np.arange(first, trial.duration, fault.size))
     return np.column_stack([time, read_rows(rows).value(time)])

@@ -106,7 +106,10 @@ def place_steps(
 
 
 def _find_steps_early(plain: Problem, candidate: Candidate, base: Candidate) -> PlacedSteps:
-    """By one share of every gap; as the log has them where a slight share explains less."""
+    """Move all steps by one share of their gaps.
+
+    They stay at their rows where a slight share explains less.
+    """
     load = plain.trials.load_time, plain.trials.load_torque
 
     def lose(share: float) -> float:
