@@ -43,7 +43,9 @@ EFFECTS = {
         "friction_bend": 0.3, "friction_force": 0.001, "friction_constant": 0.02,
         "friction_width": 0.005, "friction_driver": 0.0,
     },
-    "wire_friction_by_motion": {"friction_bend": 0.3, "friction_width": 0.05},
+    "wire_friction_by_motion": {
+        "friction_bend": 0.3, "friction_force": 0.001, "friction_width": 0.05, "friction_own": 0.8,
+    },
     "moment_arm": {"arm_scale": 1.0},
     "actuator_lag": {"lag": 0.2},
     "actuator_lag of two stages": {"lag": 0.2, "lag_second_share": 0.3},

@@ -211,8 +211,8 @@ def integrate(parameters, slots, load):
         bend = np.abs(q)
         wrapped = get["friction"] * bend
         wrapped += get["friction_law"] * evaluate_bumpy(bend / 2.0) if get["friction_law"] else 0.0
-        exponent = np.cumsum(wrapped) - (1 - get["friction_own"]) * wrapped
-        torque = force * np.exp(-way * exponent) * arm
+        lost = way * wrapped
+        torque = force * np.exp((1 - get["friction_own"]) * lost - np.cumsum(lost)) * arm
         depth = softplus(q - 0.3, 0.02)
         harder = 1 + (evaluate_bumpy(depth / 1.0) if get["stop_law"] else 0.0)
         torque -= get["stop"] * depth * harder
@@ -239,7 +239,7 @@ def integrate(parameters, slots, load):
         q_rest -= (spring(q_rest, 0.0) - rest) / (k_v * (1 + 3 * get["stiff"] * q_rest**2))
 
     def rate(t, state, log):
-        q_v, q_p, acting, way = state[:3], state[3:6], state[6], state[7]
+        q_v, q_p, acting, way = state[:3], state[3:6], state[6], state[8:]
         force = limit(find_load(t, log, acting))
         torque = statics(q_ini + q_v - q_rest + q_p, force, way)
         flow = np.sinh(get["sinh"] * torque) / get["sinh"] if get["sinh"] else torque
@@ -250,13 +250,13 @@ def integrate(parameters, slots, load):
         if get["damper_law"]:
             damper = damper * np.exp(evaluate_bumpy(np.abs(torque - spring(q_v, t)) / 0.1))
         moves = damper / c_v, flow / c_p
-        wire = sum(moves).sum()
-        before = state[8] if get["second"] else log(t)  # of the last stage
+        wire = np.cumsum(sum(moves)[::-1])[::-1]  # what slides past each joint
+        before = state[7] if get["second"] else log(t)  # of the last stage
         slow = (before - acting) / (get["second"] or get["lag"]) if get["lag"] else 0.0
-        first = (log(t) - state[8]) / (get["lag"] - get["second"]) if get["second"] else 0.0
-        return np.r_[moves[0], moves[1], slow, (wire - abs(wire) * way) / 0.05, first]
+        first = (log(t) - state[7]) / (get["lag"] - get["second"]) if get["second"] else 0.0
+        return np.r_[moves[0], moves[1], slow, first, (wire - abs(wire) * way) / 0.05]
 
-    state, angles = np.r_[q_rest + get["held"] / k_v, np.zeros(6)], []
+    state, angles = np.r_[q_rest + get["held"] / k_v, np.zeros(8)], []
     knots, torques = load
     pieces = [(-0.5, 0.0, 0.0, 0.0)]
     pieces += zip(knots[:-1], knots[1:], torques[:-1], torques[1:], strict=True)
@@ -359,6 +359,7 @@ def test_left_out_physics_agrees_with_an_independent_integrator(parameters, geom
         plain |= PHYSICS[name][1]
     angles = simulate_joint_angle(one, describe_finger(geometry), TIME, *LOAD, slots).joint_angle
     error = 2e-4 if "response" in names else 1e-5  # of a ramp's parabolas, met at knots
+    error = 2e-5 if "friction" in names else error  # slides that turn back between nodes
     np.testing.assert_allclose(angles[0], integrate(one, plain, LOAD), rtol=0, atol=error)
 
 

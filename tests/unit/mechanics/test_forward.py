@@ -130,12 +130,12 @@ def test_a_finger_without_declared_sizes_serves_where_none_is_needed(parameters)
 
 def test_what_cannot_be_integrated_is_nan_and_the_other_trials_stay(parameters, geometry):
     runaway = np.zeros((5, 3))
-    runaway[2] = 2e5  # sinh of thousands
+    runaway[[1, 3]] = 2e5  # sinh of thousands, and a trial after each in any share of the work
     angles = simulate_joint_angle(
         parameters, describe_finger(geometry), TIME, *LOAD, {"flow_sinh": runaway}
     ).joint_angle
-    assert np.isnan(angles[2]).all()
-    assert np.isfinite(angles.isel(trial=[0, 1, 3, 4])).all()
+    assert np.isnan(angles[[1, 3]]).all()
+    assert np.isfinite(angles[[0, 2, 4]]).all()
 
 
 def test_knots_that_rounding_keeps_apart_are_a_jump(parameters, geometry):

@@ -2,6 +2,9 @@
 
 Distal joints get less, and loading differs from unloading.
 
+The wire slides past a joint by what that joint and those beyond it bend: where it passes the tip's
+joint it may still be pulled while it is let go at the base.
+
 Capstan over the bend (tension · exp(−μ · bend)) up to the middle of the joint that is pulled, or
 over all that the wire wraps, whole bends and guides; a constant loss for each joint passed, or a
 Coulomb force. Free: each joint that is passed adds its guides and any law of its own bend. The
@@ -45,7 +48,7 @@ _BEND, _CONSTANT, _FORCE, _LAW, _REACH, _WIDTH, _DRIVER, _OWN = declare(
         "positive",
     ),
     friction_driver=Slot(
-        "chain", "1", 1.0, "friction turns with the wire's motion (1) or the load (0)",
+        "chain", "1", 1.0, "friction turns with the wire's slide at each joint (1) or the load (0)",
         constant=True,
     ),
     friction_own=Slot(
@@ -59,34 +62,37 @@ _AMPLITUDES = ("friction_bend", "friction_constant", "friction_force", "friction
 def lose_pull(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
     """The pull that is left.
 
-    u e^{−s B} less the Coulomb loss.
+    u e^{−Σ s B} less the Coulomb loss.
 
-    B sums over the joints that the wire has passed; s is the direction of its motion (1 = pulled).
+    B is of a joint that the wire has passed, s the direction of its slide there (1 = pulled).
     """
-    load, way, own = nodes.load[i], nodes.direction[i], model.chain[_OWN]
-    size, sign = abs(load), math.copysign(1.0, load)
-    before = 0.0  # B of the joints before
+    load, force, own = nodes.load[i], model.chain[_FORCE], model.chain[_OWN]
+    size, sign, way = abs(load), math.copysign(1.0, load), nodes.direction[i]
+    exponent, passed = 0.0, 0.0  # Σ s B and Σ s of the joints before
     for j in range(model.joint.shape[0]):
-        count = j + own
         whole, _ = _wrap(model, j, abs(nodes.angle[i, j]))
-        exponent = before + own * whole
-        before += whole
-        kept, drag = math.exp(-way * sign * exponent), model.chain[_FORCE] * count
+        kept = math.exp(-sign * (exponent + own * way[j] * whole))
+        ways, drag = passed + own * way[j], force * (j + own)
         held = size / (size + drag) if drag > 0.0 else 1.0
         lost = size * kept  # −d(pull)/d(s B)
-        balance.torque[i, j] = load * kept - way * drag * held
-        balance.by_load[i, j] = kept - way * (1.0 - held) ** 2 * sign
-        balance.by_direction[i, j] = -lost * exponent - drag * held
+        balance.torque[i, j] = load * kept - force * ways * held
+        less = force * ways / (size + drag) if drag > 0.0 else 0.0
+        balance.by_load[i, j] = kept - less * (1.0 - held) * sign
         for k in range(j + 1):
-            _, steep = _wrap(model, k, abs(nodes.angle[i, k]))
-            lean = math.copysign(own if k == j else 1.0, nodes.angle[i, k])
-            balance.by_angle[i, j, k] -= lost * way * steep * lean
+            counted = own if k == j else 1.0
+            bend, steep = _wrap(model, k, abs(nodes.angle[i, k]))
+            balance.by_direction[i, j, k] = -counted * (lost * bend + force * held)
+            lean = math.copysign(counted, nodes.angle[i, k])
+            balance.by_angle[i, j, k] -= lost * way[k] * steep * lean
         if tangents:
             for c in model.columns[j]:
-                d_own = model.d_chain[c, _OWN]
-                change = whole * d_own + _wrap_more(model, nodes, i, j, c)
-                d_drag = count * model.d_chain[c, _FORCE] + model.chain[_FORCE] * d_own
-                balance.tangent[i, j, c] = -lost * way * change - way * held * held * d_drag
+                d_force, d_own = model.d_chain[c, _FORCE], model.d_chain[c, _OWN]
+                change = way[j] * whole * d_own + _wrap_more(model, nodes, i, j, c)
+                d_drag = (j + own) * d_force + force * d_own
+                d_lost = held * (ways * d_force + force * way[j] * d_own) - less * held * d_drag
+                balance.tangent[i, j, c] = -lost * change - d_lost
+        exponent += way[j] * whole
+        passed += way[j]
 
 
 @compiled
@@ -99,13 +105,13 @@ def _wrap(model: Model, j: int, bend: float) -> tuple[float, float]:
 
 @compiled
 def _wrap_more(model: Model, nodes: Nodes, i: int, j: int, c: int) -> float:
-    """Change of joint j's exponent with a parameter."""
+    """Change of joint j's Σ s B with a parameter."""
     change = 0.0
     for k in range(j + 1):
         bend = abs(nodes.angle[i, k])
         more = bend * model.d_chain[c, _BEND] + model.d_chain[c, _CONSTANT]
         more += combine(model.d_law[c, k, _LAW], weigh_value(bend / model.chain[_REACH]))
-        change += more * (model.chain[_OWN] if k == j else 1.0)
+        change += more * nodes.direction[i, k] * (model.chain[_OWN] if k == j else 1.0)
     return change
 
 
@@ -125,43 +131,46 @@ def turn_direction(way: float, motion: float, width: float) -> tuple[float, floa
 
 @compiled
 def turn_at_nodes(model: Model, nodes: Nodes) -> None:
-    """Each node's direction, from the one before."""
+    """Each node's directions, from the one before."""
     width, by_wire = model.chain[_WIDTH], model.chain[_DRIVER] > 0.5
     nodes.by_motion[:] = 0.0
     for i in range(3):
         before = i - 1 if i > 0 else START
-        motion = nodes.load[i] - nodes.load[before]
-        if by_wire:
-            motion = nodes.angle[i].sum() - nodes.angle[before].sum()
-        nodes.direction[i], by_way, by_motion, by_width = turn_direction(
-            nodes.direction[before], motion, width
-        )
-        for c in range(model.d_chain.shape[0]):
-            change = by_way * nodes.d_direction[before, c] + by_width * model.d_chain[c, _WIDTH]
-            if not by_wire:
-                change += by_motion * (nodes.d_load[i, c] - nodes.d_load[before, c])
-            nodes.d_direction[i, c] = change
-        if by_wire:
-            if i > 0:
-                nodes.by_motion[i] = by_way * nodes.by_motion[before]
-            nodes.by_motion[i, i] += by_motion
-            nodes.by_motion[i, before] -= by_motion
+        for j in range(model.joint.shape[0]):
+            motion = nodes.load[i] - nodes.load[before]
+            if by_wire:
+                motion = nodes.angle[i, j:].sum() - nodes.angle[before, j:].sum()
+            nodes.direction[i, j], by_way, by_motion, by_width = turn_direction(
+                nodes.direction[before, j], motion, width
+            )
+            for c in range(model.d_chain.shape[0]):
+                change = by_way * nodes.d_direction[before, j, c]
+                change += by_width * model.d_chain[c, _WIDTH]
+                if not by_wire:
+                    change += by_motion * (nodes.d_load[i, c] - nodes.d_load[before, c])
+                nodes.d_direction[i, j, c] = change
+            if by_wire:
+                if i > 0:
+                    nodes.by_motion[i, :, j] = by_way * nodes.by_motion[before, :, j]
+                nodes.by_motion[i, i, j] += by_motion
+                nodes.by_motion[i, before, j] -= by_motion
 
 
 @compiled
 def turn_in_jump(model: Model, work: Work, jump: float) -> None:
-    """The direction after a jump of the load.
+    """The directions after a jump of the load.
 
-    It turns only where the load turns it, not the motion.
+    They turn only where the load turns them, not the motion.
     """
     if not model.chain[_DRIVER] > 0.5:
         state = work.state
-        state.direction[0], by_way, _, by_width = turn_direction(
-            state.direction[0], jump, model.chain[_WIDTH]
-        )
-        for c in range(model.d_chain.shape[0]):
-            state.d_direction[0, c] *= by_way
-            state.d_direction[0, c] += by_width * model.d_chain[c, _WIDTH]
+        for j in range(model.joint.shape[0]):
+            state.direction[j], by_way, _, by_width = turn_direction(
+                state.direction[j], jump, model.chain[_WIDTH]
+            )
+            for c in range(model.d_chain.shape[0]):
+                state.d_direction[j, c] *= by_way
+                state.d_direction[j, c] += by_width * model.d_chain[c, _WIDTH]
 
 
 def _build_form(law: str, driver: str, setting: Setting) -> Form:

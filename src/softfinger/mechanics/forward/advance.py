@@ -12,6 +12,7 @@ from softfinger.mechanics.forward.tangents import (
     add_responses,
     add_scaled,
     drive_modes,
+    follow_slides,
     move_modes,
 )
 from softfinger.mechanics.forward.work import START, Model, Work
@@ -123,12 +124,8 @@ def commit_step(model: Model, work: Work, step: float) -> None:
         state.velocity[:] = nodes.velocity[end]
         state.d_velocity[:] = nodes.d_velocity[end]
         if model.count[TURN] > 0:
-            state.direction[0] = nodes.direction[end]
-            for c in range(model.d_chain.shape[0]):
-                change = nodes.d_direction[end, c]
-                for n in range(4):
-                    change += nodes.by_motion[end, n] * nodes.d_angle[n, :, c].sum()
-                state.d_direction[0, c] = change
+            state.direction[:] = nodes.direction[end]
+            follow_slides(nodes, end, state.d_direction)
 
 
 @compiled

@@ -29,6 +29,7 @@ def fill_rest(model: Model, work: Work, now: float) -> None:
     state.velocity[:] = 0.0
     state.d_velocity[:] = 0.0
     state.mode[:] = 0.0
+    linear.drive[:], linear.d_drive[:] = 0.0, 0.0  # a trial before may have none that is finite
     nodes.velocity[:] = 0.0
     nodes.acceleration[:] = 0.0
     state.d_mode[:] = 0.0

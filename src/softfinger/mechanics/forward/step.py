@@ -29,7 +29,7 @@ from softfinger.mechanics.forward.spring import (
     has_curved_voigt,
     voigt_torque,
 )
-from softfinger.mechanics.forward.tangents import add_scaled, follow_torque
+from softfinger.mechanics.forward.tangents import add_scaled, follow_slides, follow_torque
 from softfinger.mechanics.forward.work import NO, START, YES, Model, Work
 from softfinger.mechanics.linear import factorise_pivoted, solve_columns, solve_pivoted
 
@@ -41,7 +41,7 @@ def open_step(model: Model, work: Work, tangents: bool) -> None:
     """Write a step's start, given `nodes.load[START]`."""
     nodes, balance, state = work.nodes, work.balance, work.state
     fill_start(model, work, tangents)
-    nodes.direction[START] = state.direction[0]
+    nodes.direction[START] = state.direction
     fill_balance(model, nodes, balance, START, tangents)
     for j in range(state.offset.size):
         nodes.torque[START, j] = balance.torque[START, j]
@@ -58,7 +58,7 @@ def open_step(model: Model, work: Work, tangents: bool) -> None:
                 nodes.elastic[START, j], nodes.angle[START, j],
             )  # fmt: skip
     if tangents:
-        nodes.d_direction[START] = state.d_direction[0]
+        nodes.d_direction[START] = state.d_direction
         _open_tangents(model, work)
 
 
@@ -69,8 +69,8 @@ def _open_tangents(model: Model, work: Work) -> None:
         for c in model.columns[j]:
             change = balance.tangent[START, j, c]
             change += balance.by_load[START, j] * nodes.d_load[START, c]
-            change += balance.by_direction[START, j] * state.d_direction[0, c]
             for k in range(state.offset.size):
+                change += balance.by_direction[START, j, k] * state.d_direction[k, c]
                 change += balance.by_angle[START, j, k] * nodes.d_angle[START, k, c]
             if model.inertial:
                 change = state.d_torque[j, c]
@@ -114,6 +114,8 @@ def solve_step(model: Model, work: Work, step: float, tangents: bool) -> bool:
         for j in range(joints):
             fill_slopes_by_torque(model, work, j)
         _fill_matrix(model, work, step)
+        if model.count[TURN] > 0:
+            _turn_wire(work)
         if not factorise_pivoted(newton.matrix, newton.pivot):
             return False
         solve_pivoted(newton.matrix, newton.pivot, newton.right)
@@ -158,7 +160,7 @@ def _fill_residual(model: Model, work: Work, step: float) -> float:
 @compiled
 def _fill_matrix(model: Model, work: Work, step: float) -> None:
     """Write the slopes of torque − balance by torques."""
-    balance, newton, nodes = work.balance, work.newton, work.nodes
+    balance, newton = work.balance, work.newton
     joints = work.state.offset.size
     matrix, by_angle = newton.matrix, newton.angle_by_torque
     for i in range(3):
@@ -167,10 +169,6 @@ def _fill_matrix(model: Model, work: Work, step: float) -> None:
             for m in range(3):
                 for k in range(joints):
                     value = balance.by_angle[i, j, k] * by_angle[k, i, m]
-                    if model.count[TURN] > 0:
-                        for n in range(i + 1):
-                            turn = balance.by_direction[i, j] * nodes.by_motion[i, n]
-                            value += turn * by_angle[k, n, m]
                     if model.inertial:
                         by_velocity = newton.velocity_by_torque[k]
                         value += balance.by_velocity[i, j, k] * by_velocity[i, m]
@@ -179,6 +177,22 @@ def _fill_matrix(model: Model, work: Work, step: float) -> None:
                             value += balance.by_acceleration[i, j, k] * speed_up
                     matrix[row, m * joints + k] = -value
             matrix[row, row] += 1.0
+
+
+@compiled
+def _turn_wire(work: Work) -> None:
+    """Add to the matrix what turns of the wire do."""
+    nodes, balance, newton = work.nodes, work.balance, work.newton
+    joints = work.state.offset.size
+    for i in range(3):
+        for n in range(i + 1):
+            for j in range(joints):
+                turn = 0.0
+                for k in range(joints):  # its motion slides the wire past itself and those before
+                    turn += balance.by_direction[i, j, k] * nodes.by_motion[i, n, k]
+                    for m in range(3):
+                        followed = turn * newton.angle_by_torque[k, n, m]
+                        newton.matrix[i * joints + j, m * joints + k] -= followed
 
 
 @compiled
@@ -215,19 +229,16 @@ def _fill_right_sides(model: Model, work: Work, step: float) -> None:
     nodes, balance, newton, state = work.nodes, work.balance, work.newton, work.state
     joints = state.offset.size
     for i in range(3):
-        way = newton.way
-        way[:] = nodes.d_direction[i]
         if model.count[TURN] > 0:
-            for n in range(4):
-                for k in range(joints):
-                    add_scaled(nodes.by_motion[i, n], nodes.d_angle[n, k], way)
+            follow_slides(nodes, i, newton.way)
         for j in range(joints):
             change = newton.rights[i * joints + j]
             change[:] = balance.tangent[i, j]
             add_scaled(balance.by_load[i, j], nodes.d_load[i], change)
-            add_scaled(balance.by_direction[i, j], way, change)
             for k in range(joints):
                 add_scaled(balance.by_angle[i, j, k], nodes.d_angle[i, k], change)
+                if model.count[TURN] > 0 and balance.by_direction[i, j, k] != 0.0:
+                    add_scaled(balance.by_direction[i, j, k], newton.way[k], change)
                 if model.inertial:
                     add_scaled(balance.by_velocity[i, j, k], nodes.d_velocity[i, k], change)
                     for n in range(3):

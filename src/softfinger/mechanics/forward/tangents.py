@@ -7,6 +7,7 @@ instruction. Columns that cannot move a joint hold zeros.
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
+from softfinger.mechanics.forward.work import Nodes
 
 
 @compiled
@@ -117,6 +118,21 @@ def follow_torque(by_torque: NDArray, d_torque: NDArray, changed: NDArray, j: in
             slope = by_torque[i, m]
             for c in range(changed.shape[2]):
                 changed[i, j, c] += slope * d_torque[m * joints + j, c]
+
+
+@compiled
+def follow_slides(nodes: Nodes, i: int, way: NDArray) -> None:
+    """Write how the wire's directions at a node move.
+
+    (joint, column): past a joint it slides by what that joint and those beyond it bend.
+    """
+    joints = way.shape[0]
+    for passed in range(joints):
+        way[passed] = nodes.d_direction[i, passed]
+        for n in range(4):
+            turn = nodes.by_motion[i, n, passed]
+            for k in range(passed, joints if turn != 0.0 else passed):
+                add_scaled(turn, nodes.d_angle[n, k], way[passed])
 
 
 @compiled

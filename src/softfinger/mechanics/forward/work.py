@@ -56,7 +56,7 @@ class State(structref.StructRefProxy):
     d_mode: Block
     offset: Row  # (joint,) [rad]: q − Σ modes
     d_offset: Table
-    direction: Row  # (1,) state of the wire friction, −1 … 1
+    direction: Row  # (joint,) state of the wire friction where it passes, −1 … 1
     d_direction: Table
     velocity: Row  # (joint,) [rad/s]
     d_velocity: Table
@@ -104,9 +104,9 @@ class Nodes(structref.StructRefProxy):
     angle: Table  # q
     velocity: Table
     acceleration: Table
-    direction: Row  # (4,)
-    by_motion: Table  # (3, 4): of the direction, by x at nodes and start
-    d_direction: Table  # (4, column), at fixed angles
+    direction: Table  # (4, joint), of the wire where it passes that joint
+    by_motion: Block  # (3, 4, joint): of the direction, by the slide there at nodes and start
+    d_direction: Block  # (4, joint, column), at fixed angles
     d_torque: Block  # (4, joint, column)
     d_spring: Block
     d_flow: Block
@@ -122,8 +122,8 @@ class Balance(structref.StructRefProxy):
     by_angle: Block  # (4, joint, other)
     by_velocity: Block
     by_acceleration: Block
-    by_direction: Table  # (4, joint)
-    by_load: Table
+    by_direction: Block  # (4, joint, joint that the wire passes)
+    by_load: Table  # (4, joint)
     tangent: Block  # (4, joint, column), at fixed angles, load and direction
 
 
@@ -139,7 +139,7 @@ class Newton(structref.StructRefProxy):
     pivot: Count
     right: Row
     rights: Table  # (3 joint, column): a right side for each column
-    way: Row  # (column,): scratch of these
+    way: Table  # (joint, column): scratch of these
 
 
 class Work(structref.StructRefProxy):
@@ -236,7 +236,7 @@ def allocate_work(n: int, modes: int, columns: int) -> Work:
     """Allocate `n` joints, `modes` modes, `columns` tangents."""
     state = State(
         np.zeros((n, modes)), np.zeros((n, modes, columns)), np.zeros(n), np.zeros((n, columns)),
-        np.zeros(1), np.zeros((1, columns)), np.zeros(n), np.zeros((n, columns)),
+        np.zeros(n), np.zeros((n, columns)), np.zeros(n), np.zeros((n, columns)),
         np.zeros(n), np.zeros((n, columns)),
     )  # fmt: skip
     load = Load(
@@ -253,19 +253,19 @@ def allocate_work(n: int, modes: int, columns: int) -> Work:
         np.zeros(4), np.zeros(4), np.zeros((4, columns)), np.zeros((4, n)), np.zeros((4, n)),
         np.zeros((3, 4, n)), np.zeros((4, n)), np.ones((4, n)),
         np.zeros((4, n)), np.zeros((4, n)), np.zeros((4, n)), np.zeros((4, n)),
-        np.zeros(4), np.zeros((3, 4)), np.zeros((4, columns)), np.zeros((4, n, columns)),
+        np.zeros((4, n)), np.zeros((3, 4, n)), np.zeros((4, n, columns)), np.zeros((4, n, columns)),
         np.zeros((4, n, columns)), np.zeros((4, n, columns)), np.zeros((4, n, columns)),
         np.zeros((4, n, columns)), np.zeros((4, n, columns)),
     )  # fmt: skip
     balance = Balance(
         np.zeros((4, n)), np.zeros((4, n, n)), np.zeros((4, n, n)), np.zeros((4, n, n)),
-        np.zeros((4, n)), np.zeros((4, n)), np.zeros((4, n, columns)),
+        np.zeros((4, n, n)), np.zeros((4, n)), np.zeros((4, n, columns)),
     )  # fmt: skip
     newton = Newton(
         np.zeros((n, 3, 3)), np.zeros((n, 3, 3)), np.zeros((n, 3, 3)),
         np.zeros((3, 3)), np.zeros(3),
         np.zeros((3 * n, 3 * n)), np.zeros(3 * n, np.int64), np.zeros(3 * n),
-        np.zeros((3 * n, columns)), np.zeros(columns),
+        np.zeros((3 * n, columns)), np.zeros((n, columns)),
     )  # fmt: skip
     return Work(
         state, linear, nodes, balance, newton, load, np.zeros((3, 3)), np.zeros((modes, 6)),

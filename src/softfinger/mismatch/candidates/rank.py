@@ -174,7 +174,7 @@ def fit_scored(
             candidates.append(Candidate(score.model, None, origin.log_evidence + score.gain))
             continue
         leading.discard(score.effect)
-        fit = _begin(problem, origin, score)
+        fit = _begin(problem, origin, score, best - reaching_nats(gain))
         if fit is not None and fit.log_evidence > best:
             fit = go_on(problem, score.model, fit, best - competing_nats(gain))
         if fit is None:
@@ -204,17 +204,18 @@ def fit_scored(
     return sorted(candidates, key=lambda c: -c.log_evidence)
 
 
-def _begin(problem: Problem, origin: Candidate, score: Score) -> Fit | None:
+def _begin(problem: Problem, origin: Candidate, score: Score, rival: float) -> Fit | None:
     """Begin to fit a form.
 
     By a few linearisations; where much is left out, also by a whole fit from each far start. There
-    the evidence has several modes, and the nearest may be a poor one.
+    the evidence has several modes, and the nearest may be a poor one. A whole fit stops where it
+    falls behind `rival`, below which it would not go on.
     """
     model, known = score.model, len(origin.fit.shared)
 
     def fit(shared: NDArray[np.float64], steps: int | None = None) -> Fit | None:
         start = origin.fit.own, shared, origin.fit.omega
-        return problem.fit(model, start, first=origin.fit.first, steps=steps)
+        return problem.fit(model, start, first=origin.fit.first, steps=steps, rival=rival)
 
     found = fit(score.shared, BUDGET.first_steps)
     far = [
@@ -224,7 +225,7 @@ def _begin(problem: Problem, origin: Candidate, score: Score) -> Fit | None:
     ]
     if found is None or not far or found.log_evidence - found.first < BUDGET.far_nats:
         return found
-    modes = go_on(problem, model, found), *map(fit, far)
+    modes = go_on(problem, model, found, rival), *map(fit, far)
     return max(filter(None, modes), key=lambda one: one.log_evidence, default=None)
 
 

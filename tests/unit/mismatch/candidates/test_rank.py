@@ -200,6 +200,31 @@ def test_only_two_forms_of_the_same_effects_go_on_far_behind_the_best(posed, mon
     assert len(pruned) == 2
 
 
+class Far(Form):
+    """A form with one far start."""
+
+    __slots__ = ()
+    entries = (SimpleNamespace(parameter=SimpleNamespace(far=(2.0,))),)
+
+
+def test_a_fit_from_a_far_start_may_stop_where_it_falls_behind(posed, monkeypatch):
+    """Where others reach 1000 nats, half of that must be reached to go on."""
+    _, base = posed
+    rivals = []
+
+    def fit(model, start, *, steps=None, first=0.0, rival=-np.inf):
+        rivals.append(rival)
+        return base.fit._replace(log_evidence=400.0, first=0.0, converged=steps is None)
+
+    monkeypatch.setattr(rank, "prune", lambda problem, candidate: candidate)
+    monkeypatch.setattr(Score, "effect", property(lambda score: score.model))
+    none = base.fit._replace(shared=np.zeros(0), first=0.0)
+    origin = base._replace(log_evidence=0.0, fit=none)
+    scores = [Score(Far("far"), 900.0, np.zeros(1))]
+    fit_scored(SimpleNamespace(fit=fit), origin, scores, lambda items, _: items, 1000.0)
+    assert rivals == [500.0, 500.0, 500.0]  # the first steps, on from there, and from afar
+
+
 def test_a_linear_model_that_cannot_be_solved_has_no_evidence():
     """Numbers of one form may leave their range; the other forms are still ranked."""
     model = SimpleNamespace()
