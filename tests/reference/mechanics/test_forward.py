@@ -183,7 +183,9 @@ def integrate(parameters, slots, load):
         "spring_law": 0.0, "arm_law": 0.0, "flow_law": 0.0, "stop_law": 0.0, "friction_law": 0.0,
         "damper": 0.0, "damper_law": 0.0, "softer": 0.0, "thinner": 0.0, "play": 0.0,
         "membrane": 0.0, "share": 0.0, "saturation": 0.0, "load_law": 0.0, "payload": 0.0,
-        "slow": 0.0, "membrane_law": 0.0, "response": 0.0, **slots,
+        "slow": 0.0, "membrane_law": 0.0, "response": 0.0, "softer_law": 0.0, "thinner_law": 0.0,
+        "thin_both": 0.0,
+        **slots,
     }  # fmt: skip
     moment = 0.005 * np.array([0.0125 + 0.05, 0.0125 + 0.025, 0.0125])
     moment = moment * (1 + get["payload"] * np.array([0.2, 0.5, 1.0]))
@@ -199,6 +201,9 @@ def integrate(parameters, slots, load):
 
     def soften(t):
         return 1 - np.exp(-max(t, 0.0) / 3.0)
+
+    def bend_course(name, t):
+        return np.exp(get[name] * evaluate_bumpy(max(t, 0.0) / 12.0)) if get[name] else 1.0
 
     def limit(force):
         x = abs(force) / 0.05
@@ -232,7 +237,8 @@ def integrate(parameters, slots, load):
     def spring(x, t):
         taut = softplus(x - get["play"], 0.01) - softplus(-x - get["play"], 0.01)
         law = evaluate_bumpy(np.abs(x) / 1.5) if get["spring_law"] else 0.0
-        return k_v * taut * (1 + get["stiff"] * x**2 + law) * (1 - get["softer"] * soften(t))
+        softer = (1 - get["softer"] * soften(t)) * bend_course("softer_law", t)
+        return k_v * taut * (1 + get["stiff"] * x**2 + law) * softer
 
     rest, q_rest = statics(q_ini, 0.0, 0.0), np.zeros(3)
     for _ in range(60):
@@ -244,8 +250,10 @@ def integrate(parameters, slots, load):
         torque = statics(q_ini + q_v - q_rest + q_p, force, way)
         flow = np.sinh(get["sinh"] * torque) / get["sinh"] if get["sinh"] else torque
         flow = flow * np.exp(evaluate_bumpy(np.abs(torque) / 0.1) if get["flow_law"] else 0.0)
-        flow = flow / (1 - get["thinner"] * soften(t))
+        flow = flow / (1 - get["thinner"] * soften(t)) / bend_course("thinner_law", t)
         damper = torque - spring(q_v, t)
+        if get["thin_both"]:
+            damper /= (1 - get["thinner"] * soften(t)) * bend_course("thinner_law", t)
         damper = damper * (1 + (damper / 0.02) ** 2) ** (get["damper"] / 2)
         if get["damper_law"]:
             damper = damper * np.exp(evaluate_bumpy(np.abs(torque - spring(q_v, t)) / 0.1))
@@ -311,6 +319,34 @@ PHYSICS = {
     "damper_law": ({"damper_law": BUMPY, "damper_reference": 0.1}, {"damper_law": 1.0}),
     "softening": ({"softening_elastic": 0.3, "softening_time": 3.0}, {"softer": 0.3}),
     "softening_flow": ({"softening_flow": 0.5, "softening_time": 3.0}, {"thinner": 0.5}),
+    "softening_law": (
+        {
+            "softening_elastic": 0.3,
+            "softening_time": 3.0,
+            "softening_elastic_law": 0.3 * BUMPY,
+            "softening_reach": 12.0,
+        },
+        {"softer": 0.3, "softer_law": 0.3},
+    ),
+    "softening_flow_law": (
+        {
+            "softening_flow": 0.5,
+            "softening_time": 3.0,
+            "softening_flow_law": 0.3 * BUMPY,
+            "softening_reach": 12.0,
+        },
+        {"thinner": 0.5, "thinner_law": 0.3},
+    ),
+    "softening_both": (
+        {
+            "softening_flow": 0.5,
+            "softening_time": 3.0,
+            "softening_damper": 1.0,
+            "softening_flow_law": 0.3 * BUMPY,
+            "softening_reach": 12.0,
+        },
+        {"thinner": 0.5, "thinner_law": 0.3, "thin_both": 1.0},
+    ),
     "play": ({"play": 0.05, "play_width": 0.01}, {"play": 0.05}),
     "membrane": (
         {

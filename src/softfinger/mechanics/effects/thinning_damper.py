@@ -38,7 +38,9 @@ _POWER, _LAW, _REFERENCE = declare(
 
 
 @compiled
-def thin_damper(model: Model, j: int, force: float, thin: NDArray, row: NDArray) -> None:
+def thin_damper(
+    model: Model, j: int, time: float, force: float, thin: NDArray, row: NDArray
+) -> None:
     """The thinning (1 + (F/reference)²)^{b/2} e^{law of |F|}."""
     power, law = model.joint[j, _POWER], model.law[j, _LAW]
     ratio = force / model.joint[j, _REFERENCE]

@@ -24,7 +24,7 @@ modes    (model, linear, j)
          rates and gains of the linear modes of joint j (`modes`)
 spring   (model, j, time, elastic, angle, spring (6,), d_spring (2, column), tangents)
          the spring of joint j (`spring`)
-damper   (model, j, force, thin (2,), row)
+damper   (model, j, time, force, thin (2,), row)
          what the Voigt damper's torque is multiplied by, and its slope
 flow     (model, j, time, torque, drive (2,), row)
          the torque that the dashpot feels, and its slope by the joint's torque
@@ -73,7 +73,7 @@ SIGNATURES = {
     "rest": types.void(MODEL_TYPE, WORK_TYPE, _WHOLE),
     "modes": types.void(MODEL_TYPE, LINEAR_TYPE, _WHOLE),
     "spring": types.void(MODEL_TYPE, _WHOLE, _REAL, _REAL, _REAL, Row, Table, _TRUTH),
-    "damper": types.void(MODEL_TYPE, _WHOLE, _REAL, Row, Row),
+    "damper": types.void(MODEL_TYPE, _WHOLE, _REAL, _REAL, Row, Row),
     "flow": types.void(MODEL_TYPE, _WHOLE, _REAL, _REAL, Row, Row),
     "turn": types.void(MODEL_TYPE, NODES_TYPE),
     "pull": _ROW_OF_BALANCE,

@@ -91,7 +91,7 @@ def voigt_torque(
     """
     spring, by_elastic, by_angle = spring_torque(model, work, j, time, elastic, angle, NO)
     damper = torque - spring
-    thin, climb = _damper_factor(model, work, j, damper, work.none)
+    thin, climb = _damper_factor(model, work, j, time, damper, work.none)
     stiffness = math.exp(model.joint[j, LOG_K_V])
     steep = thin + damper * climb
     extra = torque - stiffness * elastic - damper * thin
@@ -106,7 +106,7 @@ def fill_voigt_tangents(
     """Write the changes of `voigt_torque` at fixed angles."""
     damper = torque - spring_torque(model, work, j, time, elastic, angle, YES)[0]
     row[:] = 0.0
-    thin, climb = _damper_factor(model, work, j, damper, row)
+    thin, climb = _damper_factor(model, work, j, time, damper, row)
     stiffness, steep = math.exp(model.joint[j, LOG_K_V]), thin + damper * climb
     for c in model.columns[j]:
         stiffer = stiffness * elastic * model.d_joint[c, j, LOG_K_V]
@@ -115,13 +115,13 @@ def fill_voigt_tangents(
 
 @compiled
 def _damper_factor(
-    model: Model, work: Work, j: int, damper: float, row: NDArray
+    model: Model, work: Work, j: int, time: float, damper: float, row: NDArray
 ) -> tuple[float, float]:
     """The damper's factor, and its slope."""
     thin = work.pair
     thin[VALUE], thin[SLOPE] = 1.0, 0.0
     for k in range(model.count[DAMPER]):
-        call_damper(model.hook[DAMPER, k], model, j, damper, thin, row)
+        call_damper(model.hook[DAMPER, k], model, j, time, damper, thin, row)
     return thin[VALUE], thin[SLOPE]
 
 
