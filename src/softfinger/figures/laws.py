@@ -54,9 +54,11 @@ def label_argument(name: str) -> str:
 
     >>> label_argument("angle_rad"), label_argument("torque_nm"), label_argument("trial_number")
     ('angle [rad]', 'torque [N m]', 'trial number [1]')
+    >>> label_argument("damper_rate_rad_per_s")
+    'damper rate [rad/s]'
     """
-    units = {"rad": "rad", "nm": "N m", "s": "s", "n": "N"}
-    words, _, last = name.rpartition("_")
-    if words and last in units:
-        return f"{words.replace('_', ' ')} [{units[last]}]"
+    units = {"rad_per_s": "rad/s", "rad": "rad", "nm": "N m", "s": "s", "n": "N"}
+    for suffix, unit in units.items():
+        if name.endswith(f"_{suffix}"):
+            return f"{name.removesuffix(f'_{suffix}').replace('_', ' ')} [{unit}]"
     return f"{name.replace('_', ' ')} [1]"

@@ -68,6 +68,16 @@ EFFECTS = {
         "membrane_stiffness": 0.01 * (PAIR + PAIR.T), "membrane_share": 0.2 * (PAIR + PAIR.T),
         "membrane_law": 0.1 * np.sin(np.arange(KNOTS)), "membrane_reach": 0.5,
     },
+    "thinning_damper": {
+        "damper_power": 0.5, "damper_reference": 0.5, "damper_by_rate": 1.0,
+        "damper_law": 0.1 * np.sin(np.arange(KNOTS)),
+    },
+    "softening_within_trial": {
+        "softening_elastic": 0.2, "softening_flow": 0.3, "softening_time": 2.0,
+        "softening_elastic_law": 0.1 * np.sin(np.arange(KNOTS)),
+        "softening_flow_law": 0.1 * np.cos(np.arange(KNOTS)),
+        "softening_damper": 1.0, "softening_reach": 5.0,
+    },
     "kinematic_coupling": {"coupling_kinematic": 0.1 * PAIR},
     "gravity": {"tilt_along": 0.2, "tilt_across": -0.3},
     "inertia": {"inertia_scale": 1.0},

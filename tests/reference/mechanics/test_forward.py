@@ -184,7 +184,7 @@ def integrate(parameters, slots, load):
         "damper": 0.0, "damper_law": 0.0, "softer": 0.0, "thinner": 0.0, "play": 0.0,
         "membrane": 0.0, "share": 0.0, "saturation": 0.0, "load_law": 0.0, "payload": 0.0,
         "slow": 0.0, "membrane_law": 0.0, "response": 0.0, "softer_law": 0.0, "thinner_law": 0.0,
-        "thin_both": 0.0,
+        "thin_both": 0.0, "by_rate": 0.0,
         **slots,
     }  # fmt: skip
     moment = 0.005 * np.array([0.0125 + 0.05, 0.0125 + 0.025, 0.0125])
@@ -254,9 +254,11 @@ def integrate(parameters, slots, load):
         damper = torque - spring(q_v, t)
         if get["thin_both"]:
             damper /= (1 - get["thinner"] * soften(t)) * bend_course("thinner_law", t)
-        damper = damper * (1 + (damper / 0.02) ** 2) ** (get["damper"] / 2)
+        whole = np.abs(torque - spring(q_v, t)) / (c_v if get["by_rate"] else 1.0)
+        reference = 0.5 if get["by_rate"] else 0.02
+        damper = damper * (1 + (whole / reference) ** 2) ** (get["damper"] / 2)
         if get["damper_law"]:
-            damper = damper * np.exp(evaluate_bumpy(np.abs(torque - spring(q_v, t)) / 0.1))
+            damper = damper * np.exp(evaluate_bumpy(whole / (8.0 if get["by_rate"] else 0.1)))
         moves = damper / c_v, flow / c_p
         wire = np.cumsum(sum(moves)[::-1])[::-1]  # what slides past each joint
         before = state[7] if get["second"] else log(t)  # of the last stage
@@ -317,6 +319,14 @@ PHYSICS = {
     ),
     "thinning": ({"damper_power": 0.8, "damper_reference": 0.02}, {"damper": 0.8}),
     "damper_law": ({"damper_law": BUMPY, "damper_reference": 0.1}, {"damper_law": 1.0}),
+    "thinning_by_rate": (
+        {"damper_power": 0.8, "damper_reference": 0.5, "damper_by_rate": 1.0},
+        {"damper": 0.8, "by_rate": 1.0},
+    ),
+    "damper_law_by_rate": (
+        {"damper_law": BUMPY, "damper_reference": 8.0, "damper_by_rate": 1.0},
+        {"damper_law": 1.0, "by_rate": 1.0},
+    ),
     "softening": ({"softening_elastic": 0.3, "softening_time": 3.0}, {"softer": 0.3}),
     "softening_flow": ({"softening_flow": 0.5, "softening_time": 3.0}, {"thinner": 0.5}),
     "softening_law": (

@@ -179,13 +179,20 @@ def free_form(
     return build(name, law, finer)
 
 
-def list_free_forms(law: Law, reach: str, joints: int) -> list[Form]:
+def list_free_forms(
+    law: Law,
+    reach: str,
+    joints: int,
+    constants: Mapping[str, ArrayLike] | None = None,
+    name: str = FREE,
+) -> list[Form]:
     """A law of each joint's own, and one for all joints.
 
-    `reach` is the slot that states where it ends.
+    `reach` is the slot that states where it ends; `constants` as in `free_form`.
     """
-    own = free_form(law, {reach: law.reach})
+    fixed = dict(constants or {})
+    own = free_form(law, {**fixed, reach: law.reach}, name=name)
     if joints == 1:
         return [own]
     alike = make_alike(law)
-    return [own, free_form(alike, {reach: alike.reach}, name=ALIKE)]
+    return [own, free_form(alike, {**fixed, reach: alike.reach}, name=f"{name}_alike")]
