@@ -184,7 +184,7 @@ def integrate(parameters, slots, load):
         "damper": 0.0, "damper_law": 0.0, "softer": 0.0, "thinner": 0.0, "play": 0.0,
         "membrane": 0.0, "share": 0.0, "saturation": 0.0, "load_law": 0.0, "payload": 0.0,
         "slow": 0.0, "membrane_law": 0.0, "response": 0.0, "softer_law": 0.0, "thinner_law": 0.0,
-        "thin_both": 0.0, "by_rate": 0.0,
+        "thin_both": 0.0, "by_rate": 0.0, "taken": 0.0,
         **slots,
     }  # fmt: skip
     moment = 0.005 * np.array([0.0125 + 0.05, 0.0125 + 0.025, 0.0125])
@@ -271,6 +271,7 @@ def integrate(parameters, slots, load):
     pieces = [(-0.5, 0.0, 0.0, 0.0)]
     pieces += zip(knots[:-1], knots[1:], torques[:-1], torques[1:], strict=True)
     pieces.append((knots[-1], 12.1, torques[-1], torques[-1]))
+    ended = 0.0
     for start, end, first, last in pieces:
         if start == end:
             continue
@@ -281,8 +282,14 @@ def integrate(parameters, slots, load):
             args=(lambda t, line=line: np.interp(t, *line),), rtol=1e-9, atol=1e-11,
         )  # fmt: skip
         q_v, q_p = solution.y[:3, : inside.size], solution.y[3:6, : inside.size]
-        angles.append((q_ini - q_rest)[:, None] + q_v + q_p)
-        state = solution.y[:, -1]
+        angle = (q_ini - q_rest)[:, None] + q_v + q_p
+        if get["taken"] and inside.size:
+            force = np.interp(inside, *line)
+            force[inside == start] = ended  # a frame at a step sees what was before it
+            pulled = [statics(q, now, 0.0) for q, now in zip(angle.T, force, strict=True)]
+            angle = angle + get["taken"] * np.tanh(np.transpose(pulled) / 0.01)
+        angles.append(angle)
+        state, ended = solution.y[:, -1], last
     return np.concatenate(angles, axis=1)
 
 
@@ -358,6 +365,7 @@ PHYSICS = {
         {"thinner": 0.5, "thinner_law": 0.3, "thin_both": 1.0},
     ),
     "play": ({"play": 0.05, "play_width": 0.01}, {"play": 0.05}),
+    "taken_up": ({"play_taken": 0.05, "play_needed": 0.01}, {"taken": 0.05}),
     "membrane": (
         {
             "membrane_stiffness": 0.02 * (np.eye(3, k=1) + np.eye(3, k=-1)),
@@ -393,6 +401,7 @@ PAIRS = [
     ("damper_law", "play"),
     ("softening", "spring_law"),
     ("slow", "saturation"),
+    ("moment_arm", "taken_up"),
 ]
 
 

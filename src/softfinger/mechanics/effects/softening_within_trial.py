@@ -153,7 +153,7 @@ def _build_form(target: str, setting: Setting) -> Form:
 def _build_free_form(target: str, setting: Setting) -> Form:
     reach = setting.duration
     law = Law(
-        f"{TARGETS[target]}_law", "time_in_trial_s", reach, 0.3, terms=5, per="joint",
+        f"{TARGETS[target]}_law", "time_in_trial_s", reach, 0.5, terms=5, per="joint",
         kind="exponential",
     )  # fmt: skip
     constants = {"softening_reach": reach}

@@ -4,9 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
-from softfinger.mechanics.forward.drives import drive_of
-from softfinger.mechanics.forward.hooks import LOG, TURN
+from softfinger.mechanics.forward.drives import TORQUE, drive_of
+from softfinger.mechanics.forward.hooks import GIVE, LOG, TURN, call_give
 from softfinger.mechanics.forward.phi import mode_response
+from softfinger.mechanics.forward.spring import SLOPE, VALUE
 from softfinger.mechanics.forward.tangents import (
     add_drives,
     add_responses,
@@ -83,6 +84,10 @@ def emit_frame(
             weight[drive, 0] += gain * w0
             weight[drive, 1] += gain * w1
             weight[drive, 2] += gain * w2
+        if model.count[GIVE] > 0:
+            given, faster = _give_way(model, work, j, span, share, row)
+            total += given
+            velocity += faster
         angle[j, frame] = total
         if row.size == 0:
             continue
@@ -92,6 +97,23 @@ def emit_frame(
         if moving:
             for c in range(row.size):
                 row[c] += velocity * late[c]
+
+
+@compiled
+def _give_way(
+    model: Model, work: Work, j: int, span: float, share: float, row: NDArray
+) -> tuple[float, float]:
+    """What a link turns at once, and how fast; adds its changes to the row."""
+    drive, given = work.linear.drive[j, TORQUE], work.pair
+    given[VALUE], given[SLOPE] = 0.0, 0.0
+    torque = drive[0] + share * (drive[1] + share * drive[2])
+    for k in range(model.count[GIVE]):
+        call_give(model.hook[GIVE, k], model, j, torque, given, row)
+    if row.size > 0 and drives_change(model):
+        for power in range(3):
+            add_scaled(given[SLOPE] * share**power, work.linear.d_drive[j, TORQUE, power], row)
+    rise = (drive[1] + 2.0 * share * drive[2]) * share / span if span > 0.0 else 0.0
+    return given[VALUE], given[SLOPE] * rise
 
 
 @compiled

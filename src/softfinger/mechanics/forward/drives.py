@@ -21,13 +21,14 @@ from softfinger.mechanics.forward.tangents import (
 from softfinger.mechanics.forward.work import START, Model, Work
 from softfinger.mechanics.linear import factorise, solve_factorised
 
-_TORQUE = 2  # drives: 0 of the Voigt element, 1 of the dashpot, 2 the torque itself
+TORQUE = 2
+"""Of the drives: 0 is of the Voigt element, 1 of the dashpot, 2 the torque itself."""
 
 
 @compiled
 def drive_of(mode: int) -> int:
     """Which drive a mode follows."""
-    return mode if mode <= FLOW else _TORQUE
+    return mode if mode <= FLOW else TORQUE
 
 
 @compiled
@@ -79,7 +80,7 @@ def fill_angles(model: Model, work: Work, j: int) -> None:
                 own = linear.weight[0, j, i, m] * (nodes.torque[m, j] - nodes.spring[m, j])
                 elastic += own
                 angle += own + linear.weight[1, j, i, m] * nodes.flow[m, j]
-                angle += linear.weight[_TORQUE, j, i, m] * nodes.torque[m, j]
+                angle += linear.weight[TORQUE, j, i, m] * nodes.torque[m, j]
             nodes.elastic[i, j], nodes.angle[i, j] = elastic, angle
         if not bent or _correct_spring(model, work, j):
             break
@@ -90,7 +91,7 @@ def fill_angles(model: Model, work: Work, j: int) -> None:
                 own = nodes.torque[m, j] - nodes.spring[m, j]
                 velocity += linear.rate_weight[0, j, i, m] * own
                 velocity += linear.rate_weight[1, j, i, m] * nodes.flow[m, j]
-                velocity += linear.rate_weight[_TORQUE, j, i, m] * nodes.torque[m, j]
+                velocity += linear.rate_weight[TORQUE, j, i, m] * nodes.torque[m, j]
             nodes.velocity[i, j] = velocity
 
 
@@ -141,7 +142,7 @@ def fill_slopes_by_torque(model: Model, work: Work, j: int) -> None:
     by_spring, by_angle = newton.spring_by_torque[j], newton.angle_by_torque[j]
     for i in range(3):
         for m in range(3):
-            whole = weight[0, i, m] + weight[_TORQUE, i, m]
+            whole = weight[0, i, m] + weight[TORQUE, i, m]
             by_angle[i, m] = whole + weight[1, i, m] * nodes.flow_slope[m, j]
             by_spring[i, m] = nodes.spring_slope[0, i, j] * weight[0, i, m]
             by_spring[i, m] += nodes.spring_slope[1, i, j] * by_angle[i, m]
@@ -162,7 +163,7 @@ def fill_slopes_by_torque(model: Model, work: Work, j: int) -> None:
         by_velocity = newton.velocity_by_torque[j]
         for i in range(3):
             for m in range(3):
-                by_velocity[i, m] = rate_weight[0, i, m] + rate_weight[_TORQUE, i, m]
+                by_velocity[i, m] = rate_weight[0, i, m] + rate_weight[TORQUE, i, m]
                 by_velocity[i, m] += rate_weight[1, i, m] * nodes.flow_slope[m, j]
                 for k in range(3):
                     by_velocity[i, m] -= rate_weight[0, i, k] * by_spring[k, m]

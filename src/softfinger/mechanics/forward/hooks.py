@@ -34,6 +34,8 @@ pull     (model, nodes, balance, i, tangents)
          what the wire's pull becomes on its way: multiplies row i of the balance
 balance  (model, nodes, balance, i, tangents)
          a torque, added to row i of the balance
+give     (model, j, torque, given (2,), row)
+         what joint j's link turns at once under its torque, and its slope; the camera sees it
 observe  (model, angle (joint, n), by (joint, n, column), seen, gradient)
          what the camera makes of the angles, added to what it sees
 """
@@ -78,15 +80,17 @@ SIGNATURES = {
     "turn": types.void(MODEL_TYPE, NODES_TYPE),
     "pull": _ROW_OF_BALANCE,
     "balance": _ROW_OF_BALANCE,
+    "give": types.void(MODEL_TYPE, _WHOLE, _REAL, Row, Row),
     "observe": types.void(MODEL_TYPE, Table, Block, Table, Block),
 }
 KINDS = tuple(SIGNATURES)
 (
-    CLOCK, LOG, FOLLOW, LIMIT, JUMP, REST, MODES, SPRING, DAMPER, FLOW, TURN, PULL, BALANCE, OBSERVE
+    CLOCK, LOG, FOLLOW, LIMIT, JUMP, REST, MODES, SPRING, DAMPER, FLOW, TURN, PULL, BALANCE, GIVE,
+    OBSERVE
 ) = (np.int64(kind) for kind in range(len(KINDS)))  # fmt: skip
 (
     call_clock, call_log, call_follow, call_limit, call_jump, call_rest, call_modes, call_spring,
-    call_damper, call_flow, call_turn, call_pull, call_balance, call_observe
+    call_damper, call_flow, call_turn, call_pull, call_balance, call_give, call_observe
 ) = map(build_call, SIGNATURES.values())  # fmt: skip
 _FEEDBACK = {"pull", "balance"}
 _CURVED = _FEEDBACK | {"follow", "limit", "spring", "damper", "flow"}
