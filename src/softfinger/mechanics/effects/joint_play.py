@@ -1,8 +1,8 @@
 """Play of a joint.
 
-A gap about rest, in which the spring has no torque: the damper still holds the link back there;
-free: any spring beyond it. Taken up: the link is loose in the gap, and lies at its end as soon as
-the torque is larger than what holds it.
+A gap about rest, in which the spring has no torque: the damper still slows the link there; free:
+any spring beyond it. Taken up: the link is loose in the gap, and lies at its end as soon as the
+torque is larger than what keeps it from there.
 """
 
 import math
