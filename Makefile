@@ -48,7 +48,7 @@ coverage: setup ## whether the quick run's 90 % intervals hold the virtual rig's
 test: setup ## set-up and all the tests but the slow ones
 	$(BIN)/python -m pytest -n $(CORES) --no-loadscope-reorder --durations=12
 
-calibration: setup ## the slow tests: do claimed errors and intervals hold what they say
+calibration: setup ## the slow tests: are claimed errors and intervals right
 	$(BIN)/python -m pytest -m slow
 
 lint: setup ## check style, spelling, the workflow, and the length of sentences

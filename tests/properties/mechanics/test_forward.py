@@ -63,6 +63,7 @@ EFFECTS = {
         "coupling_stiffness": 0.01 * PAIR,
         "coupling_share": 0.1 * PAIR.T,
         "coupling_saturation": 2.0,
+        "coupling_law": 0.1 * np.sin(np.arange(KNOTS)), "coupling_reach": 0.5,
     },
     "membrane": {
         "membrane_stiffness": 0.01 * (PAIR + PAIR.T), "membrane_share": 0.2 * (PAIR + PAIR.T),

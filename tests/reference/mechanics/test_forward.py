@@ -178,7 +178,7 @@ def integrate(parameters, slots, load):
     k_v, c_v, c_p, q_ini = (parameters[name].to_numpy()[0] for name in NAMES)
     get = {
         "stiff": 0.0, "stop": 0.0, "sinh": 0.0, "arm": 0.0, "along": 0.0, "across": 0.0,
-        "couple": 0.0, "lag": 0.0, "second": 0.0, "friction": 0.0, "held": 0.0,
+        "couple": 0.0, "couple_law": 0.0, "lag": 0.0, "second": 0.0, "friction": 0.0, "held": 0.0,
         "friction_own": 0.5,
         "spring_law": 0.0, "arm_law": 0.0, "flow_law": 0.0, "stop_law": 0.0, "friction_law": 0.0,
         "damper": 0.0, "damper_law": 0.0, "softer": 0.0, "thinner": 0.0, "play": 0.0,
@@ -228,7 +228,9 @@ def integrate(parameters, slots, load):
             * (np.sin(get["across"]) * np.cos(direction) - np.sin(get["along"]) * np.sin(direction))
         )
         torque += np.cumsum(weight[::-1])[::-1]
-        torque += get["couple"] * np.r_[0.0, (q - q_ini)[:-1]]
+        beside = np.r_[0.0, (q - q_ini)[:-1]]
+        bend = np.exp(get["couple_law"] * evaluate_bumpy(np.abs(beside) / 1.2))
+        torque += get["couple"] * beside * bend
         apart = np.diff(q - q_ini)
         law = evaluate_bumpy(np.abs(apart) / 1.2) if get["membrane_law"] else 0.0
         pull = (get["membrane"] + (get["share"] + law) * mean) * apart
@@ -300,6 +302,14 @@ PHYSICS = {
     "moment_arm": ({"arm_scale": 1.0}, {"arm": 1.0}),
     "gravity": ({"tilt_along": 0.2, "tilt_across": -0.3}, {"along": 0.2, "across": -0.3}),
     "coupling": ({"coupling_stiffness": 0.02 * np.eye(3, k=-1)}, {"couple": 0.02}),
+    "coupling_law": (
+        {
+            "coupling_stiffness": 0.02 * np.eye(3, k=-1),
+            "coupling_law": BUMPY,
+            "coupling_reach": 1.2,
+        },
+        {"couple": 0.02, "couple_law": 1.0},
+    ),
     "preload": ({"initial_torque": 0.01}, {"held": 0.01}),
     "lag": ({"lag": 0.3}, {"lag": 0.3}),
     "response": (

@@ -6,7 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
-from softfinger.mechanics.effects.effect import Effect, Form, Parameter, Setting, Values, signed
+from softfinger.mechanics.effects.effect import (
+    FREE,
+    Effect,
+    Form,
+    Parameter,
+    Setting,
+    Values,
+    signed,
+)
 from softfinger.mechanics.effects.effect import time_constant as between
 from softfinger.mechanics.effects.law import Law, free_form
 from softfinger.mechanics.forward.curve import combine, weigh_slope, weigh_value
@@ -14,11 +22,28 @@ from softfinger.mechanics.forward.hooks import Hook
 from softfinger.mechanics.forward.slot import LOG_K_V, Q_INI, Slot, declare
 from softfinger.mechanics.forward.work import Balance, Model, Nodes
 
-_STIFFNESS, _SHARE, _SATURATION, _MEMBRANE, _MEMBRANE_SHARE, _LAW, _REACH, _KINEMATIC = declare(
+(
+    _STIFFNESS,
+    _SHARE,
+    _SATURATION,
+    _COUPLING_LAW,
+    _COUPLING_REACH,
+    _MEMBRANE,
+    _MEMBRANE_SHARE,
+    _LAW,
+    _REACH,
+    _KINEMATIC,
+) = declare(
     coupling_stiffness=Slot("coupling", "N m/rad", 0.0, "torque from the other joint's motion"),
     coupling_share=Slot("coupling", "1", 0.0, "the same, as a share of the joint's k_v"),
     coupling_saturation=Slot(
         "coupling", "1/rad", 0.0, "1 / the motion that halves that torque", "nonnegative"
+    ),
+    coupling_law=Slot(
+        "law", "1", 0.0, "torque from this joint's motion x on another: x e^law, a law of |x|"
+    ),
+    coupling_reach=Slot(
+        "joint", "rad", 1.0, "|x| at which that law ends", "positive", constant=True
     ),
     membrane_stiffness=Slot(
         "coupling", "N m/rad", 0.0, "torque K (x_k - x_j), both ways where both are given"
@@ -40,8 +65,8 @@ def add_coupling(model: Model, nodes: Nodes, balance: Balance, i: int, tangents:
 
     Motion is x = q − q_ini.
 
-    Σ (K + c k_v) x / (1 + b |x|); a membrane adds Σ (M + (m + law) √(k_v k_v,k)) (x_k − x), its law
-    one of |x_k − x| between neighbours.
+    Σ (K + c k_v) x e^{law of |x|} / (1 + b |x|); a membrane adds Σ (M + (m + law) √(k_v k_v,k))
+    (x_k − x), its law one of |x_k − x| between neighbours.
     """
     joints = model.joint.shape[0]
     for j in range(joints):
@@ -50,21 +75,35 @@ def add_coupling(model: Model, nodes: Nodes, balance: Balance, i: int, tangents:
             share = model.coupling[_SHARE, j, k]
             stiffness = model.coupling[_STIFFNESS, j, k] + share * own
             moved = nodes.angle[i, k] - model.joint[k, Q_INI]
-            ease = 1.0 / (1.0 + model.coupling[_SATURATION, j, k] * abs(moved))
-            slope = stiffness * ease**2
-            balance.torque[i, j] += stiffness * moved * ease
+            bent, steep, weights = _bend_coupling(model, j, k, abs(moved))
+            slope = stiffness * bent * steep
+            balance.torque[i, j] += stiffness * bent * moved
             balance.by_angle[i, j, k] += slope
             if tangents:
+                eased = abs(moved) / (1.0 + model.coupling[_SATURATION, j, k] * abs(moved))
                 for c in model.columns[j]:
                     change = model.d_coupling[c, _STIFFNESS, j, k]
                     change += own * model.d_coupling[c, _SHARE, j, k]
                     change += share * own * model.d_joint[c, j, LOG_K_V]
-                    change *= moved * ease
-                    bent = abs(moved) * moved * model.d_coupling[c, _SATURATION, j, k]
-                    change -= slope * (bent + model.d_joint[c, k, Q_INI])
-                    balance.tangent[i, j, c] += change
+                    d_log = combine(model.d_law[c, k, _COUPLING_LAW], weights)
+                    d_log -= eased * model.d_coupling[c, _SATURATION, j, k]
+                    change = (change + stiffness * d_log) * bent * moved
+                    balance.tangent[i, j, c] += change - slope * model.d_joint[c, k, Q_INI]
             if k != j:
                 _add_membrane(model, nodes, balance, i, j, k, tangents)
+
+
+@compiled
+def _bend_coupling(model: Model, j: int, k: int, moved: float) -> tuple:
+    """What |x| makes of a torque.
+
+    A factor, d log(x factor)/d log x, and the law's weights.
+    """
+    law, ratio = model.law[k, _COUPLING_LAW], moved / model.joint[k, _COUPLING_REACH]
+    weights = weigh_value(ratio)
+    ease = 1.0 / (1.0 + model.coupling[_SATURATION, j, k] * moved)
+    steep = ease + ratio * combine(law, weigh_slope(ratio))
+    return math.exp(combine(law, weights)) * ease, steep, weights
 
 
 @compiled
@@ -144,10 +183,13 @@ def _build_forms(setting: Setting) -> list[Form] | str:
     def slackening(values: Values) -> dict:
         return {**mutual_torque(values), "coupling_saturation": values["saturation_per_rad"]}
 
+    both_ways = Form("mutual_torque", (mutual,), mutual_torque)
+    law = Law("coupling_law", "neighbour_rad", reach, 0.5, terms=5, kind="exponential")
     return [
-        Form("mutual_torque", (mutual,), mutual_torque),
+        both_ways,
         *_build_membranes(mutual, stiffness, reach),
         Form("slackening_torque", (mutual, saturation), slackening),
+        free_form(law, {"coupling_reach": reach}, both_ways, name=f"{FREE}_of_neighbour"),
         Form("torque", (share,), torque),
         Form("share_of_stiffness", (share,), own_share),
         Form("kinematic", (share,), kinematic),
@@ -182,6 +224,7 @@ EFFECT = Effect(
             (
                 "coupling_stiffness",
                 "coupling_share",
+                "coupling_law",
                 "membrane_stiffness",
                 "membrane_share",
                 "membrane_law",

@@ -95,7 +95,8 @@ def test_a_form_is_absent_at_null_and_acts_beyond(case, trials):
     base = trials({})
     np.testing.assert_allclose(trials(fill(form, 0.0)), base, atol=2e-5)
     if effect.id != "inertia":  # its motion is over before the first of these times
-        assert np.abs(trials(fill(form, 0.3)) - base).max() > 1e-4
+        # terms of one sign let a coupling grow until a joint runs away: those angles are NaN
+        assert np.nanmax(np.abs(trials(fill(form, 0.3)) - base)) > 1e-4
 
 
 @pytest.mark.parametrize(
