@@ -79,7 +79,11 @@ EFFECTS = {
         "softening_flow_law": 0.1 * np.cos(np.arange(KNOTS)),
         "softening_damper": 1.0, "softening_reach": 5.0,
     },
-    "joint_play taken up": {"play_taken": 0.05, "play_needed": 0.01},
+    "joint_play taken up": {
+        "play_taken": 0.05, "play_needed": 0.01,
+        "play_law": 0.01 * np.sin(np.arange(KNOTS)), "play_reach": 0.1,
+    },
+    "joint_play with backlash": {"play_backlash": 0.05},
     "kinematic_coupling": {"coupling_kinematic": 0.1 * PAIR},
     "gravity": {"tilt_along": 0.2, "tilt_across": -0.3},
     "inertia": {"inertia_scale": 1.0},

@@ -185,6 +185,7 @@ def integrate(parameters, slots, load):
         "membrane": 0.0, "share": 0.0, "saturation": 0.0, "load_law": 0.0, "payload": 0.0,
         "slow": 0.0, "membrane_law": 0.0, "response": 0.0, "softer_law": 0.0, "thinner_law": 0.0,
         "thin_both": 0.0, "by_rate": 0.0, "taken": 0.0,
+        "placed": 0.0, "backlash": 0.0,
         **slots,
     }  # fmt: skip
     moment = 0.005 * np.array([0.0125 + 0.05, 0.0125 + 0.025, 0.0125])
@@ -285,14 +286,21 @@ def integrate(parameters, slots, load):
         )  # fmt: skip
         q_v, q_p = solution.y[:3, : inside.size], solution.y[3:6, : inside.size]
         angle = (q_ini - q_rest)[:, None] + q_v + q_p
-        if get["taken"] and inside.size:
+        if (get["taken"] or get["placed"]) and inside.size:
             force = np.interp(inside, *line)
             force[inside == start] = ended  # a frame at a step sees what was before it
-            pulled = [statics(q, now, 0.0) for q, now in zip(angle.T, force, strict=True)]
-            angle = angle + get["taken"] * np.tanh(np.transpose(pulled) / 0.01)
+            each = [statics(q, now, 0.0) for q, now in zip(angle.T, force, strict=True)]
+            pulled = np.transpose(each)
+            placed = get["placed"] * np.sign(pulled) * evaluate_bumpy(np.abs(pulled) / 0.1)
+            angle = angle + get["taken"] * np.tanh(pulled / 0.01) + placed
         angles.append(angle)
         state, ended = solution.y[:, -1], last
-    return np.concatenate(angles, axis=1)
+    angle, middle, half = np.concatenate(angles, axis=1), q_ini, 0.5 * get["backlash"]
+    if half:
+        for now in angle.T:
+            middle = np.clip(middle, now - half, now + half)
+            now[:] = middle
+    return angle
 
 
 PHYSICS = {
@@ -376,6 +384,11 @@ PHYSICS = {
     ),
     "play": ({"play": 0.05, "play_width": 0.01}, {"play": 0.05}),
     "taken_up": ({"play_taken": 0.05, "play_needed": 0.01}, {"taken": 0.05}),
+    "play_law": (
+        {"play_taken": 0.05, "play_needed": 0.01, "play_law": 0.2 * BUMPY, "play_reach": 0.1},
+        {"taken": 0.05, "placed": 0.2},
+    ),
+    "backlash": ({"play_backlash": 0.1}, {"backlash": 0.1}),
     "membrane": (
         {
             "membrane_stiffness": 0.02 * (np.eye(3, k=1) + np.eye(3, k=-1)),
@@ -412,6 +425,7 @@ PAIRS = [
     ("softening", "spring_law"),
     ("slow", "saturation"),
     ("moment_arm", "taken_up"),
+    ("softening", "backlash"),
 ]
 
 

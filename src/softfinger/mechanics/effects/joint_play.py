@@ -2,7 +2,8 @@
 
 A gap about rest, in which the spring has no torque: the damper still slows the link there; free:
 any spring beyond it. Taken up: the link is loose in the gap, and lies at its end as soon as the
-torque is larger than what keeps it from there.
+torque is larger than what keeps it from there; free: it lies where any law of the torque puts it.
+Backlash: the link follows what turns it at one end of the gap, and after a turn at the other.
 """
 
 import math
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
+from softfinger.mechanics.effects.effect import FREE as FREE_LAW
 from softfinger.mechanics.effects.effect import (
     Effect,
     Form,
@@ -20,16 +22,17 @@ from softfinger.mechanics.effects.effect import (
     positive,
 )
 from softfinger.mechanics.effects.law import Law, free_form
+from softfinger.mechanics.forward.curve import combine, weigh_slope, weigh_value
 from softfinger.mechanics.forward.hooks import Hook
 from softfinger.mechanics.forward.ramp import softplus
-from softfinger.mechanics.forward.slot import Slot, declare
+from softfinger.mechanics.forward.slot import Q_INI, Slot, declare
 from softfinger.mechanics.forward.spring import D_FREE, FREE, LEAD, SLOPE, STEEP, VALUE
 from softfinger.mechanics.forward.work import Model
 
 WIDTH_RAD = 0.005  # over which the torque sets in
 
 
-_PLAY, _WIDTH, _TAKEN, _NEEDED = declare(
+_PLAY, _WIDTH, _TAKEN, _NEEDED, _LAW, _REACH, _BACKLASH = declare(
     play=Slot(
         "joint", "rad", 0.0, "elastic angle, either way, that requires no torque", "nonnegative"
     ),
@@ -38,6 +41,9 @@ _PLAY, _WIDTH, _TAKEN, _NEEDED = declare(
     ),
     play_taken=Slot("joint", "rad", 0.0, "link angle tanh(τ/needed), taken up at once"),
     play_needed=Slot("joint", "N m", 1.0, "torque that this needs", "positive"),
+    play_law=Slot("law", "rad", 0.0, "link angle beside it, a law of |τ| with the sign of τ"),
+    play_reach=Slot("joint", "N m", 1.0, "|τ| at which that law ends", "positive", constant=True),
+    play_backlash=Slot("joint", "rad", 0.0, "angle lost at each turn of the motion", "nonnegative"),
 )
 
 
@@ -64,16 +70,48 @@ def leave_play(
 
 @compiled
 def take_up(model: Model, j: int, torque: float, given: NDArray, row: NDArray) -> None:
-    """The link angle p tanh(τ/n), at once."""
+    """The link angle p tanh(τ/n) + sgn(τ) law(|τ|), at once."""
     play, needed = model.joint[j, _TAKEN], model.joint[j, _NEEDED]
-    taken = math.tanh(torque / needed)
+    law, ratio = model.law[j, _LAW], abs(torque) / model.joint[j, _REACH]
+    taken, sign, weights = (
+        math.tanh(torque / needed),
+        math.copysign(1.0, torque),
+        weigh_value(ratio),
+    )
     slope = play * (1.0 - taken * taken) / needed
-    given[VALUE] += play * taken
-    given[SLOPE] += slope
+    given[VALUE] += play * taken + sign * combine(law, weights)
+    given[SLOPE] += slope + combine(law, weigh_slope(ratio)) / model.joint[j, _REACH]
     if row.size > 0:
         for c in model.columns[j]:
             change = model.d_joint[c, j]
             row[c] += taken * change[_TAKEN] - slope * torque / needed * change[_NEEDED]
+            row[c] += sign * combine(model.d_law[c, j, _LAW], weights)
+
+
+@compiled
+def follow_late(
+    model: Model, angle: NDArray, by: NDArray, seen: NDArray, gradient: NDArray
+) -> None:
+    """The angle of a link that follows after play.
+
+    The gap's middle moves only while the joint lies at an end of the gap; it begins at q_ini.
+    """
+    joints, frames, columns = gradient.shape
+    held = np.empty(columns)
+    for j in range(joints):
+        half, middle = 0.5 * model.joint[j, _BACKLASH], model.joint[j, Q_INI]
+        for c in range(columns):
+            held[c] = model.d_joint[c, j, Q_INI]
+        for frame in range(frames):
+            now = angle[j, frame]
+            if abs(now - middle) > half:
+                side = math.copysign(1.0, now - middle)
+                middle = now - side * half
+                for c in range(columns):
+                    held[c] = by[j, frame, c] - 0.5 * side * model.d_joint[c, j, _BACKLASH]
+            seen[j, frame] += middle - now
+            for c in range(columns):
+                gradient[j, frame, c] += held[c] - by[j, frame, c]
 
 
 def _build_forms(setting: Setting) -> list[Form]:
@@ -88,9 +126,19 @@ def _build_forms(setting: Setting) -> list[Form]:
     def take(values: Values) -> dict:
         return {"play_taken": values["play_rad"], "play_needed": values["needed_torque_nm"]}
 
+    def lag(values: Values) -> dict:
+        return {"play_backlash": values["play_rad"]}
+
     gap, taken = Form("gap", (play,), slots), Form("taken_up", (play, needed), take)
     law = Law("spring_law", "elastic_angle_rad", setting.reach, 0.5, terms=5, per="joint")
-    return [gap, taken, free_form(law, {"spring_reach": setting.reach}, gap, lent=True)]
+    place = Law("play_law", "torque_nm", setting.torque, 0.05, terms=5, per="joint", kind="sum")
+    return [
+        gap,
+        taken,
+        Form("backlash", (play,), lag),
+        free_form(law, {"spring_reach": setting.reach}, gap, lent=True),
+        free_form(place, {"play_reach": setting.torque}, taken, name=f"{FREE_LAW}_of_torque"),
+    ]
 
 
 EFFECT = Effect(
@@ -98,6 +146,10 @@ EFFECT = Effect(
     "the joint has play before its spring takes up the torque",
     "within_trial",
     _build_forms,
-    hooks=(Hook("spring", leave_play, ("play",)), Hook("give", take_up, ("play_taken",))),
+    hooks=(
+        Hook("spring", leave_play, ("play",)),
+        Hook("give", take_up, ("play_taken", "play_law")),
+        Hook("observe", follow_late, ("play_backlash",)),
+    ),
     of_motion=True,
 )
