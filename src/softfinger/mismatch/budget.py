@@ -49,8 +49,8 @@ class DiagnosisBudget:
     pairs: int = 4
     """Pairs of effects that are fitted. Why: pairs' scores are of pairs, and in order."""
     far_nats: float = 300.0
-    """[nats] that one effect gains where pairs are fitted whatever their linear score, and from
-    far starts too.
+    """[nats] that one effect gains where pairs, and forms with far starts, are fitted whatever
+    their linear score, and from far starts too.
 
     Why: the angles then miss by more than a linear model is good for.
     Test: `test_leading_pairs.py::test_pairs_are_fitted_where_much_is_left_out`,

@@ -91,7 +91,8 @@ def draw_campaign():
 
 def complete(angles, motion):
     """Recordings of a finger of which nothing is declared."""
-    unknown = {f"link_{k}": ("joint", [np.nan]) for k in ("length", "mass", "centre", "inertia")}
+    joints = np.full(angles.sizes["joint"], np.nan)
+    unknown = {f"link_{k}": ("joint", joints) for k in ("length", "mass", "centre", "inertia")}
     return angles.assign(
         joint_angle=(("trial", "joint", "frame"), motion),
         started_at=("trial", np.full(angles.sizes["trial"], np.nan)),
@@ -116,6 +117,20 @@ def slow_lag():
     log_c = log_k + np.log(0.06) + rng.normal(0.0, 0.8, (trials, 1))
     own = np.stack([log_k, log_c, np.full_like(log_k, 2.9), np.full_like(log_k, 0.02)], axis=-1)
     slots, finger = build_slots(trials, 1, {"lag": 0.3}), describe_unknown_finger(1)
+    motion, _ = simulate_joint_angle_array(own, slots, [], finger, time, load_time, load)
+    return complete(angles, motion + rng.normal(0.0, 0.001, motion.shape))
+
+
+@pytest.fixture(scope="session")
+def late_links():
+    """Draw a campaign of ramps in which both links follow after play of 0.1 rad."""
+    rng, trials = np.random.default_rng(6), 6
+    time = np.arange(240) * 0.1
+    load_time = np.tile([0.0, 9.0, 11.0, 17.0, 24.0], (trials, 1))
+    load = np.linspace(0.03, 0.05, trials)[:, None] * np.array([0.0, 1.0, 1.0, 0.3, 0.3])
+    angles = build_recording(time, load_time, load, 2, [f"t{i}" for i in range(trials)])
+    own = np.array([-2.3, -4.0, 3.5, 0.02]) + rng.normal(0.0, [0.1, 0.4, 0.3, 0.01], (trials, 2, 4))
+    slots, finger = build_slots(trials, 2, {"play_backlash": 0.1}), describe_unknown_finger(2)
     motion, _ = simulate_joint_angle_array(own, slots, [], finger, time, load_time, load)
     return complete(angles, motion + rng.normal(0.0, 0.001, motion.shape))
 

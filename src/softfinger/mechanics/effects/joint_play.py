@@ -7,6 +7,7 @@ Backlash: the link follows what turns it at one end of the gap, and after a turn
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,13 +130,15 @@ def _build_forms(setting: Setting) -> list[Form]:
     def lag(values: Values) -> dict:
         return {"play_backlash": values["play_rad"]}
 
+    # where its damper took its part, a joint has no use for little of it
+    late = replace(play, far=(0.05,))
     gap, taken = Form("gap", (play,), slots), Form("taken_up", (play, needed), take)
     law = Law("spring_law", "elastic_angle_rad", setting.reach, 0.5, terms=5, per="joint")
     place = Law("play_law", "torque_nm", setting.torque, 0.05, terms=5, per="joint", kind="sum")
     return [
         gap,
         taken,
-        Form("backlash", (play,), lag),
+        Form("backlash", (late,), lag),
         free_form(law, {"spring_reach": setting.reach}, gap, lent=True),
         free_form(place, {"play_reach": setting.torque}, taken, name=f"{FREE_LAW}_of_torque"),
     ]

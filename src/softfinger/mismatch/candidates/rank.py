@@ -42,6 +42,20 @@ class Score(NamedTuple):
         """Id of the effect that is scored."""
         return self.model.pieces[-1].effect.id
 
+    def list_far(self, known: int) -> list[NDArray[np.float64]]:
+        """Starts (p,) with a parameter far off, of those beyond the first `known`."""
+        named = [entry.parameter for entry in self.model.entries]
+        there = [k >= known for k in range(len(named))]
+        return [
+            np.where(
+                [new and p.name == name for new, p in zip(there, named, strict=True)],
+                value,
+                self.shared,
+            )
+            for name, parameter in {p.name: p for p in named[known:]}.items()
+            for value in parameter.far
+        ]
+
 
 def list_pieces(setting: Setting) -> tuple[list[Piece], dict[str, str]]:
     """List every form that a campaign allows.
@@ -75,12 +89,14 @@ def score_pieces(problem: Problem, origin: Candidate, columns: ScoreColumns) -> 
 
     The score is the linearised gain from the form's best start.
 
-    Places that the linearised model does not need are dropped.
+    Places that the linearised model does not need are dropped, but where the form has a far start.
     """
     scores = []
     for _, block in choose_starts(problem, origin, columns):
         there = _stand(origin, columns, block)
         smaller, evidence = drop_places(problem, block.model, there, rounds=0)
+        if Score(block.model, evidence, block.shared).list_far(len(origin.fit.shared)):
+            smaller = block.model  # a place may be needed far from here
         shared = block.shared[block.model.match(smaller)]
         scores.append(Score(smaller, evidence - columns.level, shared))
     return sorted(scores, key=lambda score: -score.gain)
@@ -169,12 +185,14 @@ def fit_scored(
     begun, candidates, best = [], [], max(origin.log_evidence, floor)
     for score in progress(scores, "fitting effects"):
         gain = best - origin.log_evidence
+        much = gain >= BUDGET.far_nats
         near = score.gain >= max(0.0, gain - max(BUDGET.near_nats, BUDGET.near_share * gain))
+        near |= much and bool(score.list_far(len(origin.fit.shared)))  # no linear score knows it
         if not near and (score.effect not in leading or score.gain <= BUDGET.hopeless_nats):
             candidates.append(Candidate(score.model, None, origin.log_evidence + score.gain))
             continue
         leading.discard(score.effect)
-        fit = _begin(problem, origin, score, best - reaching_nats(gain))
+        fit = _begin(problem, origin, score, best - reaching_nats(gain), much)
         if fit is not None and fit.log_evidence > best:
             fit = go_on(problem, score.model, fit, best - competing_nats(gain))
         if fit is None:
@@ -204,29 +222,28 @@ def fit_scored(
     return sorted(candidates, key=lambda c: -c.log_evidence)
 
 
-def _begin(problem: Problem, origin: Candidate, score: Score, rival: float) -> Fit | None:
+def _begin(
+    problem: Problem, origin: Candidate, score: Score, rival: float, much: bool
+) -> Fit | None:
     """Begin to fit a form.
 
     By a few linearisations; where much is left out, also by a whole fit from each far start. There
     the evidence has several modes, and the nearest may be a poor one. A whole fit stops where it
     falls behind `rival`, below which it would not go on.
     """
-    model, known = score.model, len(origin.fit.shared)
 
     def fit(shared: NDArray[np.float64], steps: int | None = None) -> Fit | None:
         start = origin.fit.own, shared, origin.fit.omega
-        return problem.fit(model, start, first=origin.fit.first, steps=steps, rival=rival)
+        return problem.fit(score.model, start, first=origin.fit.first, steps=steps, rival=rival)
 
     found = fit(score.shared, BUDGET.first_steps)
-    far = [
-        np.where(np.arange(len(score.shared)) == k, value, score.shared)
-        for k, entry in enumerate(model.entries[known:], known)
-        for value in entry.parameter.far
-    ]
-    if found is None or not far or found.log_evidence - found.first < BUDGET.far_nats:
+    if found is not None and not much:
+        much = found.log_evidence - found.first >= BUDGET.far_nats
+    far = score.list_far(len(origin.fit.shared))
+    if not far or not much:
         return found
-    modes = go_on(problem, model, found, rival), *map(fit, far)
-    return max(filter(None, modes), key=lambda one: one.log_evidence, default=None)
+    near = None if found is None else go_on(problem, score.model, found, rival)
+    return max(filter(None, (near, *map(fit, far))), key=lambda f: f.log_evidence, default=None)
 
 
 def find_best(candidates: Iterable[Candidate]) -> float:

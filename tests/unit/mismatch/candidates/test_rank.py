@@ -204,7 +204,7 @@ class Far(Form):
     """A form with one far start."""
 
     __slots__ = ()
-    entries = (SimpleNamespace(parameter=SimpleNamespace(far=(2.0,))),)
+    entries = (SimpleNamespace(parameter=SimpleNamespace(name="far", far=(2.0,))),)
 
 
 def test_a_fit_from_a_far_start_may_stop_where_it_falls_behind(posed, monkeypatch):
@@ -247,3 +247,15 @@ def test_a_slow_lag_is_found_where_the_joint_took_its_part(slow_lag, monkeypatch
     monkeypatch.setattr(rank, "BUDGET", replace(rank.BUDGET, far_nats=np.inf))
     near = fit_scored(problem, base, scores, lambda items, _: items)[0]
     assert near.log_evidence < found.log_evidence - 20.0
+
+
+def test_play_is_found_in_each_joint_though_the_damper_took_its_part(late_links, monkeypatch):
+    """No linear model near a fit without play has use for it."""
+    problem, fit = pose_problem(late_links)
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    plays = [p for p in list_pieces(problem.setting)[0] if p.form.name == "backlash"]
+    scores = score_pieces(problem, base, collect_columns(problem, base, plays))
+    assert all(score.gain < 0.0 for score in scores)
+    others = fit.log_evidence + rank.BUDGET.far_nats
+    found = fit_scored(problem, base, scores, lambda items, _: items, others)[0]
+    np.testing.assert_allclose(found.fit.shared, 0.1, rtol=0.05)
