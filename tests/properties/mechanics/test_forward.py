@@ -87,6 +87,9 @@ EFFECTS = {
     "kinematic_coupling": {"coupling_kinematic": 0.1 * PAIR},
     "gravity": {"tilt_along": 0.2, "tilt_across": -0.3},
     "inertia": {"inertia_scale": 1.0},
+    "inertia of other masses": {
+        "inertia_scale": 1.0, "inertia_own_share": 0.5, "inertia_moment_share": -0.3,
+    },
     "camera_delay": {"delay": 0.05},
     "lens_distortion by direction": {
         "direction_law": 0.1 * np.sin(np.arange(KNOTS)), "direction_reach": 1.5,

@@ -4,21 +4,38 @@ It is of the declared links, or of even links of unknown mass.
 
 Where nothing is declared the unit of inertia is that with which a joint of usual stiffness would
 swing once in ten frames.
+
+Free: the masses lie elsewhere than declared, or are others, as with a payload. Of a chain only the
+inertia of each link about its joint, and the first moment of each link and what it carries, can be
+seen.
 """
 
+from dataclasses import replace
+
 import numpy as np
+from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
 from softfinger.mechanics.chain import fill_inertia_and_nonlinear_term, fill_slopes
-from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, positive
+from softfinger.mechanics.effects.effect import (
+    FREE,
+    Effect,
+    Form,
+    Parameter,
+    Setting,
+    Values,
+    positive,
+)
 from softfinger.mechanics.forward.hooks import Hook
 from softfinger.mechanics.forward.slot import Slot, declare
 from softfinger.mechanics.forward.work import Balance, Model, Nodes
 
-(_SCALE,) = declare(
+_SCALE, _OWN, _CARRIED = declare(
     inertia_scale=Slot(
         "chain", "1", 0.0, "inertia of the links; 1 = the declared masses", needs=("inertia",)
     ),
+    inertia_own_share=Slot("joint", "1", 0.0, "that of a link about its joint: (1 + b)"),
+    inertia_moment_share=Slot("joint", "1", 0.0, "by what a link and its load carry: (1 + b)"),
 )
 
 
@@ -26,23 +43,48 @@ from softfinger.mechanics.forward.work import Balance, Model, Nodes
 def add_inertia(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
     """What acceleration takes: −scale (M(q) q̈ + h(q, q̇))."""
     joints = model.joint.shape[0]
-    scale = model.chain[_SCALE]
-    matrix, term = np.empty((joints, joints)), np.empty(joints)
+    scale, coefficients = model.chain[_SCALE], np.empty((joints, joints))
+    matrix, taken = np.empty((joints, joints)), np.empty(joints)
     by_angle, by_velocity = np.empty((joints, joints)), np.empty((joints, joints))
     angle, velocity, acceleration = nodes.angle[i], nodes.velocity[i], nodes.acceleration[i]
-    fill_inertia_and_nonlinear_term(angle, velocity, model.inertia, matrix, term)
-    fill_slopes(angle, velocity, acceleration, model.inertia, by_angle, by_velocity)
     for j in range(joints):
-        taken = term[j]
         for k in range(joints):
-            taken += matrix[j, k] * acceleration[k]
+            share = model.joint[j, _OWN] if j == k else model.joint[max(j, k), _CARRIED]
+            coefficients[j, k] = model.inertia[j, k] * (1.0 + share)
+    _take(angle, velocity, acceleration, coefficients, matrix, taken)
+    fill_slopes(angle, velocity, acceleration, coefficients, by_angle, by_velocity)
+    for j in range(joints):
+        for k in range(joints):
             balance.by_angle[i, j, k] -= scale * by_angle[j, k]
             balance.by_velocity[i, j, k] -= scale * by_velocity[j, k]
             balance.by_acceleration[i, j, k] -= scale * matrix[j, k]
-        balance.torque[i, j] -= scale * taken
+        balance.torque[i, j] -= scale * taken[j]
         if tangents:
             for c in model.columns[j]:
-                balance.tangent[i, j, c] -= taken * model.d_chain[c, _SCALE]
+                balance.tangent[i, j, c] -= taken[j] * model.d_chain[c, _SCALE]
+    if tangents:
+        for c in range(model.d_joint.shape[0]):
+            if not (model.d_joint[c, :, _OWN].any() or model.d_joint[c, :, _CARRIED].any()):
+                continue
+            for j in range(joints):
+                for k in range(joints):
+                    change = model.d_joint[c, max(j, k), _OWN if j == k else _CARRIED]
+                    coefficients[j, k] = model.inertia[j, k] * change
+            _take(angle, velocity, acceleration, coefficients, matrix, taken)
+            for j in range(joints):
+                balance.tangent[i, j, c] -= scale * taken[j]
+
+
+@compiled
+def _take(
+    angle: NDArray, velocity: NDArray, acceleration: NDArray, coefficients: NDArray,
+    matrix: NDArray, taken: NDArray,
+) -> None:  # fmt: skip
+    """M(q), and what the motion takes: M(q) q̈ + h(q, q̇)."""
+    fill_inertia_and_nonlinear_term(angle, velocity, coefficients, matrix, taken)
+    for j in range(taken.size):
+        for k in range(taken.size):
+            taken[j] += matrix[j, k] * acceleration[k]
 
 
 def _build_forms(setting: Setting) -> list[Form]:
@@ -52,8 +94,16 @@ def _build_forms(setting: Setting) -> list[Form]:
     def slots(values: Values) -> dict:
         return {"inertia_scale": next(iter(values.values()))}
 
+    def elsewhere(values: Values) -> dict:
+        shares = {f"inertia_{of}_share": values[f"{of}_ratio"] - 1.0 for of in ("own", "moment")}
+        return {"inertia_scale": values["inertia_scale"], **shares}
+
+    # by the declared masses, as far as the scale leaves them; the first link's moment has no part
+    own = Parameter("own_ratio", 0.0, 0.7, per="joint", log=True, low=-2.0, high=2.5)
+    moment = replace(own, name="moment_ratio")
     if setting.masses:
-        return [Form("declared_masses", (declared,), slots)]
+        free = Form(FREE, (declared, own, moment), elsewhere)
+        return [Form("declared_masses", (declared,), slots), free]
     return [Form("even_links", (unknown,), slots)]
 
 

@@ -5,6 +5,7 @@ import pytest
 
 from softfinger.faults import Fault
 from softfinger.mechanics import effects
+from softfinger.mechanics.chain import compute_inertia_coefficients
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.effect import Setting
 from softfinger.mechanics.effects.model import EffectModel, Piece
@@ -204,6 +205,34 @@ def test_a_tilt_about_one_axis_is_reported_as_an_angle_and_with_its_way(way):
     np.testing.assert_array_equal(reported.pop("tilt_rad"), [0.1, 0.2])
     np.testing.assert_array_equal(reported.pop(f"tilt_{way}_rad"), [-0.1, 0.2])
     assert not reported
+
+
+def test_what_a_chain_shows_of_its_masses_is_free():
+    rods = FingerGeometry.uniform([0.025] * JOINTS, [0.005] * JOINTS, 0.008, 0.005)
+    loaded = replace(
+        rods,
+        link_mass=np.array([0.005, 0.006, 0.012]),
+        link_centre=np.array([0.015, 0.01, 0.024]),
+        link_inertia=np.array([1e-7, 4e-7, 3e-7]),
+    )
+    ratio = compute_inertia_coefficients(loaded) / compute_inertia_coefficients(rods)
+    assert ratio[0, 2] == pytest.approx(ratio[1, 2])
+    form = next(f for f in list_effects()["inertia"].build_forms(build_setting()) if f.is_free)
+    values = {
+        "inertia_scale": np.array(20.0),
+        "own_ratio": np.diagonal(ratio),
+        "moment_ratio": np.append(1.0, np.diagonal(ratio, 1)),
+    }
+    own = np.tile([-2.3, -5.5, 3.0, 0.02], (1, JOINTS, 1))
+    series = np.linspace(0.02, 1.0, 50)[None], np.array([[0.0, 1.0]]), np.array([[0.04, 0.04]])
+
+    def simulate(geometry, slots):
+        finger, filled = describe_finger(geometry), build_slots(1, JOINTS, slots)
+        return simulate_joint_angle_array(own, filled, [], finger, *series, by_own=False)[0]
+
+    expected = simulate(loaded, {"inertia_scale": 20.0})
+    np.testing.assert_allclose(simulate(rods, form.slots(values)), expected, atol=1e-6)
+    assert np.abs(simulate(rods, {"inertia_scale": 20.0}) - expected).max() > 0.01
 
 
 def test_a_wire_that_wraps_bends_and_guides_loses_a_share_for_each_radian():
