@@ -47,6 +47,9 @@ EFFECTS = {
         "friction_bend": 0.3, "friction_force": 0.001, "friction_width": 0.05, "friction_own": 0.8,
     },
     "moment_arm": {"arm_scale": 1.0},
+    "load_limit that fades": {
+        "load_fade": 0.2, "load_sag": 0.3, "load_fade_reference": 0.05, "load_fade_time": 8.0,
+    },
     "actuator_lag": {"lag": 0.2},
     "actuator_lag of two stages": {"lag": 0.2, "lag_second_share": 0.3},
     "actuator_lag by a response": {

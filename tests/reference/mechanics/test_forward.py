@@ -185,7 +185,7 @@ def integrate(parameters, slots, load):
         "membrane": 0.0, "share": 0.0, "saturation": 0.0, "load_law": 0.0, "payload": 0.0,
         "slow": 0.0, "membrane_law": 0.0, "response": 0.0, "softer_law": 0.0, "thinner_law": 0.0,
         "thin_both": 0.0, "by_rate": 0.0, "taken": 0.0,
-        "placed": 0.0, "backlash": 0.0,
+        "placed": 0.0, "backlash": 0.0, "fade": 0.0, "sag": 0.0,
         **slots,
     }  # fmt: skip
     moment = 0.005 * np.array([0.0125 + 0.05, 0.0125 + 0.025, 0.0125])
@@ -196,6 +196,10 @@ def integrate(parameters, slots, load):
     late = arrive_late(load) if get["response"] else None
 
     def find_load(t, log, acting):
+        u = find_reached(t, log, acting)
+        return u * (1.0 - (get["fade"] + get["sag"] * abs(u) / 0.05) * min(t / 12.0, 1.0))
+
+    def find_reached(t, log, acting):
         if get["response"]:
             return log(t) * (1 - RESPONSE.sum()) + np.interp(t, *late)
         return acting if get["lag"] else np.interp(t, *slowly) if get["slow"] else log(t)
@@ -407,6 +411,10 @@ PHYSICS = {
     "saturation": ({"load_saturation": 3.0, "load_reference": 0.05}, {"saturation": 3.0}),
     "load_law": ({"load_law": BUMPY, "load_reference": 0.05}, {"load_law": 1.0}),
     "slow": ({"load_slowness": 20.0}, {"slow": 0.05}),
+    "fading": (
+        {"load_fade": 0.2, "load_sag": 0.3, "load_fade_reference": 0.05, "load_fade_time": 12.0},
+        {"fade": 0.2, "sag": 0.3},
+    ),
     "payload": (
         {"tilt_along": 0.2, "tilt_across": -0.3, "moment_share": np.array([0.2, 0.5, 1.0])},
         {"along": 0.2, "across": -0.3, "payload": 1.0},
@@ -424,6 +432,7 @@ PAIRS = [
     ("damper_law", "play"),
     ("softening", "spring_law"),
     ("slow", "saturation"),
+    ("slow", "fading"),
     ("moment_arm", "taken_up"),
     ("softening", "backlash"),
 ]
@@ -437,7 +446,8 @@ def test_left_out_physics_agrees_with_an_independent_integrator(parameters, geom
         slots |= PHYSICS[name][0]
         plain |= PHYSICS[name][1]
     angles = simulate_joint_angle(one, describe_finger(geometry), TIME, *LOAD, slots).joint_angle
-    error = 2e-4 if "response" in names else 1e-5  # of a ramp's parabolas, met at knots
+    bent = {"response", "fading"} & set(names)
+    error = 2e-4 if bent else 1e-5  # of a ramp's parabolas, met at knots
     error = 2e-5 if "friction" in names else error  # slides that turn back between nodes
     np.testing.assert_allclose(angles[0], integrate(one, plain, LOAD), rtol=0, atol=error)
 

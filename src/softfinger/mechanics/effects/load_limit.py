@@ -3,6 +3,7 @@
 It saturates, or rises no faster than at some rate.
 
 Limit and rate are shares of the largest load. Free: what acts is any smooth function of the load.
+Or it fades: less and less is reached the longer, and the harder, the drive pulls.
 """
 
 import math
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from softfinger.compiled import compiled
 from softfinger.mechanics.effects.effect import Effect, Form, Setting, Values, positive
 from softfinger.mechanics.effects.law import Law, free_form
+from softfinger.mechanics.effects.load_fade import fade_log, is_fading
 from softfinger.mechanics.forward.advance import delay_jump
 from softfinger.mechanics.forward.curve import combine, weigh_slope, weigh_value
 from softfinger.mechanics.forward.hooks import Hook
@@ -58,13 +60,13 @@ def saturate(model: Model, load: NDArray, row: NDArray) -> None:
 
 
 @compiled
-def slow_log(model: Model, time: NDArray, load: NDArray) -> tuple[NDArray, NDArray, NDArray]:
-    """The log behind a largest rate, with its changes."""
+def reach_log(model: Model, time: NDArray, load: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    """The log behind a largest rate, and as it fades, with its changes."""
     time, load, slower = _slow_down(time, load, model.chain[_SLOWNESS])
     changes = np.zeros((time.size, model.d_chain.shape[0]))
     for knot in range(time.size):
         changes[knot] = slower[knot] * model.d_chain[:, _SLOWNESS]
-    return time, load, changes
+    return fade_log(model, time, load, changes) if is_fading(model) else (time, load, changes)
 
 
 @compiled
@@ -154,8 +156,28 @@ def _build_forms(setting: Setting) -> list[Form] | str:
     return [
         saturation,
         Form("rate", (rise,), fill_rate),
+        *_list_fading(setting),
         free_form(law, {"load_reference": largest}),
     ]
+
+
+def _list_fading(setting: Setting) -> list[Form]:
+    """List the forms of a load that fades: by time alone, or the harder it pulls."""
+    if not (setting.levels or setting.reversals):
+        return []  # under one load that is creep
+    known = {
+        "load_fade_reference": float(setting.largest_torque.max()),
+        "load_fade_time": setting.duration,
+    }
+    lost = positive("lost_share", 0.2, high=0.9, floor=2e-3)
+
+    def fade(values: Values) -> dict:
+        return {"load_fade": values["lost_share"], **known}
+
+    def sag(values: Values) -> dict:
+        return {"load_sag": values["lost_share"], **known}
+
+    return [Form("fading", (lost,), fade), Form("sagging", (lost,), sag)]
 
 
 EFFECT = Effect(
@@ -165,7 +187,7 @@ EFFECT = Effect(
     _build_forms,
     hooks=(
         Hook("limit", saturate, ("load_saturation", "load_law")),
-        Hook("log", slow_log, ("load_slowness",)),
+        Hook("log", reach_log, ("load_slowness", "load_fade", "load_sag")),
         Hook("jump", slow_jump, ("load_slowness",)),
     ),
 )

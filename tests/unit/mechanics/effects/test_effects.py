@@ -187,7 +187,7 @@ def test_a_shift_in_time_is_worth_a_name_where_the_log_states_when_its_steps_are
             assert form.parameters[0].floor * late == pytest.approx(frames * setting.interval)
 
 
-@pytest.mark.parametrize(("gap", "forms"), [(1.0, 3), (3.0, 1)])
+@pytest.mark.parametrize(("gap", "forms"), [(1.0, 5), (3.0, 1)])
 def test_how_a_load_rises_is_asked_of_logs_that_show_it(gap, forms):
     """A free law bent the line between two rows into a step."""
     setting = build_setting()
