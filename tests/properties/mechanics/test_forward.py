@@ -82,9 +82,9 @@ EFFECTS = {
         "softening_flow_law": 0.1 * np.cos(np.arange(KNOTS)),
         "softening_damper": 1.0, "softening_reach": 5.0,
     },
-    "joint_play taken up": {
-        "play_taken": 0.05, "play_needed": 0.01,
-        "play_law": 0.01 * np.sin(np.arange(KNOTS)), "play_reach": 0.1,
+    "joint_play taken up": {"play_taken": 0.05, "play_needed": 0.01},
+    "joint_play taken up steeply": {
+        "play_taken": 0.05, "play_needed": 0.02, "play_steepness": 1.5,
     },
     "joint_play with backlash": {"play_backlash": 0.05},
     "kinematic_coupling": {"coupling_kinematic": 0.1 * PAIR},

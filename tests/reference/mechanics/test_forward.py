@@ -295,7 +295,8 @@ def integrate(parameters, slots, load):
             force[inside == start] = ended  # a frame at a step sees what was before it
             each = [statics(q, now, 0.0) for q, now in zip(angle.T, force, strict=True)]
             pulled = np.transpose(each)
-            placed = get["placed"] * np.sign(pulled) * evaluate_bumpy(np.abs(pulled) / 0.1)
+            power = np.abs(pulled / 0.02) ** 1.5
+            placed = get["placed"] * np.sign(pulled) * power / (1.0 + power)
             angle = angle + get["taken"] * np.tanh(pulled / 0.01) + placed
         angles.append(angle)
         state, ended = solution.y[:, -1], last
@@ -388,9 +389,9 @@ PHYSICS = {
     ),
     "play": ({"play": 0.05, "play_width": 0.01}, {"play": 0.05}),
     "taken_up": ({"play_taken": 0.05, "play_needed": 0.01}, {"taken": 0.05}),
-    "play_law": (
-        {"play_taken": 0.05, "play_needed": 0.01, "play_law": 0.2 * BUMPY, "play_reach": 0.1},
-        {"taken": 0.05, "placed": 0.2},
+    "taken_up_steeply": (
+        {"play_taken": 0.05, "play_needed": 0.02, "play_steepness": 1.5},
+        {"placed": 0.05},
     ),
     "backlash": ({"play_backlash": 0.1}, {"backlash": 0.1}),
     "membrane": (

@@ -159,8 +159,8 @@ def recorded_thinning(draw_campaign):
 
 @pytest.fixture(scope="session")
 def thinned(recorded_thinning):
-    """Diagnose it by a list that lacks the effect, and creep in time, which can take its place."""
-    without = {"thinning_damper", "second_retardation", "fractional_creep"}
+    """Diagnose it by a list that lacks the effect, and what takes its place: creep, and play."""
+    without = {"thinning_damper", "second_retardation", "fractional_creep", "joint_play"}
     known = {name: e for name, e in list_effects().items() if name not in without}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(rank, "list_effects", lambda: known)

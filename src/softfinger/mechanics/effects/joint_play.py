@@ -2,7 +2,7 @@
 
 A gap about rest, in which the spring has no torque: the damper still slows the link there; free:
 any spring beyond it. Taken up: the link is loose in the gap, and lies at its end as soon as the
-torque is larger than what keeps it from there; free: it lies where any law of the torque puts it.
+torque is larger than what keeps it from there, or little by little, or about one torque (Hill).
 Backlash: the link follows what turns it at one end of the gap, and after a turn at the other.
 """
 
@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
-from softfinger.mechanics.effects.effect import FREE as FREE_LAW
 from softfinger.mechanics.effects.effect import (
     Effect,
     Form,
@@ -23,7 +22,6 @@ from softfinger.mechanics.effects.effect import (
     positive,
 )
 from softfinger.mechanics.effects.law import Law, free_form
-from softfinger.mechanics.forward.curve import combine, weigh_slope, weigh_value
 from softfinger.mechanics.forward.hooks import Hook
 from softfinger.mechanics.forward.ramp import softplus
 from softfinger.mechanics.forward.slot import Q_INI, Slot, declare
@@ -33,7 +31,7 @@ from softfinger.mechanics.forward.work import Model
 WIDTH_RAD = 0.005  # over which the torque sets in
 
 
-_PLAY, _WIDTH, _TAKEN, _NEEDED, _LAW, _REACH, _BACKLASH = declare(
+_PLAY, _WIDTH, _TAKEN, _NEEDED, _STEEP, _BACKLASH = declare(
     play=Slot(
         "joint", "rad", 0.0, "elastic angle, either way, that requires no torque", "nonnegative"
     ),
@@ -42,8 +40,9 @@ _PLAY, _WIDTH, _TAKEN, _NEEDED, _LAW, _REACH, _BACKLASH = declare(
     ),
     play_taken=Slot("joint", "rad", 0.0, "link angle tanh(τ/needed), taken up at once"),
     play_needed=Slot("joint", "N m", 1.0, "torque that this needs", "positive"),
-    play_law=Slot("law", "rad", 0.0, "link angle beside it, a law of |τ| with the sign of τ"),
-    play_reach=Slot("joint", "N m", 1.0, "|τ| at which that law ends", "positive", constant=True),
+    play_steepness=Slot(
+        "joint", "1", 0.0, "n > 0: of |τ|ⁿ/(neededⁿ + |τ|ⁿ) in place of tanh", "nonnegative"
+    ),
     play_backlash=Slot("joint", "rad", 0.0, "angle lost at each turn of the motion", "nonnegative"),
 )
 
@@ -71,22 +70,24 @@ def leave_play(
 
 @compiled
 def take_up(model: Model, j: int, torque: float, given: NDArray, row: NDArray) -> None:
-    """The link angle p tanh(τ/n) + sgn(τ) law(|τ|), at once."""
-    play, needed = model.joint[j, _TAKEN], model.joint[j, _NEEDED]
-    law, ratio = model.law[j, _LAW], abs(torque) / model.joint[j, _REACH]
-    taken, sign, weights = (
-        math.tanh(torque / needed),
-        math.copysign(1.0, torque),
-        weigh_value(ratio),
-    )
-    slope = play * (1.0 - taken * taken) / needed
-    given[VALUE] += play * taken + sign * combine(law, weights)
-    given[SLOPE] += slope + combine(law, weigh_slope(ratio)) / model.joint[j, _REACH]
+    """The link angle, at once: p tanh(τ/needed), or p sgn(τ) |τ/needed|ⁿ/(1 + |τ/needed|ⁿ)."""
+    play, needed, n = model.joint[j, _TAKEN], model.joint[j, _NEEDED], model.joint[j, _STEEP]
+    x, sign, by_n = abs(torque) / needed, math.copysign(1.0, torque), 0.0
+    if n > 0.0:
+        power = x**n
+        taken = power / (1.0 + power)
+        rise = n * x ** (n - 1.0) / (1.0 + power) ** 2
+        by_n = taken / (1.0 + power) * math.log(x) if x > 0.0 else 0.0
+    else:
+        taken = math.tanh(x)
+        rise = 1.0 - taken * taken
+    given[VALUE] += play * sign * taken
+    given[SLOPE] += play * rise / needed
     if row.size > 0:
         for c in model.columns[j]:
             change = model.d_joint[c, j]
-            row[c] += taken * change[_TAKEN] - slope * torque / needed * change[_NEEDED]
-            row[c] += sign * combine(model.d_law[c, j, _LAW], weights)
+            by_needed = play * (by_n * change[_STEEP] - rise * x / needed * change[_NEEDED])
+            row[c] += sign * (taken * change[_TAKEN] + by_needed)
 
 
 @compiled
@@ -127,6 +128,12 @@ def _build_forms(setting: Setting) -> list[Form]:
     def take(values: Values) -> dict:
         return {"play_taken": values["play_rad"], "play_needed": values["needed_torque_nm"]}
 
+    wide = replace(needed, high=np.log(setting.torque))
+    steep = Parameter("steepness", np.log(2.0), 0.7, log=True, low=0.0, high=np.log(12.0))
+
+    def rise(values: Values) -> dict:
+        return {**take(values), "play_steepness": values["steepness"]}
+
     def lag(values: Values) -> dict:
         return {"play_backlash": values["play_rad"]}
 
@@ -134,13 +141,12 @@ def _build_forms(setting: Setting) -> list[Form]:
     late = replace(play, far=(0.05,))
     gap, taken = Form("gap", (play,), slots), Form("taken_up", (play, needed), take)
     law = Law("spring_law", "elastic_angle_rad", setting.reach, 0.5, terms=5, per="joint")
-    place = Law("play_law", "torque_nm", setting.torque, 0.05, terms=5, per="joint", kind="sum")
     return [
         gap,
         taken,
         Form("backlash", (late,), lag),
         free_form(law, {"spring_reach": setting.reach}, gap, lent=True),
-        free_form(place, {"play_reach": setting.torque}, taken, name=f"{FREE_LAW}_of_torque"),
+        Form("taken_up_steeply", (play, wide, steep), rise),
     ]
 
 
@@ -151,7 +157,7 @@ EFFECT = Effect(
     _build_forms,
     hooks=(
         Hook("spring", leave_play, ("play",)),
-        Hook("give", take_up, ("play_taken", "play_law")),
+        Hook("give", take_up, ("play_taken",)),
         Hook("observe", follow_late, ("play_backlash",)),
     ),
     of_motion=True,
