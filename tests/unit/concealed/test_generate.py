@@ -167,7 +167,7 @@ def test_numbers_of_earlier_versions_are_what_they_were():
 def twins(tmp_path_factory):
     """The same campaign twice, once with two nuisances."""
     place = tmp_path_factory.mktemp("twins")
-    plain = replace(SPEC, noise="white")
+    plain = replace(SPEC, noise="white", trials=2)
     spoilt = replace(plain, nuisances=("noisy_load", "lost_frames"))
     return place, [
         generate_campaign(spec, place / name, place / f"{name}.json")
