@@ -54,7 +54,8 @@ class DiagnosisBudget:
 
     Why: the angles then miss by more than a linear model is good for.
     Test: `test_leading_pairs.py::test_pairs_are_fitted_where_much_is_left_out`,
-    `test_rank.py::test_a_slow_lag_is_found_where_the_joint_took_its_part`.
+    `test_rank.py::test_a_slow_lag_is_found_where_the_joint_took_its_part`,
+    `test_rank.py::test_play_is_found_in_each_joint_though_the_damper_took_its_part`.
     """
     leading_pairs: int = 4
     """Effects of which such pairs are made. Why: three that delay the motion look alike, and what
