@@ -35,7 +35,7 @@ _SCALE, _OWN, _CARRIED = declare(
         "chain", "1", 0.0, "inertia of the links; 1 = the declared masses", needs=("inertia",)
     ),
     inertia_own_share=Slot("joint", "1", 0.0, "that of a link about its joint: (1 + b)"),
-    inertia_moment_share=Slot("joint", "1", 0.0, "by what a link and its load carry: (1 + b)"),
+    inertia_moment_share=Slot("joint", "1", 0.0, "first moment of a link and its load: (1 + b)"),
 )
 
 

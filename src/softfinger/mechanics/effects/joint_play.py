@@ -70,7 +70,10 @@ def leave_play(
 
 @compiled
 def take_up(model: Model, j: int, torque: float, given: NDArray, row: NDArray) -> None:
-    """The link angle, at once: p tanh(τ/needed), or p sgn(τ) |τ/needed|ⁿ/(1 + |τ/needed|ⁿ)."""
+    """The link angle that play adds at once.
+
+    p tanh(τ/needed), or p sgn(τ) |τ/needed|ⁿ/(1 + |τ/needed|ⁿ).
+    """
     play, needed, n = model.joint[j, _TAKEN], model.joint[j, _NEEDED], model.joint[j, _STEEP]
     x, sign, by_n = abs(torque) / needed, math.copysign(1.0, torque), 0.0
     if n > 0.0:
@@ -139,11 +142,11 @@ def _build_forms(setting: Setting) -> list[Form]:
 
     # where its damper took its part, a joint has no use for little of it
     late = replace(play, far=(0.05,))
-    gap, taken = Form("gap", (play,), slots), Form("taken_up", (play, needed), take)
+    gap = Form("gap", (play,), slots)
     law = Law("spring_law", "elastic_angle_rad", setting.reach, 0.5, terms=5, per="joint")
     return [
         gap,
-        taken,
+        Form("taken_up", (play, needed), take),
         Form("backlash", (late,), lag),
         free_form(law, {"spring_reach": setting.reach}, gap, lent=True),
         Form("taken_up_steeply", (play, wide, steep), rise),

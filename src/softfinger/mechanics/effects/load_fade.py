@@ -12,8 +12,8 @@ from softfinger.compiled import compiled
 from softfinger.mechanics.forward.slot import Slot, declare
 from softfinger.mechanics.forward.work import Model
 
-PIECES = 100
-"""Straight lines in T: of a bent one they miss less than 10⁻³ of the load."""
+PIECES = 30
+"""Straight lines in T, and in the reference: a bent one bows from them by 10⁻³ of what is lost."""
 FADE, SAG, REFERENCE, TIME = declare(
     load_fade=Slot("chain", "1", 0.0, "share f of the load that is lost at T", below=1.0),
     load_sag=Slot(
@@ -39,7 +39,7 @@ def fade_log(
 ) -> tuple[NDArray, NDArray, NDArray]:
     """The log (knot,) that acts, with its changes (knot, column)."""
     reach, reference = model.chain[TIME], model.chain[REFERENCE]
-    time, load, changes = _refine(time, load, changes, reach)
+    time, load, changes = _refine(time, load, changes, reach, reference)
     for knot in range(time.size):
         x, u = min(max(time[knot] / reach, 0.0), 1.0), load[knot]
         sag = model.chain[SAG] * abs(u) / reference
@@ -53,24 +53,30 @@ def fade_log(
 
 @compiled
 def _refine(
-    time: NDArray, load: NDArray, changes: NDArray, reach: float
+    time: NDArray, load: NDArray, changes: NDArray, reach: float, reference: float
 ) -> tuple[NDArray, NDArray, NDArray]:
     """The same log in short lines, to `reach` at least."""
-    last, longest = time.size - 1, reach / PIECES
-    most = 2 * time.size + int((max(reach, time[last]) - time[0]) / longest) + 2
+    last = time.size - 1
+    span, pieces = np.zeros(time.size), np.ones(time.size, np.int64)
+    for knot in range(time.size):
+        end = time[knot + 1] if knot < last else max(reach, time[last])
+        rise = abs(load[min(knot + 1, last)] - load[knot]) / reference
+        span[knot] = end - time[knot]
+        if span[knot] > 0.0:  # not a jump
+            parts = PIECES * max(span[knot] / reach, rise)
+            pieces[knot] = max(1, math.ceil(parts - 1e-9))
+    most = pieces.sum() + 1
     fine, value, change = np.empty(most), np.empty(most), np.empty((most, changes.shape[1]))
     count = 0
     for knot in range(time.size):
         after = min(knot + 1, last)
-        span = (time[after] if knot < last else max(reach, time[last])) - time[knot]
-        pieces = max(1, math.ceil(span / longest - 1e-9))
-        for piece in range(pieces):
-            share = piece / pieces
-            fine[count] = time[knot] + share * span
+        for piece in range(pieces[knot]):
+            share = piece / pieces[knot]
+            fine[count] = time[knot] + share * span[knot]
             value[count] = load[knot] + share * (load[after] - load[knot])
             change[count] = changes[knot] + share * (changes[after] - changes[knot])
             count += 1
-    if reach > time[last]:
+    if span[last] > 0.0:
         fine[count], value[count], change[count] = reach, load[last], changes[last]
         count += 1
     return fine[:count].copy(), value[:count].copy(), change[:count].copy()

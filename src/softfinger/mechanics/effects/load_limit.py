@@ -61,7 +61,7 @@ def saturate(model: Model, load: NDArray, row: NDArray) -> None:
 
 @compiled
 def reach_log(model: Model, time: NDArray, load: NDArray) -> tuple[NDArray, NDArray, NDArray]:
-    """The log behind a largest rate, and as it fades, with its changes."""
+    """The log that is reached, with its changes."""
     time, load, slower = _slow_down(time, load, model.chain[_SLOWNESS])
     changes = np.zeros((time.size, model.d_chain.shape[0]))
     for knot in range(time.size):
@@ -162,7 +162,7 @@ def _build_forms(setting: Setting) -> list[Form] | str:
 
 
 def _list_fading(setting: Setting) -> list[Form]:
-    """List the forms of a load that fades: by time alone, or the harder it pulls."""
+    """List the forms of a load that fades."""
     if not (setting.levels or setting.reversals):
         return []  # under one load that is creep
     known = {

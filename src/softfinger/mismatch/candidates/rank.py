@@ -43,7 +43,7 @@ class Score(NamedTuple):
         return self.model.pieces[-1].effect.id
 
     def list_far(self, known: int) -> list[NDArray[np.float64]]:
-        """Starts (p,) with a parameter far off, of those beyond the first `known`."""
+        """List the far starts (p,) of what is beyond the first `known`."""
         named = [entry.parameter for entry in self.model.entries]
         there = [k >= known for k in range(len(named))]
         return [
