@@ -25,7 +25,12 @@ class InferenceBudget:
     rest_share: float = 1e-4
     """Share of its gain a resting fit may lack. Why: the digits that are asked of it."""
     pace: int = 8
-    """Last steps that show how fast a fit gains. Why: one step may be short by chance."""
+    """Last steps that show whether a fit still gains. Why: it may go round its rest."""
+    recent: int = 3
+    """Last steps whose best shows how fast it gains. Why: one may be short by chance.
+
+    Test: `test_mixed_effects.py::test_a_fit_stops_where_it_will_not_reach_its_rival`.
+    """
     least_fraction: float = 0.05
     """Of a step that is taken where changes overshoot. Why: less never arrives."""
     shortenings: int = 6

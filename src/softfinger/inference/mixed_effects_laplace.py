@@ -159,16 +159,16 @@ class Course(NamedTuple):
     def extrapolate(self, steps: int) -> float:
         """Log evidence that a fit would reach.
 
-        It is what so many steps would give at the pace of the last ones.
+        It is what so many steps would give if each gained as much as the best of the last ones.
 
-        >>> Course([0.0] * 5 + [1.0, 2.0, 3.0, 4.0, 5.0], []).extrapolate(26)
-        15.0
+        >>> Course([0.0, 1.0, 4.0, 5.0, 5.5], []).extrapolate(15)
+        35.5
         """
         seen = self.evidence
-        if len(seen) <= BUDGET.pace:
+        if len(seen) <= BUDGET.recent:
             return np.inf
-        pace = max(seen[-1] - seen[-1 - BUDGET.pace], 0.0) / BUDGET.pace
-        return seen[-1] + pace * (steps - len(seen))
+        pace = max(*np.diff(seen[-1 - BUDGET.recent :]), 0.0)
+        return float(seen[-1] + pace * (steps - len(seen)))
 
     def has_stalled(self, slight: float) -> bool:
         """Whether the last steps led no higher than those before.

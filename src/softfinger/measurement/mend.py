@@ -26,14 +26,15 @@ def mend_recordings(angles: xr.Dataset, known: MeasurementEntry) -> xr.Dataset:
     angles
         The `angles` artifact.
     known
-        What is wrong with it; trials that a hum does not name keep their angles.
+        What is wrong with it; trials that a hum does not name keep their angles, and those without
+        an offset their times.
 
     Returns
     -------
     Dataset
-        As `angles`, with time multiplied by 1 + rate, plateaus of the load at their mean, its steps
-        sooner by a share of their gaps or straight lines over them, and each hum
-        a cos ωt + b sin ωt taken off, t being the time that was set right.
+        As `angles`, with time multiplied by 1 + rate, and later by each trial's offset; plateaus of
+        the load at their mean, its steps sooner by a share of their gaps or straight lines over
+        them; and each hum a cos ωt + b sin ωt taken off, t being the time that was set right.
     """
     if known.steady_load:
         angles = steady_log(angles)[0]
@@ -41,6 +42,9 @@ def mend_recordings(angles: xr.Dataset, known: MeasurementEntry) -> xr.Dataset:
         angles = _move_steps(angles, known)
     if known.clock_rate:
         angles = angles.assign(time=angles["time"] * (1.0 + known.clock_rate))
+    if known.clock_offsets_s:
+        later = [known.clock_offsets_s.get(str(name), 0.0) for name in angles["trial"].values]
+        angles = angles.assign(time=angles["time"] + xr.DataArray(later, dims="trial"))
     if known.hums:
         angle = angles["joint_angle"].transpose("trial", "joint", "frame")
         moved = sum(_move_hum(angles, hum) for hum in known.hums)

@@ -92,6 +92,12 @@ class DiagnosisBudget:
     """Frequencies about the best of a grid. Why: an eighth of a step, for trials of minutes."""
     ring_frequencies: int = 8
     """Frequencies at which a load drives oscillators. Why: short-lived ones respond to all."""
+    offset_frames: float = 4.0
+    """Frames by which a trial's clock is moved at a time. Why: a buffer of a camera has so many."""
+    offset_tries: int = 33
+    """Offsets that are tried. Why: quarters of a frame; a parabola gives the rest."""
+    offset_rounds: int = 3
+    """Times that a model is fitted to clocks that were moved. Why: it then has come to rest."""
     replicates: int = 20
     """Replicates drawn together. Why: it bounds the memory.
     Test: `test_calibrate.py::test_as_many_replicates_are_drawn_as_are_asked_for`.

@@ -28,6 +28,7 @@ from softfinger.mismatch.posed import (
     add_hums,
     mend_clock,
     mend_hums,
+    mend_offsets,
     pose_load,
 )
 from softfinger.mismatch.search.beyond import go_beyond
@@ -127,7 +128,7 @@ def diagnose(
         base = Candidate(plain.base, fit, fit.log_evidence)
         return Posed(right, plain, base, survey(plain, base), known, mended)
 
-    posed = mend_clock(pose_load(angles, pose), pose)
+    posed = mend_offsets(mend_clock(pose_load(angles, pose), pose), pose)
     posed, hums = mend_hums(posed, pose)
     patience = Patience(settings.longest_search_s, progress)
     problem, found, search = search_jointly(posed, survey, patience)

@@ -25,14 +25,18 @@ from softfinger.mismatch.search.calibrate import FalseAlarms
 from softfinger.mismatch.search.demand import Demand, build_demand, list_free
 from softfinger.mismatch.search.eliminate import choose_top
 from softfinger.mismatch.search.extend import Task
-from softfinger.mismatch.search.judge import find_leader, fit_again
+from softfinger.mismatch.search.judge import find_leader, fit_again, judge, list_leaders
 from softfinger.mismatch.search.log_and_clock import (
     PlacedSteps,
     find_clock_rate,
     place_steps,
+    start_clocks,
     weigh_log,
 )
 from softfinger.mismatch.search.stepwise import Search, search_effects
+
+TIMING = CLOCKS | {"timing_jitter", "step_scatter"}
+"""Disturbances that frames which are taken late or soon may look like."""
 
 
 class Survey(NamedTuple):
@@ -158,6 +162,48 @@ def mend_clock(posed: Posed, pose: Pose) -> Posed:
         return posed
     mended = posed.mended.model_copy(update={"clock_rate": rate})
     return pose(mended, {**posed.known, "clock_rate": (abs(rate), nats)})
+
+
+def mend_offsets(posed: Posed, pose: Pose) -> Posed:
+    """Start each trial's clock where its motion has it.
+
+    To first order offsets are a disturbance, and all models are judged with that. They are set
+    right where what leads then is better than whatever leads so: more than a slope describes.
+    """
+    plain, base, (singles, _) = posed.plain, posed.base, posed.survey.ranked
+    needed = posed.survey.needed
+    leaders = [base, *list_leaders(base, singles, needed)]
+    if not plain.setting.load_known or all(
+        TIMING.isdisjoint(fit_disturbances(plain, one)[0]) for one in leaders
+    ):
+        return posed
+    delayed = [c for c in singles if "camera_delay" in c.model.ids and c.fit is not None][:1]
+    tried = [*leaders, *(c for c in delayed if all(c is not one for one in leaders))]
+    started = [one for c in tried if (one := start_clocks(plain, c, base)) is not None]
+    before = _weigh_best([(plain, c, 0.0) for c in tried], base, needed)
+    after = [_weigh_best([(s.problem, s.candidate, s.cost)], base, needed) for s in started]
+    if max(after, default=-np.inf) < before + MEASURING.present_nats:
+        return posed
+    best = started[int(np.argmax(after))]
+    offsets = dict(zip(plain.trials.name, best.offset.tolist(), strict=True))
+    mended = posed.mended.model_copy(update={"clock_offsets_s": offsets})
+    sd = float(np.sqrt(np.mean(best.offset**2)))
+    return pose(mended, {**posed.known, "clock_offset": (sd, max(after) - before)})
+
+
+def _weigh_best(
+    tried: list[tuple[Problem, Candidate, float]], base: Candidate, needed: float
+) -> float:
+    """Evidence [nats] of the best, with its own measurement.
+
+    Each counts less what its numbers cost, and less what chance gains by an effect.
+    """
+    found = [
+        judged.evidence - cost - needed * len(candidate.model.ids - base.model.ids)
+        for problem, candidate, cost in tried
+        if (judged := judge(problem, candidate, problem, base)) is not None
+    ]
+    return max(found, default=-np.inf)
 
 
 def mend_hums(posed: Posed, pose: Pose) -> tuple[Posed, list[Hum]]:

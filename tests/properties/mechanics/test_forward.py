@@ -87,6 +87,11 @@ EFFECTS = {
         "play_taken": 0.05, "play_needed": 0.02, "play_steepness": 1.5,
     },
     "joint_play with backlash": {"play_backlash": 0.05},
+    "joint_play with soft edges": {
+        "play_backlash": 0.05,
+        "play_narrow_share": 0.4,
+        "play_narrow_ratio": 0.3,
+    },
     "kinematic_coupling": {"coupling_kinematic": 0.1 * PAIR},
     "gravity": {"tilt_along": 0.2, "tilt_across": -0.3},
     "inertia": {"inertia_scale": 1.0},

@@ -185,7 +185,7 @@ def integrate(parameters, slots, load):
         "membrane": 0.0, "share": 0.0, "saturation": 0.0, "load_law": 0.0, "payload": 0.0,
         "slow": 0.0, "membrane_law": 0.0, "response": 0.0, "softer_law": 0.0, "thinner_law": 0.0,
         "thin_both": 0.0, "by_rate": 0.0, "taken": 0.0,
-        "placed": 0.0, "backlash": 0.0, "fade": 0.0, "sag": 0.0,
+        "placed": 0.0, "backlash": 0.0, "narrow": 0.0, "fade": 0.0, "sag": 0.0,
         **slots,
     }  # fmt: skip
     moment = 0.005 * np.array([0.0125 + 0.05, 0.0125 + 0.025, 0.0125])
@@ -300,12 +300,20 @@ def integrate(parameters, slots, load):
             angle = angle + get["taken"] * np.tanh(pulled / 0.01) + placed
         angles.append(angle)
         state, ended = solution.y[:, -1], last
-    angle, middle, half = np.concatenate(angles, axis=1), q_ini, 0.5 * get["backlash"]
-    if half:
-        for now in angle.T:
-            middle = np.clip(middle, now - half, now + half)
-            now[:] = middle
+    angle = np.concatenate(angles, axis=1)
+    if get["backlash"]:
+        wide, narrow = (follow_late(angle, q_ini, r * get["backlash"]) for r in (1.0, 0.3))
+        return wide + get["narrow"] * (narrow - wide)
     return angle
+
+
+def follow_late(angle, middle, gap):
+    """Angles (joint, n) of links that follow theirs within a gap."""
+    late = []
+    for now in angle.T:
+        middle = np.clip(middle, now - 0.5 * gap, now + 0.5 * gap)
+        late.append(middle)
+    return np.transpose(late)
 
 
 PHYSICS = {
@@ -394,6 +402,10 @@ PHYSICS = {
         {"placed": 0.05},
     ),
     "backlash": ({"play_backlash": 0.1}, {"backlash": 0.1}),
+    "soft_edges": (
+        {"play_backlash": 0.1, "play_narrow_share": 0.4, "play_narrow_ratio": 0.3},
+        {"backlash": 0.1, "narrow": 0.4},
+    ),
     "membrane": (
         {
             "membrane_stiffness": 0.02 * (np.eye(3, k=1) + np.eye(3, k=-1)),

@@ -54,3 +54,9 @@ def test_a_hum_is_taken_off_at_the_times_that_were_set_right(still):
     np.testing.assert_array_equal(angle[1], 0.3)
     assert np.ptp(angle[2, 0]) > 0.05
     assert mended.attrs == {"campaign": "still"}
+
+
+def test_frames_are_later_in_the_trials_that_are_named(still):
+    mended = mend_recordings(still, MeasurementEntry(clock_offsets_s={"b": 0.02, "other": 1.0}))
+    np.testing.assert_allclose(mended["time"].values - TIME, [[0.0] * 50, [0.02] * 50, [0.0] * 50])
+    assert mended["time"].dims == still["time"].dims

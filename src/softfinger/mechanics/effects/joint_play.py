@@ -3,7 +3,8 @@
 A gap about rest, in which the spring has no torque: the damper still slows the link there; free:
 any spring beyond it. Taken up: the link is loose in the gap, and lies at its end as soon as the
 torque is larger than what keeps it from there, or little by little, or about one torque (Hill).
-Backlash: the link follows what turns it at one end of the gap, and after a turn at the other.
+Backlash: the link follows what turns it at one end of the gap, and after a turn at the other; with
+soft edges a part of it does so by a narrower gap (two operators of Prandtl and Ishlinskii).
 """
 
 import math
@@ -31,7 +32,7 @@ from softfinger.mechanics.forward.work import Model
 WIDTH_RAD = 0.005  # over which the torque sets in
 
 
-_PLAY, _WIDTH, _TAKEN, _NEEDED, _STEEP, _BACKLASH = declare(
+_PLAY, _WIDTH, _TAKEN, _NEEDED, _STEEP, _BACKLASH, _SHARE, _RATIO = declare(
     play=Slot(
         "joint", "rad", 0.0, "elastic angle, either way, that requires no torque", "nonnegative"
     ),
@@ -44,6 +45,8 @@ _PLAY, _WIDTH, _TAKEN, _NEEDED, _STEEP, _BACKLASH = declare(
         "joint", "1", 0.0, "n > 0: of |τ|ⁿ/(neededⁿ + |τ|ⁿ) in place of tanh", "nonnegative"
     ),
     play_backlash=Slot("joint", "rad", 0.0, "angle lost at each turn of the motion", "nonnegative"),
+    play_narrow_share=Slot("joint", "1", 0.0, "part that follows by a narrower gap", "nonnegative"),
+    play_narrow_ratio=Slot("joint", "1", 0.5, "width of that gap over the other's", "positive"),
 )
 
 
@@ -99,24 +102,46 @@ def follow_late(
 ) -> None:
     """The angle of a link that follows after play.
 
-    The gap's middle moves only while the joint lies at an end of the gap; it begins at q_ini.
+    The gap's middle moves only while the joint lies at an end of the gap; it begins at q_ini. A
+    part of the angle may follow by a narrower gap.
     """
-    joints, frames, columns = gradient.shape
-    held = np.empty(columns)
+    joints, _, columns = gradient.shape
+    d_half, d_part = np.empty(columns), np.empty(columns)
     for j in range(joints):
-        half, middle = 0.5 * model.joint[j, _BACKLASH], model.joint[j, Q_INI]
+        half, share = 0.5 * model.joint[j, _BACKLASH], model.joint[j, _SHARE]
+        ratio = model.joint[j, _RATIO]
         for c in range(columns):
-            held[c] = model.d_joint[c, j, Q_INI]
-        for frame in range(frames):
-            now = angle[j, frame]
-            if abs(now - middle) > half:
-                side = math.copysign(1.0, now - middle)
-                middle = now - side * half
-                for c in range(columns):
-                    held[c] = by[j, frame, c] - 0.5 * side * model.d_joint[c, j, _BACKLASH]
-            seen[j, frame] += middle - now
+            d_half[c] = 0.5 * model.d_joint[c, j, _BACKLASH]
+            d_part[c] = -model.d_joint[c, j, _SHARE]
+        _follow(model, j, half, d_half, 1.0 - share, d_part, angle, by, seen, gradient)
+        if share > 0.0:
             for c in range(columns):
-                gradient[j, frame, c] += held[c] - by[j, frame, c]
+                d_half[c] = ratio * d_half[c] + half * model.d_joint[c, j, _RATIO]
+                d_part[c] = -d_part[c]
+            _follow(model, j, ratio * half, d_half, share, d_part, angle, by, seen, gradient)
+
+
+@compiled
+def _follow(
+    model: Model, j: int, half: float, d_half: NDArray, part: float, d_part: NDArray,
+    angle: NDArray, by: NDArray, seen: NDArray, gradient: NDArray,
+) -> None:  # fmt: skip
+    """Add what one gap takes from a part of the angle."""
+    middle, columns = model.joint[j, Q_INI], d_half.size
+    held = np.empty(columns)
+    for c in range(columns):
+        held[c] = model.d_joint[c, j, Q_INI]
+    for frame in range(angle.shape[1]):
+        now = angle[j, frame]
+        if abs(now - middle) > half:
+            side = math.copysign(1.0, now - middle)
+            middle = now - side * half
+            for c in range(columns):
+                held[c] = by[j, frame, c] - side * d_half[c]
+        seen[j, frame] += part * (middle - now)
+        for c in range(columns):
+            lag = part * (held[c] - by[j, frame, c])
+            gradient[j, frame, c] += lag + d_part[c] * (middle - now)
 
 
 def _build_forms(setting: Setting) -> list[Form]:
@@ -140,6 +165,14 @@ def _build_forms(setting: Setting) -> list[Form]:
     def lag(values: Values) -> dict:
         return {"play_backlash": values["play_rad"]}
 
+    part = Parameter("narrow_share", 0.5, 0.25, low=0.02, high=0.98)
+    ratio = Parameter("narrow_ratio", 0.5, 0.25, low=0.02, high=0.98)
+
+    def lag_softly(values: Values) -> dict:
+        narrow = {f"play_{name}": values[name] for name in ("narrow_share", "narrow_ratio")}
+        return lag(values) | narrow
+
+    soft = Form("backlash_with_soft_edges", (play, part, ratio), lag_softly)
     # where its damper took its part, a joint has no use for little of it
     late = replace(play, far=(0.05,))
     gap = Form("gap", (play,), slots)
@@ -147,7 +180,7 @@ def _build_forms(setting: Setting) -> list[Form]:
     return [
         gap,
         Form("taken_up", (play, needed), take),
-        Form("backlash", (late,), lag),
+        Form("backlash", (late,), lag, finer=soft),
         free_form(law, {"spring_reach": setting.reach}, gap, lent=True),
         Form("taken_up_steeply", (play, wide, steep), rise),
     ]

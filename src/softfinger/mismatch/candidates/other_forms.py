@@ -54,7 +54,7 @@ def list_finer(candidate: Candidate, pieces: Iterable[Piece]) -> list[Piece]:
             alike = one.effect.id == mine.effect.id and bool(one.places) == bool(mine.places)
             if alike and one.form.finer is not None:
                 new = replace(one, form=one.form.finer, places=mine.places, size=mine.size)
-                finer[one.effect.id] = new
+                finer[one.effect.id, one.form.name] = new
     return list(finer.values())
 
 

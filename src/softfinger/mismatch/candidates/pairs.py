@@ -86,7 +86,7 @@ def _fit_best(
     for score in scores:
         best.setdefault(score.model.ids, score)
     fresh = [score for ids, score in list(best.items())[: BUDGET.pairs] if ids not in before]
-    return fit_scored(problem, origin, fresh, progress, max(asked, find_best(known)))
+    return fit_scored(problem, origin, fresh, progress, max(asked, find_best(known)), asked)
 
 
 def join_pairs(problem: Problem, origin: Candidate, columns: ScoreColumns) -> Iterator[Block]:

@@ -166,13 +166,15 @@ def fit_scored(
     scores: list[Score],
     progress: Progress,
     floor: float = -np.inf,
+    asked: float = -np.inf,
 ) -> list[Candidate]:
     """Fit every promising form among those scored.
 
     The best comes first.
 
     `floor` is the log evidence [nats] below which none of them could be chosen: what others of
-    their kind have reached, or what is asked of them.
+    their kind have reached, or what is asked of them. Where none of their kind has reached what is
+    `asked`, a fit goes on only as far as it may reach that.
 
     Promising are the best forms of the leading effects, and every form whose score is near the best
     fit so far. Each gets a few linearisations; one that then leads goes on at once. Those within
@@ -209,7 +211,7 @@ def fit_scored(
         if behind or fit.log_evidence < best - reach:
             candidates.append(Candidate(model, None, fit.log_evidence))
             continue
-        rival = best - competing_nats(best - origin.log_evidence)
+        rival = best - competing_nats(best - origin.log_evidence) if best > asked else asked
         fit = go_on(problem, model, fit, rival)
         if fit is None:
             continue

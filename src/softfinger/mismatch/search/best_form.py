@@ -29,9 +29,37 @@ class BestForm(NamedTuple):
     columns: NDArray[np.int64]
 
 
+class Squares(NamedTuple):
+    """What all replicates have in common of CᵀC.
+
+    Attributes
+    ----------
+    own
+        (trial, d, d) of ∂F/∂η.
+    side
+        (trial, c, d) of the forms' columns with ∂F/∂η.
+    form
+        (c, a) of each column with those of its form, over all trials.
+    """
+
+    own: NDArray[np.float64]
+    side: NDArray[np.float64]
+    form: NDArray[np.float64]
+
+
+def gather_squares(columns: ScoreColumns, gram: NDArray[np.float64], d: int) -> Squares:
+    """Gather what scores need of CᵀC (trial, d + c, d + c)."""
+    form = np.zeros((gram.shape[1] - d, columns.count.max(initial=0)))
+    for first, count in zip(columns.first, columns.count, strict=True):
+        part = slice(d + first, d + first + count)
+        form[first : first + count, :count] = gram[:, part, part].sum(axis=0)
+    own, side = gram[:, :d, :d], gram[:, d:, :d]
+    return Squares(np.ascontiguousarray(own), np.ascontiguousarray(side), form)
+
+
 def find_best_form(
     columns: ScoreColumns,
-    gram: NDArray[np.float64],
+    squares: Squares,
     product: NDArray[np.float64],
     prior: Prior,
     omega: NDArray[np.float64],
@@ -42,14 +70,14 @@ def find_best_form(
 
     Parameters
     ----------
-    gram, product
-        CᵀC (trial, d + c, d + c) of the columns alone, and Cᵀz (trial, d + c).
+    product
+        Cᵀz (trial, d + c).
     """
     if not columns.blocks:
         return BestForm(-np.inf, 1.0, np.zeros(0, int)), 0.0
     kinds = columns.law, columns.positive, columns.place
     gain, size, form, kept, alone = _find_best(
-        gram,
+        squares,
         product,
         (columns.first, columns.count),
         columns.sd,
@@ -64,7 +92,7 @@ def find_best_form(
 
 @compiled
 def _find_best(
-    gram: NDArray,
+    squares: Squares,
     product: NDArray,
     forms: tuple[NDArray, NDArray],
     amplitude_sd: NDArray,
@@ -79,14 +107,14 @@ def _find_best(
     """
     first, count = forms
     law, positive, place = kinds
-    trials, d = gram.shape[0], omega.shape[0]
+    trials, d = product.shape[0], omega.shape[0]
     own = np.zeros((trials, d + 1, d + 1))
-    own[:, :d, :d] = gram[:, :d, :d]
+    own[:, :d, :d] = squares.own
     own[:, :d, d] = product[:, :d]
     own[:, d, :d] = product[:, :d]
     omega, _ = climb_omega(own, prior, omega, ROUNDS, SLIGHT)
     shared, covariance, _, _, _, alone, _ = solve_gram(own, prior, omega)
-    cross, direct, square = _take_up(gram, product, own, first, count, omega)
+    cross, direct, square = _take_up(squares, product, first, count, omega)
     direct -= cross @ shared
     best, best_size, best_form = -np.inf, 1.0, 0
     best_kept = np.ones(count.max(), np.bool_)
@@ -164,33 +192,26 @@ def _weigh(
 
 @compiled
 def _take_up(
-    gram: NDArray,
-    product: NDArray,
-    own: NDArray,
-    first: NDArray,
-    count: NDArray,
-    omega: NDArray,
+    squares: Squares, product: NDArray, first: NDArray, count: NDArray, omega: NDArray
 ) -> tuple[NDArray, NDArray, NDArray]:
     """What is left of columns beside every trial's η.
 
     Their products with ∂F/∂μ and with z, and each form's columns with one another.
     """
-    d, size = omega.shape[0], gram.shape[1] - omega.shape[0]
+    d, size = omega.shape[0], squares.side.shape[1]
     inverse = np.linalg.inv(omega)
-    cross, direct = np.zeros((size, d)), np.zeros(size)
-    square = np.zeros((size, count.max() if count.size else 0))
-    for i in range(gram.shape[0]):
-        kept = invert_scaled(inverse + own[i, :d, :d])
-        side = np.ascontiguousarray(gram[i, d:, :d])
-        taken = side @ kept
-        cross += side - taken @ np.ascontiguousarray(own[i, :d, :d])
+    cross, direct, square = np.zeros((size, d)), np.zeros(size), squares.form.copy()
+    for i in range(product.shape[0]):
+        side = squares.side[i]
+        taken = side @ invert_scaled(inverse + squares.own[i])
+        cross += side - taken @ squares.own[i]
         direct += product[i, d:] - taken @ product[i, :d]
         for form in range(first.size):
             begin = first[form]
             for a in range(begin, begin + count[form]):
                 for b in range(begin, begin + count[form]):
-                    left = gram[i, d + a, d + b]
+                    left = 0.0
                     for c in range(d):
-                        left -= taken[a, c] * side[b, c]
-                    square[a, b - begin] += left
+                        left += taken[a, c] * side[b, c]
+                    square[a, b - begin] -= left
     return cross, direct, square

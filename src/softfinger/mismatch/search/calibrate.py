@@ -15,7 +15,13 @@ from softfinger.inference.mixed_effects import Prior, fit_linear
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mismatch.candidates.columns import ScoreColumns
 from softfinger.mismatch.decisions import DECISIONS
-from softfinger.mismatch.search.best_form import ROUNDS, SLIGHT, BestForm, find_best_form
+from softfinger.mismatch.search.best_form import (
+    ROUNDS,
+    SLIGHT,
+    BestForm,
+    find_best_form,
+    gather_squares,
+)
 from softfinger.mismatch.search.replicates import draw_products, set_apart
 
 
@@ -73,9 +79,9 @@ def calibrate_false_alarms(
     prior = prior._replace(mean=away, precision=prior.precision[:d])
     tails = list(zip(columns.bare_rows, columns.freedom, strict=True))
     drawn = draw_products(whole, base, prior, rng, replicates, tails)
-    largest = np.empty(replicates)
+    squares, largest = gather_squares(columns, whole, d), np.empty(replicates)
     for k, product in enumerate(drawn):
-        best, alone = find_best_form(columns, whole, product, prior, base.fit.omega)
+        best, alone = find_best_form(columns, squares, product, prior, base.fit.omega)
         largest[k] = max(best.gain, 0.0)
         if best.columns.size:  # the best form by its score gains what a fit of it does
             try:

@@ -16,7 +16,7 @@ from softfinger.mismatch.candidates.rank import Progress, Score, find_best, fit_
 
 
 def fit_leading_pairs(
-    problem: Problem, singles: list[Candidate], asked: float, progress: Progress
+    problem: Problem, singles: list[Candidate], floor: float, asked: float, progress: Progress
 ) -> list[Candidate]:
     """Fit pairs of leading effects from either's fit.
 
@@ -24,8 +24,8 @@ def fit_leading_pairs(
     ----------
     singles
         Models of one effect, best first.
-    asked
-        Log evidence [nats] that a pair must reach to be believed.
+    floor, asked
+        Log evidence [nats] that other pairs have, and that one must reach to be believed.
     """
     leading = _list_leading(singles)
     found: list[Candidate] = []
@@ -33,7 +33,7 @@ def fit_leading_pairs(
         others = [c.model.pieces[-1] for c in leading]
         pieces = list_compatible(one, list_elsewhere(problem, one.model, others))
         scores = [_place(one, piece) for piece in pieces]
-        found += fit_scored(problem, one, scores, progress, max(asked, find_best(found)))
+        found += fit_scored(problem, one, scores, progress, max(floor, find_best(found)), asked)
     return found
 
 

@@ -5,11 +5,13 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from softfinger.inference.disturbances import SIZES, list_disturbances
 from softfinger.inference.disturbed import admit_disturbances
 from softfinger.inference.problem import Candidate, Problem
+from softfinger.inference.reduce import reduce_trials
 from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.step_time import advance_steps_array, open_steps_array
 from softfinger.mismatch.budget import BUDGET
@@ -63,6 +65,88 @@ def find_clock_rate(plain: Problem, base: Candidate) -> tuple[float, float]:
     bounds = (-largest, largest)
     found = minimize_scalar(lose, bounds=bounds, method="bounded", options={"xatol": 1e-5})
     return float(found.x), -float(found.fun)
+
+
+class StartedClocks(NamedTuple):
+    """Clocks that start in each trial elsewhere.
+
+    `offset`: by how much each trial's frames are later than stated, of mean 0 (trial,) [s];
+    `problem`, `candidate`: with that set right; `cost`: what so many numbers cost [nats].
+    """
+
+    offset: NDArray[np.float64]
+    problem: Problem
+    candidate: Candidate
+    cost: float
+
+
+def start_clocks(plain: Problem, candidate: Candidate, base: Candidate) -> StartedClocks | None:
+    """Start each trial's clock where its motion has it.
+
+    An offset of frames is more than a slope describes, for the motion has a corner at each step.
+    So all offsets of a grid are tried, each trial's own parameters following to first order; then
+    the model is fitted again. The offsets have a normal prior of mean 0, whose sd is theirs; a
+    delay that they have in common is an effect.
+
+    None where the model cannot be fitted so, or where the offsets are smaller than their errors.
+    """
+    trials, now, here = plain.trials, candidate, plain
+    reach = BUDGET.offset_frames * trials.interval
+    grid = np.linspace(-reach, reach, BUDGET.offset_tries)
+    offset = np.zeros(len(trials.name))
+    for _ in range(BUDGET.offset_rounds):
+        moved, variance = _find_lowest(grid, _scan_clocks(here, now, grid))
+        offset = offset + moved - moved.mean()
+        here = replace(plain, trials=trials._replace(node=trials.node + offset[:, None, None]))
+        again = fit_again(here, now, base)
+        if again is None:
+            return None
+        now = again
+    spread = float(np.mean(offset**2))
+    if spread <= variance.max():
+        return None
+    cost = 0.5 * float(np.sum(np.log(spread / variance) + offset**2 / spread))
+    return StartedClocks(offset, here, now, cost)
+
+
+def _scan_clocks(
+    problem: Problem, candidate: Candidate, grid: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Half the misfit (offset, trial) of later and sooner frames.
+
+    Each trial's own parameters follow as far as the population lets them.
+    """
+    fit, trials, nothing = candidate.fit, problem.trials, np.zeros(0, np.int64)
+    slope = problem.simulate(candidate.model, fit.own, fit.shared)[1][..., : fit.own.shape[1]]
+    precision, away = np.linalg.inv(fit.omega), fit.own - fit.mean
+    lost = np.empty((len(grid), len(trials.name)))
+    for k, moved in enumerate(grid):
+        later = replace(problem, trials=trials._replace(node=trials.node + moved))
+        angle = later.simulate(candidate.model, fit.own, fit.shared, nothing)[0]
+        gram = reduce_trials(trials, angle, slope)
+        pull = gram[:, :-1, -1] - away @ precision
+        step = np.linalg.solve(gram[:, :-1, :-1] + precision, pull[..., None])[..., 0]
+        lost[k] = 0.5 * (gram[:, -1, -1] - np.sum(pull * step, axis=1))
+    return lost
+
+
+def _find_lowest(
+    grid: NDArray[np.float64], lost: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Where each column is lowest, and that place's variance.
+
+    By a parabola through three points of the grid.
+
+    >>> grid = np.linspace(-2.0, 2.0, 9)
+    >>> [part.round(6).tolist() for part in _find_lowest(grid, 8.0 * (grid[:, None] - 0.6) ** 2)]
+    [[0.6], [0.0625]]
+    """
+    at = np.clip(lost.argmin(axis=0), 1, len(grid) - 2)
+    column, width = np.arange(lost.shape[1]), grid[1] - grid[0]
+    before, here, after = (lost[at + k, column] for k in (-1, 0, 1))
+    bend = np.maximum(before - 2.0 * here + after, np.finfo(float).tiny)
+    shift = np.clip(0.5 * (before - after) / bend, -1.0, 1.0)
+    return grid[at] + shift * width, width**2 / bend
 
 
 class PlacedSteps(NamedTuple):

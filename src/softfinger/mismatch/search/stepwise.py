@@ -190,7 +190,7 @@ def _pair_up(task: Task, now: _Round, larger: list[Candidate]) -> list[Candidate
     explained = now.best.log_evidence - task.base.log_evidence
     if explained >= BUDGET.far_nats and now.shape.gain > now.more:
         floor = now.choose_floor([*larger, *pairs])
-        pairs += fit_leading_pairs(task.problem, task.singles, floor, task.progress)
+        pairs += fit_leading_pairs(task.problem, task.singles, floor, now.asked, task.progress)
     return pairs
 
 

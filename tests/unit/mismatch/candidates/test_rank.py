@@ -225,6 +225,25 @@ def test_a_fit_from_a_far_start_may_stop_where_it_falls_behind(posed, monkeypatc
     assert rivals == [500.0, 500.0, 500.0]  # the first steps, on from there, and from afar
 
 
+@pytest.mark.parametrize(("others", "goes_on_to"), [(0.0, 1000.0), (1001.0, 800.8)])
+def test_a_set_goes_on_only_to_what_is_asked(posed, monkeypatch, others, goes_on_to):
+    """Once others of its kind reach what is asked, those that compete with them go on too."""
+    _, base = posed
+    rivals = []
+
+    def fit(model, start, *, steps=None, first=0.0, rival=-np.inf):
+        rivals.append(rival)
+        return base.fit._replace(log_evidence=900.0, converged=steps is None)
+
+    monkeypatch.setattr(rank, "prune", lambda problem, candidate: candidate)
+    monkeypatch.setattr(rank, "DECISIONS", replace(rank.DECISIONS, rival_share=0.2))
+    monkeypatch.setattr(Score, "effect", property(lambda score: score.model))
+    origin, quiet = base._replace(log_evidence=0.0), lambda items, _: items
+    scores, problem = [Score(Form("pair"), 900.0, np.zeros(1))], SimpleNamespace(fit=fit)
+    fit_scored(problem, origin, scores, quiet, max(1000.0, others), 1000.0)
+    assert rivals[1:] == [pytest.approx(goes_on_to)]
+
+
 def test_a_linear_model_that_cannot_be_solved_has_no_evidence():
     """Numbers of one form may leave their range; the other forms are still ranked."""
     model = SimpleNamespace()

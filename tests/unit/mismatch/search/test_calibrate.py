@@ -189,7 +189,8 @@ def test_a_replicate_is_scored_as_the_recordings_are(draw_campaign):
     product = gram[:, :-1, -1] + np.einsum("tab,tb->ta", gram[:, :-1, :-1], away)
     prior = problem.build_prior(base.model)
     prior = prior._replace(mean=prior.mean[:d] - fit.mean, precision=prior.precision[:d])
-    best, _ = best_form.find_best_form(columns, columns.bare, product, prior, fit.omega)
+    squares = best_form.gather_squares(columns, columns.bare, d)
+    best, _ = best_form.find_best_form(columns, squares, product, prior, fit.omega)
     (block,) = [b for b in columns.blocks if np.isin(best.columns, b.columns).all()]
     assert block.model.pieces[-1].label == found.model.pieces[-1].label
     assert best.gain == pytest.approx(found.gain, abs=0.3)

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from softfinger.inference.problem import Candidate, pose_problem
@@ -39,7 +40,7 @@ def ranked(draw_campaign):
 
 def test_each_leading_effect_is_a_start(ranked):
     problem, base, singles = ranked
-    pairs = fit_leading_pairs(problem, singles, base.log_evidence, lambda items, _: items)
+    pairs = fit_leading_pairs(problem, singles, base.log_evidence, -np.inf, lambda items, _: items)
     first = {pair.model.pieces[0].effect.id for pair in pairs}
     assert 2 <= len(first) <= BUDGET.leading_pairs
     assert any(pair.fit is not None for pair in pairs)
