@@ -1,6 +1,7 @@
 """Run the benchmarks and put their figures into results/benchmarks.json, one object, key → number.
 
 A module's `measure` takes minutes; its `measure_long`, where it has one, up to hours (`--long`).
+`python -m benchmarks jobs --long` runs the modules that it names, and no other.
 Keys that are not measured in this run keep the figure of an earlier one; those of the proofs are
 read from the proofs' results. In the end comes a table of goals, values and rivals.
 """
@@ -12,7 +13,7 @@ import json
 import pkgutil
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import benchmarks
@@ -29,9 +30,12 @@ def merge_figures(measured: Mapping[str, float], without: tuple[str, ...] = ()) 
     RESULTS.write_text(json.dumps(kept | dict(measured), indent=2, sort_keys=True) + "\n")
 
 
-def main(entry: str) -> None:
-    """Measure with every module of this package that has the entry; write after each."""
-    names = sorted(m.name for m in pkgutil.iter_modules(benchmarks.__path__) if m.name[0] != "_")
+def main(entry: str, asked: Sequence[str] = ()) -> None:
+    """Measure with the modules asked for, or all, that have the entry; write after each."""
+    known = sorted(m.name for m in pkgutil.iter_modules(benchmarks.__path__) if m.name[0] != "_")
+    if unknown := set(asked).difference(known):
+        sys.exit(f"no benchmark {', '.join(sorted(unknown))}; there are {', '.join(known)}")
+    names = [name for name in known if name in asked] if asked else known
     begin = time.monotonic()
     for place, name in enumerate(names):
         measure = getattr(importlib.import_module(f"benchmarks.{name}"), entry, None)
@@ -48,4 +52,6 @@ def main(entry: str) -> None:
 
 
 if __name__ == "__main__":
-    main("measure_long" if "--long" in sys.argv[1:] else "measure")
+    given = sys.argv[1:]
+    named = [word for word in given if word != "--long"]
+    main("measure_long" if "--long" in given else "measure", named)
