@@ -35,9 +35,6 @@ from softfinger.mismatch.search.log_and_clock import (
 )
 from softfinger.mismatch.search.stepwise import Search, search_effects
 
-TIMING = CLOCKS | {"timing_jitter", "step_scatter"}
-"""Disturbances that frames which are taken late or soon may look like."""
-
 
 class Survey(NamedTuple):
     """The catalogue alone: columns, chance, need, ranking."""
@@ -172,17 +169,17 @@ def mend_offsets(posed: Posed, pose: Pose) -> Posed:
     """
     plain, base, (singles, _) = posed.plain, posed.base, posed.survey.ranked
     needed = posed.survey.needed
-    leaders = [base, *list_leaders(base, singles, needed)]
-    if not plain.setting.load_known or all(
-        TIMING.isdisjoint(fit_disturbances(plain, one)[0]) for one in leaders
-    ):
+    if not plain.setting.load_known:
         return posed
+    leaders = [base, *list_leaders(base, singles, needed)]
     delayed = [c for c in singles if "camera_delay" in c.model.ids and c.fit is not None][:1]
     tried = [*leaders, *(c for c in delayed if all(c is not one for one in leaders))]
     started = [one for c in tried if (one := start_clocks(plain, c, base)) is not None]
+    if not started:
+        return posed
     before = _weigh_best([(plain, c, 0.0) for c in tried], base, needed)
     after = [_weigh_best([(s.problem, s.candidate, s.cost)], base, needed) for s in started]
-    if max(after, default=-np.inf) < before + MEASURING.present_nats:
+    if max(after) < before + MEASURING.present_nats:
         return posed
     best = started[int(np.argmax(after))]
     offsets = dict(zip(plain.trials.name, best.offset.tolist(), strict=True))

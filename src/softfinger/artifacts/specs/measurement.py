@@ -60,6 +60,12 @@ SPEC = ArtifactSpec(
         "clock_rate": Variable(
             (), "1", "how slow the camera's clock runs, which was set right", optional=True
         ),
+        "clock_offset": Variable(
+            ("trial",),
+            "s",
+            "how much later than stated its frames are, which was set right",
+            optional=True,
+        ),
         "steady_load": Variable(
             (), "1", "levels and ramps of the load are steady", "truth value", optional=True
         ),

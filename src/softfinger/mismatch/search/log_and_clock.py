@@ -88,24 +88,26 @@ def start_clocks(plain: Problem, candidate: Candidate, base: Candidate) -> Start
     the model is fitted again. The offsets have a normal prior of mean 0, whose sd is theirs; a
     delay that they have in common is an effect.
 
-    None where the model cannot be fitted so, or where the offsets are smaller than their errors.
+    None where the model cannot be fitted so, or where offsets do not explain what they cost.
     """
     trials, now, here = plain.trials, candidate, plain
     reach = BUDGET.offset_frames * trials.interval
     grid = np.linspace(-reach, reach, BUDGET.offset_tries)
-    offset = np.zeros(len(trials.name))
-    for _ in range(BUDGET.offset_rounds):
-        moved, variance = _find_lowest(grid, _scan_clocks(here, now, grid))
+    offset, cost = np.zeros(len(trials.name)), 0.0
+    for number in range(BUDGET.offset_rounds):
+        lost = _scan_clocks(here, now, grid)
+        moved, variance = _find_lowest(grid, lost)
         offset = offset + moved - moved.mean()
+        spread = max(float(np.mean(offset**2)), np.finfo(float).tiny)
+        cost = 0.5 * float(np.sum(np.log1p(spread / variance) + offset**2 / spread))
+        explained = float(lost.sum(axis=1).min() - lost.min(axis=0).sum())
+        if number == 0 and explained < cost + MEASURING.present_nats:
+            return None
         here = replace(plain, trials=trials._replace(node=trials.node + offset[:, None, None]))
         again = fit_again(here, now, base)
         if again is None:
             return None
         now = again
-    spread = float(np.mean(offset**2))
-    if spread <= variance.max():
-        return None
-    cost = 0.5 * float(np.sum(np.log(spread / variance) + offset**2 / spread))
     return StartedClocks(offset, here, now, cost)
 
 

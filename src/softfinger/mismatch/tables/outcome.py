@@ -45,13 +45,17 @@ def tabulate_diagnosis(
     mended = diagnosis.mended.model_dump(
         include={"clock_rate", "steady_load", "steps_early", "steps_open"}
     )
+    offset = diagnosis.mended.clock_offsets_s
+    later = [offset.get(name, 0.0) for name in problem.noise["trial"].values.tolist()]
     tables = {
         "ranking": tabulate_ranking(search, diagnosis.posterior, diagnosis.false_alarms, needed),
         "location": tabulate_location(problem, *models, diagnosis.findings.line),
         "masking": diagnosis.masking,
         "repair": measure_repair(problem, *models, angles, np.random.default_rng(seed)),
         "free_form": tabulate_free_form(diagnosis),
-        "measurement": problem.noise[list(MEASURED)].assign(mended).reset_coords(drop=True),
+        "measurement": problem.noise[list(MEASURED)]
+        .assign(mended, clock_offset=("trial", later))
+        .reset_coords(drop=True),
         "laws": compute_law_curves(
             search.best.model, search.best.fit.shared, search.best.fit.shared_covariance
         ),
