@@ -54,7 +54,7 @@ def tabulate_diagnosis(
         "repair": measure_repair(problem, *models, angles, np.random.default_rng(seed)),
         "free_form": tabulate_free_form(diagnosis),
         "measurement": problem.noise[list(MEASURED)]
-        .assign(mended, clock_offset=("trial", later))
+        .assign(mended | {"clock_offset": ("trial", later)})
         .reset_coords(drop=True),
         "laws": compute_law_curves(
             search.best.model, search.best.fit.shared, search.best.fit.shared_covariance
