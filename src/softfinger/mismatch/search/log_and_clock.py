@@ -88,7 +88,7 @@ def start_clocks(plain: Problem, candidate: Candidate, base: Candidate) -> Start
     the model is fitted again. The offsets have a normal prior of mean 0, whose sd is theirs; a
     delay that they have in common is an effect.
 
-    None where the model cannot be fitted so, or where offsets do not explain what they cost.
+    None where the model has no motion or fit so, or where offsets do not explain what they cost.
     """
     trials, now, here = plain.trials, candidate, plain
     reach = BUDGET.offset_frames * trials.interval
@@ -96,6 +96,8 @@ def start_clocks(plain: Problem, candidate: Candidate, base: Candidate) -> Start
     offset, cost = np.zeros(len(trials.name)), 0.0
     for number in range(BUDGET.offset_rounds):
         lost = _scan_clocks(here, now, grid)
+        if not np.isfinite(lost).all():
+            return None
         moved, variance = _find_lowest(grid, lost)
         offset = offset + moved - moved.mean()
         spread = max(float(np.mean(offset**2)), np.finfo(float).tiny)

@@ -97,3 +97,14 @@ def test_offsets_are_not_set_right_where_an_effect_explains_more(scattered, monk
 
     monkeypatch.setitem(mend_offsets.__globals__, "judge", judge_well)
     assert mend_offsets(scattered, None) is scattered
+
+
+def test_a_model_without_motion_at_some_offset_has_none(scattered, monkeypatch):
+    scan = start_clocks.__globals__["_scan_clocks"]
+
+    def fail(problem, candidate, grid):
+        return np.where(grid[:, None] < grid[1], np.nan, scan(problem, candidate, grid))
+
+    monkeypatch.setitem(start_clocks.__globals__, "_scan_clocks", fail)
+    monkeypatch.setitem(start_clocks.__globals__, "fit_again", None)  # nothing is fitted
+    assert start_clocks(scattered.plain, scattered.base, scattered.base) is None
