@@ -31,7 +31,10 @@ def merge_figures(measured: Mapping[str, float], without: tuple[str, ...] = ()) 
 
 
 def main(entry: str, asked: Sequence[str] = ()) -> None:
-    """Measure with the modules asked for, or all, that have the entry; write after each."""
+    """Measure with the modules asked for, or with all.
+
+    They are those that have the entry; the figures are written after each.
+    """
     known = sorted(m.name for m in pkgutil.iter_modules(benchmarks.__path__) if m.name[0] != "_")
     if unknown := set(asked).difference(known):
         sys.exit(f"no benchmark {', '.join(sorted(unknown))}; there are {', '.join(known)}")

@@ -171,12 +171,16 @@ def mend_offsets(posed: Posed, pose: Pose) -> Posed:
     needed = posed.survey.needed
     if not plain.setting.load_known:
         return posed
-    leaders = [base, *list_leaders(base, singles, needed)]
-    delayed = [c for c in singles if "camera_delay" in c.model.ids and c.fit is not None][:1]
-    tried = [*leaders, *(c for c in delayed if all(c is not one for one in leaders))]
-    started = [one for c in tried if (one := start_clocks(plain, c, base)) is not None]
-    if not started:
+    leader = find_leader(base, singles, needed)
+    first = start_clocks(plain, leader, base)
+    if first is None:  # what it leaves shows no offsets, and no other leaves less
         return posed
+    delayed = [c for c in singles if "camera_delay" in c.model.ids and c.fit is not None][:1]
+    tried = list(
+        {id(c): c for c in (base, *list_leaders(base, singles, needed), *delayed)}.values()
+    )
+    others = (start_clocks(plain, c, base) for c in tried if c is not leader)
+    started = [first, *(one for one in others if one is not None)]
     before = _weigh_best([(plain, c, 0.0) for c in tried], base, needed)
     after = [_weigh_best([(s.problem, s.candidate, s.cost)], base, needed) for s in started]
     if max(after) < before + MEASURING.present_nats:

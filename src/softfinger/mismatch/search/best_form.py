@@ -48,7 +48,10 @@ class Squares(NamedTuple):
 
 
 def gather_squares(columns: ScoreColumns, gram: NDArray[np.float64], d: int) -> Squares:
-    """Gather what scores need of CᵀC (trial, d + c, d + c)."""
+    """Gather what scores need of the columns' products.
+
+    `gram` is CᵀC (trial, d + c, d + c).
+    """
     form = np.zeros((gram.shape[1] - d, columns.count.max(initial=0)))
     for first, count in zip(columns.first, columns.count, strict=True):
         part = slice(d + first, d + first + count)
