@@ -37,7 +37,7 @@ def mend_recordings(angles: xr.Dataset, known: MeasurementEntry) -> xr.Dataset:
         them; and each hum a cos ωt + b sin ωt taken off, t being the time that was set right.
     """
     if known.steady_load:
-        angles = steady_log(angles)[0]
+        angles = steady_log(angles, held=known.ramps_held)[0]
     if known.steps_early or known.steps_open:
         angles = _move_steps(angles, known)
     if known.clock_rate:

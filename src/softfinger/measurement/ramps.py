@@ -5,6 +5,9 @@ a wave of several rows is then a stair, half a row late. It is straight from row
 leaves the level before and meets the one after where its nearest rows lead. A step between two
 levels stays one, and so does any that rows far apart state: the log itself has two values there.
 
+A rig may also hold each set point until the next. A stair of which the readings scatter is taken as
+the same lines, half a row later: small steps and their middles move a finger alike.
+
 Under a log that is slower than the camera a ramp is read as lines from row to row. It begins and
 ends between two of them all the same, where its nearest rows lead.
 """
@@ -19,7 +22,9 @@ from softfinger.measurement.decisions import DECISIONS
 Array = NDArray[np.float64]
 
 
-def straighten_ramps_array(time: Array, torque: Array, within: float) -> tuple[Array, Array]:
+def straighten_ramps_array(
+    time: Array, torque: Array, within: float, *, held: bool = False
+) -> tuple[Array, Array]:
     """Replace steps that follow each other by lines.
 
     Parameters
@@ -29,6 +34,8 @@ def straighten_ramps_array(time: Array, torque: Array, within: float) -> tuple[A
         repeated.
     within
         Time [s] within which two rows were read as a step.
+    held
+        Each row stays until the next one: lines are half a row later.
 
     Returns
     -------
@@ -38,6 +45,8 @@ def straighten_ramps_array(time: Array, torque: Array, within: float) -> tuple[A
     >>> stair = np.array([0.0, 1, 1, 2, 2, 3, 3, 4]), np.array([0.0, 0, 1, 1, 3, 3, 4, 4])
     >>> straighten_ramps_array(*stair, 1.5)
     (array([0. , 0.5, 1. , 2. , 2. , 2.5, 3. , 4. ]), array([0., 0., 1., 3., 3., 4., 4., 4.]))
+    >>> straighten_ramps_array(*stair, 1.5, held=True)[0]
+    array([0. , 1. , 1.5, 2.5, 2.5, 3. , 3.5, 4.5])
     """
     differs = (np.diff(time) != 0.0) | (np.diff(torque) != 0.0)
     number = 2 + np.flatnonzero(differs).max(initial=-1)  # of knots that are no repetition
@@ -51,7 +60,12 @@ def straighten_ramps_array(time: Array, torque: Array, within: float) -> tuple[A
             row = rows[first : end + 1]
             knots = row[1:] - 1  # that hold the row before
             straight[0][knots], straight[1][knots] = _join_rows(time[row], torque[row])
-    return straight
+        elif is_step[first]:
+            is_near[first] = False
+    if held:
+        half = 0.5 * np.where(is_near, np.diff(time[rows]), 0.0)
+        straight[0][rows[0] + 1 : number] += np.repeat(half, np.diff(rows))
+    return np.maximum.accumulate(straight[0]), straight[1]
 
 
 def turn_between_rows_array(

@@ -189,8 +189,10 @@ def _find_change(torque: Array) -> float:
     return DECISIONS.load_change * max(np.ptp(torque), np.abs(torque).max(), 1e-300)
 
 
-def steady_log(angles: xr.Dataset) -> tuple[xr.Dataset, float]:
+def steady_log(angles: xr.Dataset, *, held: bool = False) -> tuple[xr.Dataset, float]:
     """Steady every trial's log, and measure its error.
+
+    With `held` each row of a ramp stays until the next one.
 
     Returns
     -------
@@ -208,7 +210,9 @@ def steady_log(angles: xr.Dataset) -> tuple[xr.Dataset, float]:
     frames = angles["time"].transpose("trial", "frame").values
     interval = compute_frame_interval_array(frames, np.isfinite(frames))
     within = DECISIONS.step_rows * interval
-    logs = [straighten_ramps_array(*log, within) for log in zip(time, steady, strict=True)]
+    logs = [
+        straighten_ramps_array(*log, within, held=held) for log in zip(time, steady, strict=True)
+    ]
     logs = [turn_between_rows_array(*log, find_open_gaps_array(*log, interval)) for log in logs]
     parts = zip(names, map(stack_logs, zip(*logs, strict=True)), strict=True)
     steadied = angles.drop_dims("knot").assign({name: (dims, values) for name, values in parts})

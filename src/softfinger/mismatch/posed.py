@@ -110,6 +110,7 @@ def pose_load(angles: xr.Dataset, pose: Pose) -> Posed:
     posed = mend_steps(pose(MeasurementEntry(steady_load=differs), {}), pose)
     if not differs:
         return posed
+    posed = hold_ramps(angles, posed, pose)
     survey = posed.survey
     raw = mend_recordings(angles, posed.mended.model_copy(update={"steady_load": False}))
     more = weigh_log(posed.plain, posed.base, survey.ranked[0], raw, survey.needed)
@@ -122,6 +123,20 @@ def pose_load(angles: xr.Dataset, pose: Pose) -> Posed:
     noise = add_components(posed.plain.noise, {"noisy_load": error}, {"noisy_load": -more})
     known = {**posed.known, "noisy_load": (error, -more)}
     return posed._replace(plain=replace(posed.plain, noise=noise), known=known)
+
+
+def hold_ramps(angles: xr.Dataset, posed: Posed, pose: Pose) -> Posed:
+    """Let each row of a ramp stay until the next one.
+
+    Where the motion prefers that: under lines from row to row it would be half a row late, which no
+    effect explains better than the rig that holds its set points.
+    """
+    held = posed.mended.model_copy(update={"ramps_held": True})
+    later = mend_recordings(angles, held)
+    if later.equals(mend_recordings(angles, posed.mended)):
+        return posed
+    more = weigh_log(posed.plain, posed.base, posed.survey.ranked[0], later, posed.survey.needed)
+    return pose(held, posed.known) if more > 0.0 else posed
 
 
 def mend_steps(posed: Posed, pose: Pose) -> Posed:

@@ -130,3 +130,20 @@ def test_a_slow_log_cuts_no_crest(phase):
     ]
     assert away[0] > 0.2
     assert away[1] < 1e-6
+
+
+@pytest.mark.parametrize(("begin", "span"), [(0.2, 0.1), (0.207, 0.4), (0.21, 0.02)])
+def test_a_row_that_is_held_moves_as_its_stair_does(begin, span):
+    stair = read(40, begin, span)
+    time, torque = straighten_ramps_array(*stair, WITHIN, held=True)
+    assert np.all(np.diff(time) >= 0.0)
+    dense = np.linspace(0.0, 0.75, 7501)
+    loads = (stair, straighten_ramps_array(*stair, WITHIN), (time, torque))
+    area, early, held = (np.trapezoid(step_through(*load, dense), dense) for load in loads)
+    assert held == pytest.approx(area, abs=0.003)
+    assert early - area == pytest.approx(0.01, abs=0.003)
+
+
+def step_through(time, load, at):
+    """Load at some times; of two knots at one time the later one counts."""
+    return np.interp(at, time + 1e-9 * np.arange(len(time)), load)

@@ -69,6 +69,9 @@ SPEC = ArtifactSpec(
         "steady_load": Variable(
             (), "1", "levels and ramps of the load are steady", "truth value", optional=True
         ),
+        "ramps_held": Variable(
+            (), "1", "each row of a ramp stays until the next one", "truth value", optional=True
+        ),
         "steps_early": Variable(
             (),
             "1",

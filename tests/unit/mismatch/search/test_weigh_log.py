@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from softfinger.campaign.load_log import build_load_array
 from softfinger.inference.disturbance_sizes import fit_disturbances
 from softfinger.inference.disturbances import CLOCKS
 from softfinger.inference.problem import Candidate, pose_problem
@@ -318,3 +319,31 @@ def test_chance_is_calibrated_for_the_load_that_counts(follows, monkeypatch):
     }
     whole.diagnose(record(follows), config, 5, lambda items, _: items)
     assert calibrated == ([False, True] if follows else [False])
+
+
+@pytest.mark.parametrize("stays", [False, True])
+def test_the_motion_decides_whether_a_rig_holds_its_set_points(stays):
+    """A stair that was read as lines from row to row showed a delay of half a row."""
+    angles = record(follows=False)
+    rows = np.arange(401) / 20  # nearer to each other than 1.5 frames
+    ramp = 0.05 * np.interp(rows, [1.0, 9.0, 17.0], [0.0, 1.0, 0.0])
+    log = [np.tile(part, (6, 1)) for part in build_load_array(rows, ramp, 0.1)]
+    acting = log if stays else (np.tile(rows, (6, 1)), np.tile(ramp, (6, 1)))
+    rng = np.random.default_rng(6)
+    recording = build_recording(TIME, *acting, 1, angles["trial"].values.tolist())
+    mean = np.array([[-2.4, -3.6, 2.9, 0.02]])
+    own = draw_parameters(mean, np.array([0.2, 0.4, 0.7, 0.01]), recording, rng)
+    noise = describe_noise(np.full(1, 0.001), np.zeros(1), 0.0)
+    moved = draw_angles(recording, own, noise, rng)["joint_angle"]
+    named = zip(("load_time", "load_torque"), log, strict=True)
+    read = angles.drop_dims("knot").assign(joint_angle=moved)
+    read = read.assign({name: (("trial", "knot"), part) for name, part in named})
+
+    def pose(mended, known):
+        right = mend_recordings(read, mended)
+        problem, fit = pose_problem(right)
+        base = Candidate(problem.base, fit, fit.log_evidence)
+        survey = SimpleNamespace(ranked=([], []), needed=7.0)
+        return Posed(right, problem, base, survey, known, mended)
+
+    assert pose_load(read, pose).mended.ramps_held == stays
