@@ -31,6 +31,9 @@ EFFECTS = {
     "fractional_creep in own time": {
         "springpot_elastic_share": 0.1, "springpot_exponent": 0.4, "springpot_own_time": 1.0,
     },
+    "fractional_creep instead of the damper": {
+        "broad_voigt_share": 0.6, "broad_voigt_exponent": 0.55,
+    },
     "creep spectrum in own time": {
         "spectrum": 0.05 * np.exp(-(((np.arange(KNOTS) - 7.5) / 2.5) ** 2)),
         "spectrum_shortest": 0.1, "spectrum_longest": 200.0, "spectrum_own_time": 1.0,

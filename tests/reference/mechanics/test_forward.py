@@ -17,8 +17,11 @@ from softfinger.mechanics.forward.simulate import (
 from softfinger.mechanics.forward.slots import build_slots, build_tangent
 from softfinger.mechanics.three_element import compute_joint_angle_gradient_array
 from softfinger.mechanics.viscoelastic.elements import (
+    Dashpot,
+    Spring,
     Springpot,
     kelvin_voigt,
+    parallel,
     series,
     three_element,
 )
@@ -115,6 +118,23 @@ def test_springpot_creeps_as_stated(exponent):
     )  # fmt: skip
     expected = compute_creep_compliance_array(Springpot(1.0, exponent), time)
     np.testing.assert_allclose(angle[0, 0], expected, rtol=6e-5)
+
+
+@pytest.mark.parametrize("exponent", [0.3, 0.5, 0.6, 0.7])
+def test_a_springpot_instead_of_the_damper_creeps_as_stated(parameters, exponent):
+    """0.2 % of the angle from 10 ms on, of a spring and a springpot side by side."""
+    time = np.geomspace(1e-2, 60.0, 50)
+    one = parameters.isel(trial=[0], joint=[0])
+    k_v, c_v, c_p = (float(one[name][0, 0]) for name in NAMES[:3])
+    angle, _ = simulate_joint_angle_array(
+        natural(one),
+        build_slots(1, 1, {"broad_voigt_share": 1.0, "broad_voigt_exponent": exponent}),
+        [], describe_unknown_finger(1), time, [0.0], [0.04], by_own=False,
+    )  # fmt: skip
+    pot = Springpot(k_v * (c_v / k_v) ** exponent, exponent)
+    network = series(parallel(Spring(k_v), pot), Dashpot(c_p))
+    expected = 0.04 * compute_creep_compliance_array(network, time) + float(one.q_ini[0, 0])
+    np.testing.assert_allclose(angle[0, 0], expected, rtol=2e-3)
 
 
 @pytest.mark.parametrize("exponent", [0.0, 1.0])

@@ -1,6 +1,6 @@
 """Power-law creep: a springpot.
 
-Creep ∝ t^a / Γ(1 + a), beside or instead of the dashpot c_p.
+Creep ∝ t^a / Γ(1 + a), beside or instead of the dashpot c_p, or instead of the damper c_v.
 
 Bagley, Torvik (1983), J. Rheol. 27, 201.
 """
@@ -10,6 +10,7 @@ import math
 import numpy as np
 
 from softfinger.compiled import compiled
+from softfinger.mechanics.effects.cole_cole import BAND, build_band
 from softfinger.mechanics.effects.creep_spectrum import (
     CREEP,
     SPECTRUM,
@@ -148,6 +149,7 @@ def _build_forms(setting: Setting) -> list[Form]:
         Form("beside", (share, exponent), beside),
         Form("own_compliance", (share, exponent), own_compliance),
         _replace_dashpot(setting),
+        build_band(),
     ]
     if setting.trials > 1:
         forms.append(Form("in_own_time", (share, exponent), own_time))
@@ -181,6 +183,7 @@ EFFECT = Effect(
             ("springpot_compliance", "springpot_elastic_share", "springpot_flow_share"),
             modes=WITH_LADDER,
         ),
+        BAND,
         SPECTRUM,
     ),
     place=CREEP,

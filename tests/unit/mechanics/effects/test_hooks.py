@@ -27,7 +27,7 @@ def test_the_kernel_is_made_from_no_effect():
 
 @pytest.mark.parametrize("module", MODULES, ids=lambda module: module.EFFECT.id)
 def test_an_effect_is_made_from_no_other(module):
-    shared = {"creep_spectrum", "load_fade", "load_response"}
+    shared = {"cole_cole", "creep_spectrum", "load_fade", "load_response"}
     for hook in module.EFFECT.hooks:
         made_from = list_effect_files(hook.function)
         assert made_from
