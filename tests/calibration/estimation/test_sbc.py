@@ -7,6 +7,7 @@ WRONG_LOAD = 1.3
 VERY_WRONG_LOAD = 1.6
 
 
+@pytest.mark.slow
 def test_ranks_of_a_small_sample_are_uniform_and_a_wrong_load_is_found(find_p_values):
     right = find_p_values(4, 1)
     assert min(right.values()) > CHANCE / len(right)

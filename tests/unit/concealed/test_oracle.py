@@ -18,7 +18,7 @@ from softfinger.concealed.suite import CaseSpec
 
 
 def _spec(name, joints, protocol="staircase", trials=3, seed=11, noise="white"):
-    return CaseSpec(seed, (name,), (joints,), (0.5,), protocol, trials, noise)
+    return CaseSpec(seed, (name,), (joints,), (0.5,), protocol, trials, noise, duration_s=12.0)
 
 
 def _gain(spec, strength):
@@ -61,7 +61,7 @@ def test_a_calibrated_strength_gives_about_the_gain_aimed_at():
     setting = draw_setting(spec)
     reach = find_reach("second_retardation", setting)
     strength = calibrate_strength("second_retardation", setting, 60.0, reach)
-    assert reach > 1000.0
+    assert reach > 300.0
     gain, _, _ = _gain(spec, strength)
     assert 30.0 < gain < 110.0  # ± 2.5 sd of √(2 · 60)
 
@@ -79,7 +79,7 @@ def test_places_run_from_one_nat_to_the_reach():
 
 def test_in_an_even_pair_the_weaker_ones_reach_counts_for_both():
     names, joints = ("camera_delay", "stress_nonlinear_flow"), ((), (0,))
-    spec = CaseSpec(3, names, joints, (1.0, 0.9), "single_step", 2, "white")
+    spec = CaseSpec(3, names, joints, (1.0, 0.9), "single_step", 2, "white", duration_s=12.0)
     setting, places = draw_setting(spec), dict(zip(names, spec.quantiles, strict=True))
     weak = find_reach("stress_nonlinear_flow", setting)
     assert 1.0 < weak < 15.0  # a single step hides it in c_p

@@ -25,7 +25,7 @@ from softfinger.measurement.covariance import factorise_partials, pull_factor_ba
 MEAN = np.array([[-2.4, -3.6, 2.8, 0.02], [-2.3, -3.5, 3.1, 0.03]])
 SD = np.array([[0.2, 0.4, 0.5, 0.01], [0.3, 0.5, 0.6, 0.02]])
 SMALL = {
-    "sampler": "nuts", "chains": 2, "tune": 120, "draws": 100, "cores": 1, "target_accept": 0.8,
+    "sampler": "nuts", "chains": 2, "tune": 100, "draws": 60, "cores": 1, "target_accept": 0.8,
     "max_depth": 5, "predictive_draws": 40,
 }  # fmt: skip
 NAMES = [f"{k}[{j}]" for j in (1, 2) for k in ("log_k_v", "log_c_v", "log_c_p", "q_ini")]

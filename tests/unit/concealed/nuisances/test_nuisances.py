@@ -22,8 +22,10 @@ FINDINGS = """outliers heavy_tails uneven_noise signal_noise timing_jitter repea
 lost_frames noisy_load clock_rate clock_offset drift saturated_sensor"""
 
 
-def _spoil(*names, noise="white", trials=TRIALS, protocol="staircase"):
-    spec = CaseSpec(SEED, (), (), (), protocol, trials, noise, nuisances=names, duration_s=16.0)
+def _spoil(*names, noise="white", trials=TRIALS, protocol="staircase", duration_s=16.0):
+    spec = CaseSpec(
+        SEED, (), (), (), protocol, trials, noise, nuisances=names, duration_s=duration_s
+    )
     setting = draw_setting(spec)
     clean = record_cleanly(setting, {}, np.arange(trials))
     return setting, clean, spoil(setting, {}, clean, SEED)
@@ -68,7 +70,7 @@ def test_what_the_oracle_knows_leaves_white_noise(name, noise):
 @pytest.mark.parametrize("name", NUISANCES)
 def test_the_truth_of_a_spoilt_clean_campaign_is_clean(name):
     """The oracle that knows the nuisance fits the base model and gains nothing by an effect."""
-    setting, _, sights = _spoil(name, noise="ar_0.3", trials=3, protocol="levels")
+    setting, _, sights = _spoil(name, noise="ar_0.3", trials=2, protocol="levels", duration_s=12.0)
     known = recall(setting, sights, SEED)
     base = fit_model(known, setting.rig, setting.noise, {}, setting.individuals)
     misfit = np.mean(np.concatenate([r.ravel() for r in base.residuals]) ** 2)
