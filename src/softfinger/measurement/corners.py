@@ -39,7 +39,10 @@ def find_corners_array(time: NDArray, torque: NDArray, tolerance: float) -> NDAr
         begin = corners[-1]
         span = time[k] - time[begin]
         slope = (torque[k] - torque[begin]) / span if span > 0.0 else np.inf
-        jumps = time[k] == time[k - 1] and abs(torque[k] - torque[k - 1]) > tolerance
+        rise = abs(torque[k] - torque[k - 1])
+        if span == 0.0:  # several small jumps at one time are one
+            rise = max(rise, abs(torque[k] - torque[begin]))
+        jumps = time[k] == time[k - 1] and rise > tolerance
         if k - 1 > begin and (jumps or not least <= slope <= most):
             corners.append(k - 1)
             least, most, begin, span = -np.inf, np.inf, k - 1, time[k] - time[k - 1]

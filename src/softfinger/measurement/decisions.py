@@ -17,6 +17,11 @@ class MeasurementDecisions:
     Test: `test_measure.py::test_clean_recordings_suffer_from_nothing`,
     `test_measure.py::test_noise_of_another_size_in_every_trial`.
     """
+    reading_nats: float = 1.0
+    """Evidence [nats] for the other of two readings of a log, both as likely.
+
+    Why: less is no difference. Test: `test_weigh_log.py::test_the_motion_decides_whether_a_rig_*`.
+    """
     least_share_seen: float = 0.5
     """Share of frames that makes a joint present.
 

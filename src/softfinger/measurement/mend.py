@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from softfinger.measurement.frames import compute_frame_interval_array
 from softfinger.measurement.steady import steady_log
 from softfinger.measurement.step_time import advance_steps_array, open_steps_array
+from softfinger.measurement.tare import tare_log
 from softfinger.mechanics.effects.measurement_file import HumEntry, MeasurementEntry
 
 MENDED = frozenset({"step_time"})
@@ -33,11 +34,14 @@ def mend_recordings(angles: xr.Dataset, known: MeasurementEntry) -> xr.Dataset:
     -------
     Dataset
         As `angles`, with time multiplied by 1 + rate, and later by each trial's offset; plateaus of
-        the load at their mean, its steps sooner by a share of their gaps or straight lines over
-        them; and each hum a cos ωt + b sin ωt taken off, t being the time that was set right.
+        the load at their mean, its zero taken off, its steps sooner by a share of their gaps or
+        straight lines over them; and each hum a cos ωt + b sin ωt taken off, t being the time that
+        was set right.
     """
     if known.steady_load:
         angles = steady_log(angles, held=known.ramps_held)[0]
+    if known.load_tared:
+        angles = tare_log(angles)
     if known.steps_early or known.steps_open:
         angles = _move_steps(angles, known)
     if known.clock_rate:

@@ -3,7 +3,8 @@
 A row that differs from the one closely before it is read as a step (`campaign.load_log`). A ramp or
 a wave of several rows is then a stair, half a row late. It is straight from row to row instead, and
 leaves the level before and meets the one after where its nearest rows lead. A step between two
-levels stays one, and so does any that rows far apart state: the log itself has two values there.
+levels stays one, also where the levels drift, and so does any that rows far apart state: the log
+itself has two values there.
 
 A rig may also hold each set point until the next. A stair of which the readings scatter is taken as
 the same lines, half a row later: small steps and their middles move a finger alike.
@@ -51,8 +52,11 @@ def straighten_ramps_array(
     differs = (np.diff(time) != 0.0) | (np.diff(torque) != 0.0)
     number = 2 + np.flatnonzero(differs).max(initial=-1)  # of knots that are no repetition
     rows = np.flatnonzero(np.append(np.diff(time[:number]) > 0.0, True))
+    rise = np.abs(np.diff(torque[rows]))
     is_near = np.diff(time[rows]) <= within
-    is_step = is_near & (np.diff(rows) > 1) & (np.diff(torque[rows]) != 0.0)
+    beside = np.maximum(np.append(rise[1:], 0.0), np.append(0.0, rise[:-1]))
+    is_near &= (rise == 0.0) | (DECISIONS.load_change * rise < beside)  # a step is much larger
+    is_step = is_near & (np.diff(rows) > 1) & (rise != 0.0)
     turns = np.flatnonzero(np.diff(is_step, prepend=False, append=False))
     straight = time.copy(), torque.copy()
     for first, end in pairwise(turns):
@@ -60,8 +64,6 @@ def straighten_ramps_array(
             row = rows[first : end + 1]
             knots = row[1:] - 1  # that hold the row before
             straight[0][knots], straight[1][knots] = _join_rows(time[row], torque[row])
-        elif is_step[first]:
-            is_near[first] = False
     if held:
         half = 0.5 * np.where(is_near, np.diff(time[rows]), 0.0)
         straight[0][rows[0] + 1 : number] += np.repeat(half, np.diff(rows))

@@ -51,6 +51,10 @@ def steady_load_array(time: Array, torque: Array) -> Array:
         row = np.minimum(np.searchsorted(rows, run), len(rows) - 1)  # that a knot leads to
         knots = run[is_steady[row]]
         steady[knots] = np.interp(time[knots], time[rows], steadied)
+        for one, other in pairwise(parts):
+            knot = rows[other.first] - 1  # that leads to the next part
+            if time[knot] == time[knot + 1] and _is_step(time[rows], one, other):
+                steady[knot] = one.values[-1]
     return steady
 
 
@@ -69,6 +73,18 @@ class Straight(NamedTuple):
     def follow(self, time: Array, at: Array) -> Array:
         """Its line at other times (n,)."""
         return self.height + self.slope * (at - time[self.first])
+
+
+def _is_step(time: Array, one: Straight, other: Straight) -> bool:
+    """Whether the load steps from part to part.
+
+    Neither runs by more than a small share of the step from one row to the next.
+    """
+    if one.end != other.first:
+        return False
+    rise = abs(other.height - one.follow(time, time[other.first]))
+    runs = max(abs(one.slope), abs(other.slope)) * (time[other.first] - time[one.end - 1])
+    return DECISIONS.load_change * rise >= runs
 
 
 def _split_rows(time: Array, torque: Array, change: float) -> list[Straight]:

@@ -12,7 +12,7 @@ from softfinger.inference.disturbances import CLOCKS, DRIFTS, find_kind
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.measure import add_components
-from softfinger.measurement.mend import mend_recordings
+from softfinger.measurement.mend import MENDED, mend_recordings
 from softfinger.measurement.steady import steady_log
 from softfinger.measurement.step_time import find_step_gaps_array
 from softfinger.mechanics.effects.measurement_file import MeasurementEntry
@@ -108,16 +108,17 @@ def pose_load(angles: xr.Dataset, pose: Pose) -> Posed:
     steady, error = steady_log(angles)
     differs = not steady.equals(angles)
     posed = mend_steps(pose(MeasurementEntry(steady_load=differs), {}), pose)
+    posed = choose_reading(angles, posed, pose)
     if not differs:
         return posed
-    posed = hold_ramps(angles, posed, pose)
     survey = posed.survey
     raw = mend_recordings(angles, posed.mended.model_copy(update={"steady_load": False}))
     more = weigh_log(posed.plain, posed.base, survey.ranked[0], raw, survey.needed)
     leader = find_leader(posed.base, survey.ranked[0], survey.needed)
     left = DECISIONS.form_error * (leader.log_evidence - posed.base.log_evidence)
     if more >= MEASURING.present_nats + left:
-        return mend_steps(pose(MeasurementEntry(), {}), pose)
+        followed = MeasurementEntry(load_tared=posed.mended.load_tared)
+        return mend_steps(pose(followed, {}), pose)
     if more >= 0.0 or error == 0.0 or not np.isfinite(more):  # of no fit there is no evidence
         return posed
     noise = add_components(posed.plain.noise, {"noisy_load": error}, {"noisy_load": -more})
@@ -125,18 +126,21 @@ def pose_load(angles: xr.Dataset, pose: Pose) -> Posed:
     return posed._replace(plain=replace(posed.plain, noise=noise), known=known)
 
 
-def hold_ramps(angles: xr.Dataset, posed: Posed, pose: Pose) -> Posed:
-    """Let each row of a ramp stay until the next one.
+def choose_reading(angles: xr.Dataset, posed: Posed, pose: Pose) -> Posed:
+    """Read the log otherwise where the motion prefers it.
 
-    Where the motion prefers that: under lines from row to row it would be half a row late, which no
-    effect explains better than the rig that holds its set points.
+    Each row of a ramp may stay until the next one: under lines from row to row such a load is half
+    a row late. What the log reads at the start may be its zero: as a load it would move the finger.
     """
-    held = posed.mended.model_copy(update={"ramps_held": True})
-    later = mend_recordings(angles, held)
-    if later.equals(mend_recordings(angles, posed.mended)):
-        return posed
-    more = weigh_log(posed.plain, posed.base, posed.survey.ranked[0], later, posed.survey.needed)
-    return pose(held, posed.known) if more > 0.0 else posed
+    known, plain, survey = posed.mended, posed.plain, posed.survey
+    as_read = mend_recordings(angles, known)
+    chosen = {}
+    for name in ("ramps_held", "load_tared"):
+        other = mend_recordings(angles, known.model_copy(update={name: True}))
+        if not other.equals(as_read):
+            more = weigh_log(plain, posed.base, survey.ranked[0], other, survey.needed)
+            chosen |= {name: True} if more >= MEASURING.reading_nats else {}
+    return pose(known.model_copy(update=chosen), posed.known) if chosen else posed
 
 
 def mend_steps(posed: Posed, pose: Pose) -> Posed:
@@ -190,20 +194,20 @@ def mend_offsets(posed: Posed, pose: Pose) -> Posed:
     first = start_clocks(plain, leader, base)
     if first is None:  # what it leaves shows no offsets, and no other leaves less
         return posed
-    delayed = [c for c in singles if "camera_delay" in c.model.ids and c.fit is not None][:1]
-    tried = list(
-        {id(c): c for c in (base, *list_leaders(base, singles, needed), *delayed)}.values()
-    )
+    tried = [base, *list_leaders(base, singles, needed)]
     others = (start_clocks(plain, c, base) for c in tried if c is not leader)
     started = [first, *(one for one in others if one is not None)]
     before = _weigh_best([(plain, c, 0.0) for c in tried], base, needed)
-    after = [_weigh_best([(s.problem, s.candidate, s.cost)], base, needed) for s in started]
+    after = [
+        _weigh_best([(s.problem, s.candidate, s.cost + needed)], base, needed) for s in started
+    ]
     if max(after) < before + MEASURING.present_nats:
         return posed
     best = started[int(np.argmax(after))]
-    offsets = dict(zip(plain.trials.name, best.offset.tolist(), strict=True))
+    offset = best.offset - best.offset.mean()  # what they have in common is an effect
+    offsets = dict(zip(plain.trials.name, offset.tolist(), strict=True))
     mended = posed.mended.model_copy(update={"clock_offsets_s": offsets})
-    sd = float(np.sqrt(np.mean(best.offset**2)))
+    sd = float(np.sqrt(np.mean(offset**2)))
     return pose(mended, {**posed.known, "clock_offset": (sd, max(after) - before)})
 
 
@@ -225,7 +229,8 @@ def _weigh_best(
 def mend_hums(posed: Posed, pose: Pose) -> tuple[Posed, list[Hum]]:
     """Take hums, neither motion nor noise, off recordings.
 
-    A few slow waves imitate a drift. They are hums where they explain more than it does.
+    A few slow waves imitate a drift. They are hums where they explain more than it does. Steps that
+    come at any moment take up a part of a wave, so they are placed anew without it.
     """
     leader = find_leader(posed.base, posed.survey.ranked[0], posed.survey.needed)
     hums = hear_hums(posed.plain, leader, posed.angles)
@@ -236,7 +241,11 @@ def mend_hums(posed: Posed, pose: Pose) -> tuple[Posed, list[Hum]]:
     if drift > sum(hum.evidence for hum in hums):
         return posed, []
     mended = add_hums(posed.mended, hums, posed.plain.trials.name)
-    return pose(mended, posed.known), hums
+    if not (mended.steps_early or mended.steps_open):
+        return pose(mended, posed.known), hums
+    as_logged = mended.model_copy(update={"steps_early": 0.0, "steps_open": False})
+    known = {name: found for name, found in posed.known.items() if name not in MENDED}
+    return mend_steps(pose(as_logged, known), pose), hums
 
 
 def add_hums(known: MeasurementEntry, hums: list[Hum], trials: list[str]) -> MeasurementEntry:

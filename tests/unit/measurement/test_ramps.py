@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from softfinger.campaign.load_log import build_load_array
 from softfinger.measurement.open_gaps import find_open_gaps_array
 from softfinger.measurement.ramps import straighten_ramps_array, turn_between_rows_array
+from softfinger.measurement.steady import steady_load_array
 
 WITHIN = 0.05
 
@@ -147,3 +148,18 @@ def test_a_row_that_is_held_moves_as_its_stair_does(begin, span):
 def step_through(time, load, at):
     """Load at some times; of two knots at one time the later one counts."""
     return np.interp(at, time + 1e-9 * np.arange(len(time)), load)
+
+
+@pytest.mark.parametrize("rise", [3.0, 0.05])
+def test_a_step_between_levels_that_drift_stays_a_step(rise):
+    """It became the steep part of a ramp, and came half a row too soon."""
+    time = 0.02 * np.arange(200)
+    load = np.where(time < 2.0, 1.0, 1.0 + rise) + 0.001 * time
+    log = build_load_array(time, load, WITHIN)
+    steadied = log[0], steady_load_array(*log)
+    for held in (False, True):
+        knots, torque = straighten_ramps_array(*steadied, WITHIN, held=held)
+        early, late = np.interp(
+            [2.0 - 1e-6, 2.0 + 1e-6], knots + 1e-9 * np.arange(400)[: len(knots)], torque
+        )
+        assert late - early == pytest.approx(rise, rel=0.05)

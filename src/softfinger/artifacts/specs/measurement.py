@@ -72,6 +72,9 @@ SPEC = ArtifactSpec(
         "ramps_held": Variable(
             (), "1", "each row of a ramp stays until the next one", "truth value", optional=True
         ),
+        "load_tared": Variable(
+            (), "1", "the log's first reading is taken off", "truth value", optional=True
+        ),
         "steps_early": Variable(
             (),
             "1",

@@ -39,7 +39,8 @@ class MeasurementEntry(Part):
     """What recordings suffer from, found together with the physics.
 
     `steady_load`: readings count as levels and straight ramps; `ramps_held`: each row of a ramp
-    stays until the next one; `clock_rate`: how slow the camera's clock runs, as a share;
+    stays until the next one; `load_tared`: what the log reads at the start is its zero;
+    `clock_rate`: how slow the camera's clock runs, as a share;
     `clock_offsets_s`: trial → by how much its frames are later than stated; `steps_early`: how much
     sooner than at its later row a step of the load comes, as a share of the gap between the two
     rows that state it; `steps_open`: it comes at any moment of that gap; `disturbances`: their sds,
@@ -48,6 +49,7 @@ class MeasurementEntry(Part):
 
     steady_load: bool = False
     ramps_held: bool = False
+    load_tared: bool = False
     steps_early: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
     steps_open: bool = False
     clock_rate: Annotated[float, Field(gt=-0.5, lt=0.5)] = 0.0

@@ -70,8 +70,8 @@ def find_clock_rate(plain: Problem, base: Candidate) -> tuple[float, float]:
 class StartedClocks(NamedTuple):
     """Clocks that start in each trial elsewhere.
 
-    `offset`: by how much each trial's frames are later than stated, of mean 0 (trial,) [s];
-    `problem`, `candidate`: with that set right; `cost`: what so many numbers cost [nats].
+    `offset`: by how much each trial's frames are later than stated (trial,) [s]; `problem`,
+    `candidate`: with that set right; `cost`: what so many numbers cost [nats], but their mean.
     """
 
     offset: NDArray[np.float64]
@@ -85,8 +85,7 @@ def start_clocks(plain: Problem, candidate: Candidate, base: Candidate) -> Start
 
     An offset of frames is more than a slope describes, for the motion has a corner at each step.
     So all offsets of a grid are tried, each trial's own parameters following to first order; then
-    the model is fitted again. The offsets have a normal prior of mean 0, whose sd is theirs; a
-    delay that they have in common is an effect.
+    the model is fitted again. The offsets have a normal prior, whose mean and sd are theirs.
 
     None where the model has no motion or fit so, or where offsets do not explain what they cost.
     """
@@ -99,9 +98,10 @@ def start_clocks(plain: Problem, candidate: Candidate, base: Candidate) -> Start
         if not np.isfinite(lost).all():
             return None
         moved, variance = _find_lowest(grid, lost)
-        offset = offset + moved - moved.mean()
-        spread = max(float(np.mean(offset**2)), np.finfo(float).tiny)
-        cost = 0.5 * float(np.sum(np.log1p(spread / variance) + offset**2 / spread))
+        offset = offset + moved
+        away = offset - offset.mean()
+        spread = max(float(np.mean(away**2)), np.finfo(float).tiny)
+        cost = 0.5 * float(np.sum(np.log1p(spread / variance) + away**2 / spread))
         explained = float(lost.sum(axis=1).min() - lost.min(axis=0).sum())
         if number == 0 and explained < cost + MEASURING.present_nats:
             return None

@@ -43,7 +43,14 @@ def tabulate_diagnosis(
     models = search.base, search.best
     needed = diagnosis.false_alarms.threshold(config["false_alarm_probability"])
     mended = diagnosis.mended.model_dump(
-        include={"clock_rate", "steady_load", "ramps_held", "steps_early", "steps_open"}
+        include={
+            "clock_rate",
+            "steady_load",
+            "ramps_held",
+            "load_tared",
+            "steps_early",
+            "steps_open",
+        }
     )
     offset = diagnosis.mended.clock_offsets_s
     later = [offset.get(name, 0.0) for name in problem.noise["trial"].values.tolist()]

@@ -1,5 +1,6 @@
 """Whether the load follows what its log reads on a plateau, or the log errs."""
 
+from functools import partial
 from importlib import import_module
 from types import SimpleNamespace
 
@@ -321,6 +322,15 @@ def test_chance_is_calibrated_for_the_load_that_counts(follows, monkeypatch):
     assert calibrated == ([False, True] if follows else [False])
 
 
+def pose_base(angles, mended, known):
+    """Fit the base model to recordings that were set right."""
+    right = mend_recordings(angles, mended)
+    problem, fit = pose_problem(right)
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    survey = SimpleNamespace(ranked=([], []), needed=7.0)
+    return Posed(right, problem, base, survey, known, mended)
+
+
 @pytest.mark.parametrize("stays", [False, True])
 def test_the_motion_decides_whether_a_rig_holds_its_set_points(stays):
     """A stair that was read as lines from row to row showed a delay of half a row."""
@@ -339,11 +349,27 @@ def test_the_motion_decides_whether_a_rig_holds_its_set_points(stays):
     read = angles.drop_dims("knot").assign(joint_angle=moved)
     read = read.assign({name: (("trial", "knot"), part) for name, part in named})
 
-    def pose(mended, known):
-        right = mend_recordings(read, mended)
-        problem, fit = pose_problem(right)
-        base = Candidate(problem.base, fit, fit.log_evidence)
-        survey = SimpleNamespace(ranked=([], []), needed=7.0)
-        return Posed(right, problem, base, survey, known, mended)
+    assert pose_load(read, partial(pose_base, read)).mended.ramps_held == stays
 
-    assert pose_load(read, pose).mended.ramps_held == stays
+
+@pytest.mark.parametrize("zero", [0.0, 0.0004])
+def test_the_zero_of_a_load_cell_is_no_load(zero):
+    """It began with the log, and showed joints that were not at rest at the start."""
+    rng = np.random.default_rng(7)
+    offset = zero * rng.standard_normal((6, 1))
+    rows = np.tile(np.array([0.0, 2.0, 2.0, 12.0, 12.0, 20.0]), (6, 1))
+    acting = np.tile(np.array([0.0, 0.0, 0.04, 0.04, 0.02, 0.02]), (6, 1))
+    recording = build_recording(TIME, rows, acting, 1, [f"t{i}" for i in range(6)])
+    mean = np.array([[-2.4, -3.6, 2.9, 0.02]])
+    own = draw_parameters(mean, np.array([0.2, 0.4, 0.7, 0.01]), recording, rng)
+    noise = describe_noise(np.full(1, 0.001), np.zeros(1), 0.0)
+    angles = draw_angles(recording, own, noise, rng).assign(
+        started_at=("trial", np.full(6, np.nan)),
+        joint_length=np.nan,
+        wire_offset=np.nan,
+        **UNKNOWN,
+    )
+    before = np.pad(acting + offset, ((0, 0), (1, 0)))
+    log = {"load_time": np.pad(rows, ((0, 0), (1, 0))), "load_torque": before}
+    read = angles.drop_dims("knot").assign({k: (("trial", "knot"), v) for k, v in log.items()})
+    assert pose_load(read, partial(pose_base, read)).mended.load_tared == (zero > 0.0)
