@@ -15,7 +15,7 @@ from softfinger.measurement.step_time import advance_steps_array, open_steps_arr
 from softfinger.measurement.tare import tare_log
 from softfinger.mechanics.effects.measurement_file import HumEntry, MeasurementEntry
 
-MENDED = frozenset({"step_time"})
+MENDED = frozenset({"step_time", "load_zero"})
 """Components of what was set right that are no disturbance of the noise."""
 
 
@@ -41,7 +41,7 @@ def mend_recordings(angles: xr.Dataset, known: MeasurementEntry) -> xr.Dataset:
     if known.steady_load:
         angles = steady_log(angles, held=known.ramps_held)[0]
     if known.load_tared:
-        angles = tare_log(angles)
+        angles = tare_log(angles)[0]
     if known.steps_early or known.steps_open:
         angles = _move_steps(angles, known)
     if known.clock_rate:

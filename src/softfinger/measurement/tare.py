@@ -15,19 +15,21 @@ from softfinger.measurement.steady import steady_load_array
 Array = NDArray[np.float64]
 
 
-def tare_log(angles: xr.Dataset) -> xr.Dataset:
+def tare_log(angles: xr.Dataset) -> tuple[xr.Dataset, float]:
     """Take the first reading off each trial's log.
 
     Returns
     -------
-    Dataset
-        As `angles`; `load_torque` is 0 until the load first changes. A first reading that is a
-        change of load itself stays.
+    angles, zero
+        With a `load_torque` of 0 until the load first changes, but for a first reading that is a
+        change of load itself; rms of what was taken off, over the trial's largest load.
     """
     dims = ("trial", "knot")
     time, torque = (angles[name].transpose(*dims).values for name in ("load_time", "load_torque"))
-    tared = [load - find_zero(*log) for *log, load in zip(time, torque, torque, strict=True)]
-    return angles.assign(load_torque=(dims, np.where(_before_the_log(time), torque, tared)))
+    zero = np.array([find_zero(*log) for log in zip(time, torque, strict=True)])
+    tared = np.where(_before_the_log(time), torque, torque - zero[:, None])
+    share = zero / np.maximum(np.abs(torque).max(axis=1), np.finfo(float).tiny)
+    return angles.assign(load_torque=(dims, tared)), float(np.sqrt(np.mean(share**2)))
 
 
 def find_zero(time: Array, torque: Array) -> float:

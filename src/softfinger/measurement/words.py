@@ -113,6 +113,11 @@ WORDS = {
         lambda s, _: f"The gain of the load cell drifts within a trial by {100 * s:.2g} %.",
         "noisy_load",
     ),
+    "load_zero": Words(
+        "relative_sd",
+        lambda s, _: f"The zero of the load log is off by {100 * s:.2g} % of the largest load.",
+        "noisy_load",
+    ),
     "timing_jitter": Words(
         "sd_s", lambda s, _: f"The times of the frames jitter by {1e3 * s:.2g} ms."
     ),

@@ -12,9 +12,10 @@ from softfinger.inference.disturbances import CLOCKS, DRIFTS, find_kind
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.measure import add_components
-from softfinger.measurement.mend import MENDED, mend_recordings
+from softfinger.measurement.mend import mend_recordings
 from softfinger.measurement.steady import steady_log
 from softfinger.measurement.step_time import find_step_gaps_array
+from softfinger.measurement.tare import tare_log
 from softfinger.mechanics.effects.measurement_file import MeasurementEntry
 from softfinger.mechanics.effects.model import Piece
 from softfinger.mismatch.candidates.columns import ScoreColumns
@@ -118,7 +119,8 @@ def pose_load(angles: xr.Dataset, pose: Pose) -> Posed:
     left = DECISIONS.form_error * (leader.log_evidence - posed.base.log_evidence)
     if more >= MEASURING.present_nats + left:
         followed = MeasurementEntry(load_tared=posed.mended.load_tared)
-        return mend_steps(pose(followed, {}), pose)
+        zero = {name: found for name, found in posed.known.items() if name == "load_zero"}
+        return mend_steps(pose(followed, zero), pose)
     if more >= 0.0 or error == 0.0 or not np.isfinite(more):  # of no fit there is no evidence
         return posed
     noise = add_components(posed.plain.noise, {"noisy_load": error}, {"noisy_load": -more})
@@ -132,15 +134,19 @@ def choose_reading(angles: xr.Dataset, posed: Posed, pose: Pose) -> Posed:
     Each row of a ramp may stay until the next one: under lines from row to row such a load is half
     a row late. What the log reads at the start may be its zero: as a load it would move the finger.
     """
-    known, plain, survey = posed.mended, posed.plain, posed.survey
-    as_read = mend_recordings(angles, known)
-    chosen = {}
+    plain, survey, as_read = posed.plain, posed.survey, mend_recordings(angles, posed.mended)
+    chosen: dict[str, float] = {}
     for name in ("ramps_held", "load_tared"):
-        other = mend_recordings(angles, known.model_copy(update={name: True}))
+        other = mend_recordings(angles, posed.mended.model_copy(update={name: True}))
         if not other.equals(as_read):
             more = weigh_log(plain, posed.base, survey.ranked[0], other, survey.needed)
-            chosen |= {name: True} if more >= MEASURING.reading_nats else {}
-    return pose(known.model_copy(update=chosen), posed.known) if chosen else posed
+            chosen |= {name: more} if more >= MEASURING.reading_nats else {}
+    if not chosen:
+        return posed
+    known = dict(posed.known)
+    if "load_tared" in chosen:
+        known["load_zero"] = tare_log(as_read)[1], chosen["load_tared"]
+    return pose(posed.mended.model_copy(update=dict.fromkeys(chosen, True)), known)
 
 
 def mend_steps(posed: Posed, pose: Pose) -> Posed:
@@ -244,7 +250,7 @@ def mend_hums(posed: Posed, pose: Pose) -> tuple[Posed, list[Hum]]:
     if not (mended.steps_early or mended.steps_open):
         return pose(mended, posed.known), hums
     as_logged = mended.model_copy(update={"steps_early": 0.0, "steps_open": False})
-    known = {name: found for name, found in posed.known.items() if name not in MENDED}
+    known = {name: found for name, found in posed.known.items() if name != "step_time"}
     return mend_steps(pose(as_logged, known), pose), hums
 
 

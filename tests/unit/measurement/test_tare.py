@@ -33,11 +33,13 @@ def step_through(log, at):
 
 @pytest.mark.parametrize("zero", [0.02, -0.05])
 def test_the_zero_is_taken_off_everywhere(zero):
-    tared = tare_log(read(PULL + zero))
+    tared, share = tare_log(read(PULL + zero))
+    assert share == pytest.approx(abs(zero) / (3.0 + zero))
     dense = np.linspace(0.0, 1.15, 800)
     expected = np.where(dense < 0.5, 0.0, 3.0)
     np.testing.assert_allclose(step_through(tared, dense), expected, atol=1e-9)
-    again = tare_log(tared)
+    again, share = tare_log(tared)
+    assert share == pytest.approx(0.0, abs=1e-12)
     np.testing.assert_allclose(again["load_torque"], tared["load_torque"], atol=1e-12)
 
 
@@ -50,11 +52,11 @@ def test_the_zero_of_noisy_readings_is_their_mean():
 @pytest.mark.parametrize("load", [PULL, PULL + 0.4, np.full(60, 2.0), 3.0 - PULL])
 def test_a_load_that_is_there_from_the_start_stays(load):
     log = read(load)
-    xr.testing.assert_allclose(tare_log(log), log)
+    xr.testing.assert_allclose(tare_log(log)[0], log)
 
 
 def test_a_model_file_states_it():
     log = read(PULL + 0.02, PULL)
     mended = mend_recordings(log, MeasurementEntry(load_tared=True))
-    xr.testing.assert_identical(mended, tare_log(log))
+    xr.testing.assert_identical(mended, tare_log(log)[0])
     assert not mended.equals(log)

@@ -372,4 +372,9 @@ def test_the_zero_of_a_load_cell_is_no_load(zero):
     before = np.pad(acting + offset, ((0, 0), (1, 0)))
     log = {"load_time": np.pad(rows, ((0, 0), (1, 0))), "load_torque": before}
     read = angles.drop_dims("knot").assign({k: (("trial", "knot"), v) for k, v in log.items()})
-    assert pose_load(read, partial(pose_base, read)).mended.load_tared == (zero > 0.0)
+    found = pose_load(read, partial(pose_base, read))
+    assert found.mended.load_tared == ("load_zero" in found.known) == (zero > 0.0)
+    if zero:
+        size, nats = found.known["load_zero"]
+        assert size == pytest.approx(np.sqrt(np.mean(offset**2)) / 0.04, rel=0.05)
+        assert nats > 10.0
