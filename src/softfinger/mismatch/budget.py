@@ -98,6 +98,12 @@ class DiagnosisBudget:
     """Offsets that are tried. Why: quarters of a frame; a parabola gives the rest."""
     offset_rounds: int = 3
     """Times that a model is fitted to clocks that were moved. Why: it then has come to rest."""
+    offset_rivals: int = 3
+    """Pairs of effects that compete with clocks that were moved.
+
+    Why: the best of them by far where there are two effects.
+    Test: `test_mend_offsets.py::test_a_second_effect_is_no_offset`.
+    """
     replicates: int = 20
     """Replicates drawn together. Why: it bounds the memory.
     Test: `test_calibrate.py::test_as_many_replicates_are_drawn_as_are_asked_for`.

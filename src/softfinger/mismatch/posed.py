@@ -18,8 +18,9 @@ from softfinger.measurement.step_time import find_step_gaps_array
 from softfinger.measurement.tare import tare_log
 from softfinger.mechanics.effects.measurement_file import MeasurementEntry
 from softfinger.mechanics.effects.model import Piece
-from softfinger.mismatch.candidates.columns import ScoreColumns
-from softfinger.mismatch.candidates.rank import Progress, Score
+from softfinger.mismatch.budget import BUDGET
+from softfinger.mismatch.candidates.columns import ScoreColumns, collect_columns
+from softfinger.mismatch.candidates.rank import Progress, Score, rank_pieces
 from softfinger.mismatch.checks.hums import Hum, describe_hums, hear_hums
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.search.calibrate import FalseAlarms
@@ -190,7 +191,8 @@ def mend_offsets(posed: Posed, pose: Pose) -> Posed:
     """Start each trial's clock where its motion has it.
 
     To first order offsets are a disturbance, and all models are judged with that. They are set
-    right where what leads then is better than whatever leads so: more than a slope describes.
+    right where what leads then is better than whatever leads so, also with a second effect: more
+    than a slope describes, and than a model that is left too small does.
     """
     plain, base, (singles, _) = posed.plain, posed.base, posed.survey.ranked
     needed = posed.survey.needed
@@ -209,12 +211,25 @@ def mend_offsets(posed: Posed, pose: Pose) -> Posed:
     ]
     if max(after) < before + MEASURING.present_nats:
         return posed
+    pairs = [(plain, pair, 0.0) for pair in _add_effect(posed, leader)]
+    before = max(before, _weigh_best(pairs, base, needed))
+    if max(after) < before + MEASURING.present_nats:
+        return posed
     best = started[int(np.argmax(after))]
     offset = best.offset - best.offset.mean()  # what they have in common is an effect
     offsets = dict(zip(plain.trials.name, offset.tolist(), strict=True))
     mended = posed.mended.model_copy(update={"clock_offsets_s": offsets})
     sd = float(np.sqrt(np.mean(offset**2)))
     return pose(mended, {**posed.known, "clock_offset": (sd, max(after) - before)})
+
+
+def _add_effect(posed: Posed, leader: Candidate) -> list[Candidate]:
+    """The best models of a leader and one more effect."""
+    plain, found = posed.plain, posed.survey
+    pieces = [piece for piece in found.catalogue[0] if piece.effect.id not in leader.model.ids]
+    columns = collect_columns(plain, leader, pieces)
+    pairs, _ = rank_pieces(plain, leader, columns, lambda items, _: items)
+    return [pair for pair in pairs if pair.fit is not None][: BUDGET.offset_rivals]
 
 
 def _weigh_best(

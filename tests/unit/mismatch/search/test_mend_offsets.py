@@ -12,9 +12,10 @@ from softfinger.inference.simulate import (
 )
 from softfinger.measurement.mend import mend_recordings
 from softfinger.mechanics.effects.measurement_file import MeasurementEntry
+from softfinger.mechanics.three_element import compute_joint_angle_array
 from softfinger.mismatch.candidates.columns import collect_columns
 from softfinger.mismatch.candidates.rank import list_pieces, rank_pieces
-from softfinger.mismatch.posed import Posed, Survey, mend_offsets
+from softfinger.mismatch.posed import Posed, Survey, _add_effect, mend_offsets
 from softfinger.mismatch.search.judge import judge
 from softfinger.mismatch.search.log_and_clock import start_clocks
 
@@ -23,8 +24,11 @@ LATE = 0.03 * np.array([0.3, -1.4, 0.9, 0.1, 1.2, -0.6, -1.0, 0.5])
 UNKNOWN = {f"link_{k}": ("joint", [np.nan]) for k in ("length", "mass", "centre", "inertia")}
 
 
-def record(late):
-    """Record 8 trials of three quick steps by a camera that is `late` (trial,) [s]."""
+def record(late, share=0.0):
+    """Record 8 trials of three quick steps by a camera that is `late` (trial,) [s].
+
+    A second Voigt element has a share of the elastic compliance, another in each trial.
+    """
     rng, names = np.random.default_rng(9), [f"t{i}" for i in range(8)]
     rows = np.tile([0.0, 2.0, 2.0, 5.0, 5.0, 8.0, 8.0, 12.0], (8, 1))
     load = np.tile([0.0, 0.0, 0.03, 0.03, 0.01, 0.01, 0.05, 0.05], (8, 1))
@@ -32,7 +36,13 @@ def record(late):
     mean = np.array([[-2.4, -4.6, 2.9, 0.02]])
     own = draw_parameters(mean, np.array([0.2, 0.4, 0.7, 0.01]), recording, rng)
     noise = describe_noise(np.full(1, 0.002), np.zeros(1), 0.0)
-    return draw_angles(recording, own, noise, rng).assign(
+    angles = draw_angles(recording, own, noise, rng)
+    if share:
+        stiff = own["k_v"] / (share * np.exp(0.3 * rng.standard_normal((8, 1))))
+        series = TIME, rows[:, None] + late[:, None, None], load[:, None]
+        more = compute_joint_angle_array(stiff, 2.0 * stiff, np.inf, 0.0, *series)
+        angles["joint_angle"].values += more
+    return angles.assign(
         load_time=(("trial", "knot"), rows),
         started_at=("trial", np.full(8, np.nan)),
         joint_length=np.nan,
@@ -97,6 +107,28 @@ def test_offsets_are_not_set_right_where_an_effect_explains_more(scattered, monk
 
     monkeypatch.setitem(mend_offsets.__globals__, "judge", judge_well)
     assert mend_offsets(scattered, None) is scattered
+
+
+def test_a_second_effect_is_no_offset(scattered, monkeypatch):
+    """What it leaves under the leader alone is explained in part by offsets."""
+    pair = scattered.base._replace(log_evidence=0.0)
+
+    def judge_well(problem, candidate, *rest):
+        found = judge(problem, candidate, *rest)
+        return found._replace(evidence=found.evidence + 1e6 * (candidate is pair))
+
+    monkeypatch.setitem(mend_offsets.__globals__, "_add_effect", lambda *_: [pair])
+    monkeypatch.setitem(mend_offsets.__globals__, "judge", judge_well)
+    assert mend_offsets(scattered, None) is scattered
+
+
+def test_pairs_are_a_leader_and_one_more_effect():
+    posed = pose(record(np.full(8, 0.08), 0.3), ("camera_delay", "second_retardation"))
+    leader = posed.survey.ranked[0][0]
+    assert leader.model.ids == {"camera_delay"}
+    best, *_ = _add_effect(posed, leader)
+    assert best.model.ids == {"camera_delay", "second_retardation"}
+    assert best.log_evidence > leader.log_evidence + 100.0
 
 
 def test_a_model_without_motion_at_some_offset_has_none(scattered, monkeypatch):
