@@ -20,7 +20,7 @@ from softfinger.tracking.fit import (
 from softfinger.tracking.flat import SUMS
 from softfinger.tracking.moments import move_to_moments
 
-_ITERATIONS = 25  # far more than a good prediction needs
+_ITERATIONS = np.int64(25)  # far more than a good prediction needs; a plain int compiles anew
 _CONTRAST_CHANGE = (0.4, 2.5)  # from one picture to the next
 _RADIUS_CHANGE = (0.6, 1.6)
 _LARGEST_SD = 0.15  # radii: less certain than that, a disc is not seen

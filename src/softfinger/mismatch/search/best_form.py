@@ -15,7 +15,9 @@ from softfinger.inference.mixed_effects import Prior, climb_omega, invert_scaled
 from softfinger.mismatch.candidates.columns import ScoreColumns
 from softfinger.mismatch.priors import PRIORS
 
-ROUNDS, SLIGHT = 3, 0.1  # of EM, and the nats at which it stops: a score errs by more
+# of EM, and the nats at which it stops: a score errs by more; a plain int, being a type of its own
+# to the compiler, would have the EM compiled once more
+ROUNDS, SLIGHT = np.int64(3), 0.1
 
 
 class BestForm(NamedTuple):
