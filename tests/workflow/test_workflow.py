@@ -135,7 +135,7 @@ def test_a_setting_reruns_the_rules_that_read_it_and_no_other(finished, setting,
 
 def test_the_same_seed_gives_the_same_bytes_on_one_core_and_on_two(finished):
     wanted = ("again/sampling.nc", "again/sobol.nc", "again/bands.nc")
-    finished.snakemake(*wanted, "--cores", "1", "--config", "out=again")
+    finished.snakemake(*wanted, "--cores", "2", "--config", "out=again")
     for name in ("truth", "angles", "least_squares", "posterior", "sampling", "bands", "sobol"):
         one, two = (finished.root / folder / f"{name}.nc" for folder in ("results", "again"))
         assert one.read_bytes() == two.read_bytes(), name

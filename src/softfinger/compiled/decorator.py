@@ -9,6 +9,9 @@ from typing import overload
 from numba import njit
 
 from softfinger.compiled.cache import SourceCache
+from softfinger.compiled.shapes import shorten_errors
+
+shorten_errors()
 
 
 @overload

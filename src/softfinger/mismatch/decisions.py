@@ -96,6 +96,12 @@ class DiagnosisDecisions:
     Why: 0.3 % by chance at one place.
     Test: `test_decisions.py::test_a_joint_is_listed_where_its_spline_is_clearly_off_zero`.
     """
+    turns_back: float = 0.5
+    """Share of its fall that a softening may rise again.
+
+    Why: heat that spreads, or water that dries, takes back some of it; with more, it is a law of
+    rest or of the direction of motion. Test: `test_turned.py::test_half_of_a_fall_may_come_back`.
+    """
     slip_nats: float = 5.0
     """Evidence [nats] from which a trial's slip is listed.
 

@@ -189,7 +189,8 @@ def _close(
     if search.best is not kept.best:
         findings = examine(problem, search, angles, needed=needed)
     posterior = weigh_models(search.base, search.candidates, free)
-    if choose_decision(search, posterior, findings.is_unlisted(needed)) == "unlisted":
+    decision = choose_decision(search, posterior, findings.is_unlisted(needed))
+    if decision == "unlisted" and not findings.turned:
         task = found.build_task(problem, search.base, patience)
         search = go_beyond(task, search, found.demand)
     masking = tabulate_masking(found.columns, problem, search.base)

@@ -106,7 +106,15 @@ def state_explained(verdict: Verdict) -> list[str]:
     best = explained[0]
     names, share = join_words([spell(n) for n in best["effects"]]), format_percent(best["share"])
     zero = ", but none of its sizes is clearly off zero" if best["amplitudes_cover_zero"] else ""
-    return [f"The best listed set, {names}, explains {share} of the missing evidence{zero}."]
+    turned = [
+        f"But its {spell(name)} falls and rises again, which is none: rest or the direction of "
+        "motion may be what changes the joint."
+        for name in best.get("turned_back", [])
+    ]
+    return [
+        f"The best listed set, {names}, explains {share} of the missing evidence{zero}.",
+        *turned,
+    ]
 
 
 def spell(effect: object) -> str:

@@ -74,6 +74,7 @@ def test_nothing_in_the_folder_tells(made):
         assert word not in text
 
 
+@pytest.mark.slow
 def test_the_same_case_gives_the_same_bytes(made, tmp_path):
     place, _ = made
     generate_campaign(SPEC, tmp_path / "c3f1", tmp_path / "truth.json")
@@ -92,6 +93,7 @@ def test_a_truth_inside_the_campaign_is_refused(tmp_path):
     assert not (tmp_path / "c").exists()
 
 
+@pytest.mark.slow
 def test_a_filmed_case_hands_the_motion_to_the_film_maker(tmp_path):
     spec = replace(SPEC, trials=2, noise="white", filmed=True)
     with pytest.raises(ValueError, match="filmed"):
@@ -175,6 +177,7 @@ def twins(tmp_path_factory):
     ]
 
 
+@pytest.mark.slow
 def test_twins_differ_by_their_nuisances_alone(twins):
     place, (plain, spoilt) = twins
     assert plain["individuals"] == spoilt["individuals"]
@@ -185,6 +188,7 @@ def test_twins_differ_by_their_nuisances_alone(twins):
     assert spoilt["case"]["seed"] == plain["case"]["seed"]
 
 
+@pytest.mark.slow
 def test_the_truth_tells_of_the_faults_and_how_plain_they_are(twins):
     place, (_, spoilt) = twins
     faults = {fault["id"]: fault for fault in spoilt["faults"]}
@@ -196,6 +200,7 @@ def test_the_truth_tells_of_the_faults_and_how_plain_they_are(twins):
     assert not read_campaign(place / "spoilt").set_aside
 
 
+@pytest.mark.slow
 def test_a_trial_may_be_short(twins):
     place, _ = twins
     table = read_campaign(place / "plain")

@@ -38,7 +38,12 @@ def _gain(spec, strength):
 
 
 @pytest.mark.parametrize(
-    ("name", "joints"), [("moment_arm", ()), ("second_retardation", (1,)), ("joint_play", (0,))]
+    ("name", "joints"),
+    [
+        ("moment_arm", ()),
+        pytest.param("second_retardation", (1,), marks=pytest.mark.slow),
+        pytest.param("joint_play", (0,), marks=pytest.mark.slow),
+    ],
 )
 def test_a_clean_campaign_gives_the_oracle_nothing(name, joints):
     gain, base, true = _gain(_spec(name, joints), 0.0)
@@ -56,6 +61,7 @@ def test_the_oracle_finds_what_was_concealed():
     assert misfit[1] == pytest.approx(1.0, abs=0.05)
 
 
+@pytest.mark.slow
 def test_a_calibrated_strength_gives_about_the_gain_aimed_at():
     spec = _spec("second_retardation", (0, 1, 2), "levels", noise="ar_0.9")
     setting = draw_setting(spec)
@@ -77,6 +83,7 @@ def test_places_run_from_one_nat_to_the_reach():
     assert place_strengths({"camera_delay": -1.0}, setting) == (none, none)
 
 
+@pytest.mark.slow
 def test_in_an_even_pair_the_weaker_ones_reach_counts_for_both():
     names, joints = ("camera_delay", "stress_nonlinear_flow"), ((), (0,))
     spec = CaseSpec(3, names, joints, (1.0, 0.9), "single_step", 2, "white", duration_s=12.0)

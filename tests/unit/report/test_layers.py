@@ -15,6 +15,7 @@ from softfinger.report.overview.measurement import MOST_FINDINGS, build_measurem
 from softfinger.report.overview.verdict import build_verdict
 from softfinger.report.page import DIAGNOSIS, REPORT, choose_plan, render_report
 from softfinger.report.sections.tiles import judge_tiles, reconcile
+from softfinger.report.verdict import state_explained
 from softfinger.stages.opening import DIAGNOSED
 
 MOST_WORDS, MOST_FIGURES = 900, 5
@@ -154,6 +155,14 @@ def test_what_is_unlisted_tells_all_that_is_known(render):
         "Not tried: temperature; temperature was not logged",
     ):
         assert words in page
+
+
+def test_an_effect_that_turned_back_is_said_to_be_none(diagnosed):
+    verdict = change(diagnosed, decision="unlisted", effects=[])["verdict"]
+    assert len(state_explained(verdict)) == 1
+    best = verdict["explained"][0] | {"turned_back": ["softening_within_trial"]}
+    said = state_explained(verdict | {"explained": [best]})
+    assert "softening within trial falls and rises again" in said[1]
 
 
 def test_warnings_come_before_the_verdict_and_a_next_experiment_last(diagnosed):

@@ -1,6 +1,4 @@
-"""What an effect is.
-
-It is an id, a sentence, and a family of forms that fill slots of the forward model.
+"""What an effect is: a family of forms that fill slots of the forward model.
 
 A form turns a few parameters into values of slots; with its amplitudes at zero it is the base
 model. Priors are normal on the internal scale (the logarithm, for a parameter marked log), cut at
@@ -265,11 +263,13 @@ class Effect:
         Whether its law is of the motion: angle, rate, or torque of the spring. One trial under one
         load shows it as a course in time, and creep may have any.
     place
-        Of several effects: two of them are not claimed together, for one freer law is both.
+        Of several effects: two are not claimed together, for one freer law is both.
     place_in_time
         The same under one load in each trial, where its law is a course in time.
     place_of_one
         The same where there is but one joint besides: what all joints share is that joint's own.
+    course
+        Filled slots, times in the trial (n,) → (joint, n), the log of what must fall; or None.
     """
 
     id: str
@@ -282,6 +282,7 @@ class Effect:
     place: str = ""
     place_in_time: str = ""
     place_of_one: str = ""
+    course: Callable[[Values, NDArray[np.float64]], NDArray[np.float64]] | None = None
 
     def find_place(self, setting: Setting) -> str:
         """The place that it shares with others; else its id."""

@@ -210,7 +210,7 @@ class EffectModel:
         """Fill all trials' slots from φ (p,)."""
         values: dict[str, NDArray] = {}
         for number in range(len(self.pieces)):
-            for name, value in self._fill_piece(number, shared).items():
+            for name, value in self.fill_piece(number, shared).items():
                 if name in values and SLOTS[name].null != 0.0:
                     raise Fault(f"{self.label}: two effects claim the slot {name}")
                 values[name] = values[name] + value if name in values else value
@@ -234,7 +234,7 @@ class EffectModel:
         number, step = self.entries[k].piece, DIFFERENCE * self.entries[k].parameter.sd
         up, down = shared.copy(), shared.copy()
         up[k], down[k] = shared[k] + step, shared[k] - step
-        up, down = self._fill_piece(number, up), self._fill_piece(number, down)
+        up, down = self.fill_piece(number, up), self.fill_piece(number, down)
         slope = {
             name: (np.asarray(up[name]) - down[name]) / (2.0 * step)
             for name in up
@@ -247,7 +247,7 @@ class EffectModel:
         """Known tangents by φ in which slots are linear."""
         return {}
 
-    def _fill_piece(self, number: int, shared: NDArray[np.float64]) -> dict[str, NDArray]:
+    def fill_piece(self, number: int, shared: NDArray[np.float64]) -> dict[str, NDArray]:
         """Slots of one piece, null in joints without it."""
         piece = self.pieces[number]
         filled = self._confine(piece, piece.form.slots(self._physical(number, shared)))

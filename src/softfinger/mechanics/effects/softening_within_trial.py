@@ -3,11 +3,13 @@
 Heat and water thin both dampers of a joint; its creep alone may thin too.
 
 Under one load in each trial that is a course in time, as creep is. Free: any smooth course beside
-an exponential.
+an exponential. A course that falls and rises again is something else's: of the direction of motion,
+of rest.
 """
 
 import math
 
+import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
@@ -22,7 +24,7 @@ from softfinger.mechanics.effects.effect import (
     time_constant,
 )
 from softfinger.mechanics.effects.law import Law, free_form
-from softfinger.mechanics.forward.curve import Weights, combine, weigh_value
+from softfinger.mechanics.forward.curve import Weights, combine, draw_curve, weigh_value
 from softfinger.mechanics.forward.hooks import Hook
 from softfinger.mechanics.forward.slot import Slot, declare
 from softfinger.mechanics.forward.spring import (
@@ -136,6 +138,21 @@ def _thin(model: Model, j: int, time: float, pair: NDArray, row: NDArray) -> Non
             row[c] = (row[c] - pair[VALUE] * more) / left
 
 
+def follow_course(slots: Values, time: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Logarithm of what is left (joint, n), at times (n,).
+
+    It is that of the stiffness or of the viscosity, whichever softens.
+    """
+    eased = -np.expm1(-time / np.atleast_1d(slots["softening_time"])[:, None])
+    course = np.zeros_like(eased)
+    for name in set(TARGETS.values()) & set(slots):
+        course = course + np.log1p(-np.atleast_1d(slots[name])[:, None] * eased)
+    for name in (f"{name}_law" for name in set(TARGETS.values())):
+        if name in slots:
+            course = course + draw_curve(slots[name], time / slots["softening_reach"])
+    return course
+
+
 def _build_form(target: str, setting: Setting) -> Form:
     share = positive("softening_share", 0.2, per="joint", high=0.9, floor=5e-4)
     time = time_constant("softening_time_s", 5 * setting.interval, 3 * setting.duration, starts=3)
@@ -178,4 +195,5 @@ EFFECT = Effect(
     ),
     of_motion=True,
     place_in_time=CREEP,
+    course=follow_course,
 )

@@ -10,6 +10,7 @@ from softfinger.mismatch.checks.free_form import FreeForm
 from softfinger.mismatch.checks.lines import Line, find_line
 from softfinger.mismatch.checks.slips import Slips, find_slips
 from softfinger.mismatch.checks.summary import compute_excess, compute_residual
+from softfinger.mismatch.checks.turned import list_turned
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.search.shape import allow_rest
 from softfinger.mismatch.search.stepwise import Search
@@ -30,6 +31,8 @@ class Findings(NamedTuple):
         The best free-form term on top of the best model; None where nothing calls for one.
     gain
         Gain [nats] of the best listed effects over the base model.
+    turned
+        Effects in the best model that must fall and rise again.
     """
 
     excess: float
@@ -38,6 +41,7 @@ class Findings(NamedTuple):
     slips: Slips
     free: FreeForm | None
     gain: float
+    turned: tuple[str, ...] = ()
 
     @property
     def left(self) -> float:
@@ -46,8 +50,9 @@ class Findings(NamedTuple):
         return max(free, self.line.gain, self.slips.gain)
 
     def is_unlisted(self, needed: float) -> bool:
-        """Whether more is left than is allowed."""
-        return bool(self.p_value < DECISIONS.missing or self.left > allow_rest(self.gain, needed))
+        """Whether more is left than is allowed, or an effect is not itself."""
+        left = self.p_value < DECISIONS.missing or self.left > allow_rest(self.gain, needed)
+        return bool(left or self.turned)
 
 
 def examine(problem: Problem, search: Search, angles: xr.Dataset, *, needed: float) -> Findings:
@@ -64,7 +69,8 @@ def examine(problem: Problem, search: Search, angles: xr.Dataset, *, needed: flo
     gain = search.best.log_evidence - search.base.log_evidence
     slips = find_slips(problem, search.best, angles)
     excess = compute_excess(problem, search.best)
-    return Findings(*excess, line, slips, free, gain)
+    turned = tuple(list_turned(problem, search.best))
+    return Findings(*excess, line, slips, free, gain, turned)
 
 
 def weigh_against_shape(search: Search, findings: Findings) -> float:

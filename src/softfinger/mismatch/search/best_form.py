@@ -15,9 +15,7 @@ from softfinger.inference.mixed_effects import Prior, climb_omega, invert_scaled
 from softfinger.mismatch.candidates.columns import ScoreColumns
 from softfinger.mismatch.priors import PRIORS
 
-# of EM, and the nats at which it stops: a score errs by more; a plain int, being a type of its own
-# to the compiler, would have the EM compiled once more
-ROUNDS, SLIGHT = np.int64(3), 0.1
+ROUNDS, SLIGHT = 3, 0.1  # of EM, and the nats at which it stops: a score errs by more
 
 
 class BestForm(NamedTuple):
@@ -80,47 +78,46 @@ def find_best_form(
     """
     if not columns.blocks:
         return BestForm(-np.inf, 1.0, np.zeros(0, int)), 0.0
-    kinds = columns.law, columns.positive, columns.place
-    gain, size, form, kept, alone = _find_best(
-        squares,
-        product,
+    own = _join_own(squares, product, len(omega))
+    omega, _ = climb_omega(own, prior, omega, ROUNDS, SLIGHT)
+    shared, covariance, _, _, _, alone, _ = solve_gram(own, prior, omega)
+    cross, direct, square = _take_up(squares, product, columns.first, columns.count, omega)
+    gain, size, form, kept = _find_best(
+        (cross, direct - cross @ shared, square),
+        covariance,
         (columns.first, columns.count),
         columns.sd,
-        kinds,
+        (columns.law, columns.positive, columns.place),
         np.array(PRIORS.law_sizes),
-        prior,
-        omega,
     )
     more = columns.first[form] + np.flatnonzero(kept[: columns.count[form]])
     return BestForm(gain, size, more), alone
 
 
+def _join_own(squares: Squares, product: NDArray[np.float64], d: int) -> NDArray[np.float64]:
+    """Gram matrices (trial, d + 1, d + 1) of [∂F/∂η | z]."""
+    own = np.zeros((len(product), d + 1, d + 1))
+    own[:, :d, :d] = squares.own
+    own[:, :d, d] = own[:, d, :d] = product[:, :d]
+    return own
+
+
 @compiled
 def _find_best(
-    squares: Squares,
-    product: NDArray,
+    left: tuple[NDArray, NDArray, NDArray],
+    covariance: NDArray,
     forms: tuple[NDArray, NDArray],
     amplitude_sd: NDArray,
     kinds: tuple[NDArray, NDArray, NDArray],
     sizes: NDArray,
-    prior: Prior,
-    omega: NDArray,
-) -> tuple[float, float, int, NDArray, float]:
-    """Gain, size and number of the best form.
+) -> tuple[float, float, int, NDArray]:
+    """Gain, size and number of the best form, and its columns.
 
-    Also its columns, and the evidence of no form.
+    `left` is what `_take_up` returns, the products with z at the fitted μ.
     """
+    cross, direct, square = left
     first, count = forms
     law, positive, place = kinds
-    trials, d = product.shape[0], omega.shape[0]
-    own = np.zeros((trials, d + 1, d + 1))
-    own[:, :d, :d] = squares.own
-    own[:, :d, d] = product[:, :d]
-    own[:, d, :d] = product[:, :d]
-    omega, _ = climb_omega(own, prior, omega, ROUNDS, SLIGHT)
-    shared, covariance, _, _, _, alone, _ = solve_gram(own, prior, omega)
-    cross, direct, square = _take_up(squares, product, first, count, omega)
-    direct -= cross @ shared
     best, best_size, best_form = -np.inf, 1.0, 0
     best_kept = np.ones(count.max(), np.bool_)
     for form in range(first.size):
@@ -142,7 +139,7 @@ def _find_best(
         if gain > best:
             best, best_size, best_form = gain, size, form
             best_kept[:p] = kept
-    return best, best_size, best_form, best_kept, alone
+    return best, best_size, best_form, best_kept
 
 
 @compiled

@@ -49,10 +49,10 @@ def conclude(
         posterior = posterior.doubt(real * weigh_against_shape(search, findings))
     effects = [] if decision == "adequate" else state_effects(problem, search, posterior, decision)
     if decision == "unlisted":
-        effects = keep_likely(effects)
+        effects = [effect for effect in keep_likely(effects) if effect.id not in findings.turned]
     location = effects[0].location if effects else None
-    if decision == "unlisted":
-        location = locate_misfit(problem, search.best, findings)
+    if decision == "unlisted":  # what has turned back explains nothing
+        location = locate_misfit(problem, search.base if findings.turned else final, findings)
     sets = posterior.equivalent
     return Verdict(
         campaign=str(angles.attrs.get("campaign", "")),

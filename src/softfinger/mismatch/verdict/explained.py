@@ -6,6 +6,7 @@ from scipy.stats import norm
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.checks.summary import compute_excess, compute_square_excess
+from softfinger.mismatch.checks.turned import list_turned
 from softfinger.mismatch.search.settle import Posterior
 from softfinger.mismatch.search.stepwise import Search
 from softfinger.mismatch.verdict.schema import Explained, NotTried
@@ -38,6 +39,7 @@ def list_explained(
             gain_nats=gains[ids],
             share=gains[ids] / (gains[ids] + measure_left(problem, found[ids])),
             amplitudes_cover_zero=covers_zero(found[ids]),
+            turned_back=list_turned(problem, found[ids]),
         )
         for ids in listed
     ]

@@ -143,13 +143,14 @@ class Explained(_VerdictPart):
     """What one set of listed effects explains.
 
     Its gain over the base model, and the share of that in the evidence that is missing; whether
-    no amplitude of it is clearly off zero.
+    no amplitude of it is clearly off zero; which of its effects would have to fall and rise again.
     """
 
     effects: list[str]
     gain_nats: float
     share: Probability
     amplitudes_cover_zero: bool
+    turned_back: list[str] = []
 
 
 class NotTried(_VerdictPart):

@@ -67,6 +67,7 @@ def test_what_the_oracle_knows_leaves_white_noise(name, noise):
     assert squares.mean() == pytest.approx(1.0, abs=tails)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NUISANCES)
 def test_the_truth_of_a_spoilt_clean_campaign_is_clean(name):
     """The oracle that knows the nuisance fits the base model and gains nothing by an effect."""
@@ -82,6 +83,7 @@ def test_the_truth_of_a_spoilt_clean_campaign_is_clean(name):
         assert fit.log_evidence - base.log_evidence < 2.0
 
 
+@pytest.mark.slow
 def test_an_oracle_that_does_not_know_takes_a_stalling_camera_for_physics():
     setting, _, sights = _spoil("held_frames")
     blind = recall(setting, sights, SEED, knowing=())

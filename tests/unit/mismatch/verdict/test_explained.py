@@ -23,7 +23,7 @@ def build(*ids, nats, left=0.0, covers=False):
     fit = SimpleNamespace(
         shared=np.array([1.0]), shared_covariance=np.eye(1) * (1.0 if covers else 0.01)
     )
-    model = SimpleNamespace(ids=frozenset(ids), amplitudes=np.array([True]))
+    model = SimpleNamespace(ids=frozenset(ids), amplitudes=np.array([True]), pieces=())
     return SimpleNamespace(model=model, fit=fit, log_evidence=nats, left=left)
 
 
@@ -31,7 +31,8 @@ def weigh(monkeypatch, base, best, *others, beyond=()):
     monkeypatch.setattr(explained, "measure_left", lambda _, candidate: candidate.left)
     search = SimpleNamespace(base=base, best=best, beyond=beyond)
     sets = {c.model.ids: c for c in (base, best, *others)}
-    return list_explained(None, search, SimpleNamespace(best=sets), 5.0)
+    problem = SimpleNamespace(setting=SimpleNamespace(duration=8.0))
+    return list_explained(problem, search, SimpleNamespace(best=sets), 5.0)
 
 
 def test_the_best_set_of_the_search_comes_first(monkeypatch):
@@ -48,6 +49,13 @@ def test_the_best_set_of_the_search_comes_first(monkeypatch):
 def test_a_set_that_gains_no_more_than_chance_is_not_listed(monkeypatch):
     base = build(nats=0.0)
     assert weigh(monkeypatch, base, base, build("gravity", nats=4.0)) == []
+
+
+def test_an_effect_that_is_none_as_it_turns_back_is_marked(monkeypatch):
+    monkeypatch.setattr(explained, "list_turned", lambda _, c: sorted(c.model.ids - {"gravity"}))
+    best, other = build("softening_within_trial", nats=568.0), build("gravity", nats=560.0)
+    found = weigh(monkeypatch, build(nats=0.0), best, other)
+    assert [one.turned_back for one in found] == [["softening_within_trial"], []]
 
 
 def test_what_further_effects_make_of_the_best_set_comes_first(monkeypatch):
