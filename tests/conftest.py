@@ -30,19 +30,22 @@ def pytest_xdist_make_scheduler(config, log):
     return FolderScheduling(config, log)
 
 
-LONGEST = "workflow", "concealed", "mismatch", "inference", "estimation"
-"""Parts of the tests in the order of their seconds."""
+FIRST = (
+    *("workflow", "concealed", "report", "tracking", "importing", "rig"),
+    *("mismatch", "inference", "estimation"),
+)
+"""Parts of the tests that begin, in this order; the others follow."""
 
 
 def pytest_collection_modifyitems(items):
     """The longest first, so that no process waits for them in the end.
 
-    The two that begin compile no function that the other one needs.
+    While the workflow compiles what all fits need, the other process needs none of it.
     """
 
     def rank(item) -> int:
         parts = Path(item.nodeid).parent.parts[:3]
-        return min((LONGEST.index(part) for part in parts if part in LONGEST), default=9)
+        return min((FIRST.index(part) for part in parts if part in FIRST), default=len(FIRST))
 
     items.sort(key=rank)
 

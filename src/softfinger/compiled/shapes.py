@@ -1,7 +1,7 @@
 """A short error where an array does not fit into a part of another.
 
 Numba's own spells out both shapes. The text is made by code that goes into every function with such
-an assignment, and into all that call it: a sixth of the time of compilation.
+an assignment, and into all that call it, and all of it is compiled.
 """
 
 from collections.abc import Callable

@@ -180,7 +180,7 @@ def solve_gram(
     return shared, covariance, omega, own, kept, evidence, moment * np.outer(shrink, shrink)
 
 
-@compiled
+@compiled(inline="always")
 def _integrate_own(gram: NDArray, inverse: NDArray, white: NDArray, normal: NDArray) -> float:
     """Add a trial's part to the normal matrix.
 

@@ -11,7 +11,6 @@ full Ω moved by one EM step that leaves the trial out. With many trials one tri
 import numpy as np
 from numpy.typing import NDArray
 
-from softfinger.compiled import compiled
 from softfinger.compiled.threads import run_side_by_side
 from softfinger.inference.budget import BUDGET
 from softfinger.inference.mixed_effects import LOG_TWO_PI, Prior, solve_gram
@@ -36,26 +35,20 @@ def compute_left_out(
     moves = len(moved) <= BUDGET.omega_moves
 
     def run(some: slice) -> tuple[NDArray]:
-        return (_leave_out(moved, near, fit.omega, moves, np.arange(len(moved))[some]),)
+        return (_leave_out(moved, near, fit.omega, moves, some),)
 
     square = run_side_by_side(run, len(moved))[0]
     return square - 0.5 * rows * LOG_TWO_PI - 0.5 * logdet
 
 
-@compiled
 def _leave_out(
-    gram: NDArray, prior: Prior, omega: NDArray, moves: bool, left_out: NDArray
-) -> NDArray:
-    trials = gram.shape[0]
-    density = np.empty(left_out.size)
-    for k in range(left_out.size):
-        i = left_out[k]
-        others = np.empty((trials - 1, gram.shape[1], gram.shape[2]))
-        others[:i] = gram[:i]
-        others[i:] = gram[i + 1 :]
-        left = omega
+    gram: NDArray[np.float64], prior: Prior, omega: NDArray[np.float64], moves: bool, some: slice
+) -> NDArray[np.float64]:
+    whole, density = solve_gram(gram, prior, omega)[5], []
+    for i in range(len(gram))[some]:
+        others, left = np.delete(gram, i, axis=0), omega
         if moves:
             left = solve_gram(others, prior, omega)[6]
-        whole = solve_gram(gram, prior, left)[5]
-        density[k] = whole - solve_gram(others, prior, left)[5]
-    return density
+            whole = solve_gram(gram, prior, left)[5]
+        density.append(whole - solve_gram(others, prior, left)[5])
+    return np.array(density)

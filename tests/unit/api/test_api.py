@@ -10,7 +10,9 @@ from softfinger.provenance import PROJECT
 
 # A name that goes, or an argument that does, is a new major version: see CHANGELOG.md.
 SIGNATURES = {
-    "Effect": "id sentence level build_forms part hooks of_motion place place_in_time place_of_one",
+    "Effect": (
+        "id sentence level build_forms part hooks of_motion place place_in_time place_of_one course"
+    ),
     "Fault": "said",
     "Form": "name parameters slots covariate local law kin finer lent linear",
     "Law": "name argument reach size terms per kind smooth",

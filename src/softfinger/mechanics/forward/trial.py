@@ -35,7 +35,7 @@ _INSTANT = 1e-12  # [s] knots that rounding alone keeps apart are a jump
 _ROUNDING = 1e-9  # of a load that does not jump, relative
 
 
-@compiled
+@compiled(inline="always")
 def run_trial(
     model: Model,
     work: Work,
@@ -154,7 +154,7 @@ def _count_frames(time: NDArray) -> int:
     return frames
 
 
-@compiled
+@compiled(inline="always")
 def _run_segment(
     model: Model,
     work: Work,
