@@ -20,7 +20,7 @@ class MeasurementDecisions:
     reading_nats: float = 1.0
     """Evidence [nats] for the other of two readings of a log, both as likely.
 
-    Why: less is no difference. Test: `test_weigh_log.py::test_the_zero_of_a_load_cell_is_no_load`.
+    Why: less is no difference. Test: `test_posed.py::test_a_log_is_read_otherwise_from_a_nat_on`.
     """
     least_share_seen: float = 0.5
     """Share of frames that makes a joint present.

@@ -1,8 +1,13 @@
 """What a survey under another measurement takes over from the first."""
 
-import pytest
+from types import SimpleNamespace
 
-from softfinger.mismatch.posed import Survey
+import pytest
+import xarray as xr
+
+from softfinger.mechanics.effects.measurement_file import MeasurementEntry
+from softfinger.mismatch import posed
+from softfinger.mismatch.posed import Survey, choose_reading
 
 
 @pytest.fixture
@@ -30,3 +35,18 @@ def test_of_two_fits_of_a_model_the_better_competes(bare):
         first, last = joined.ranked[0]
         assert last is other
         assert (first is ranked) == (kept == "fit")
+
+
+@pytest.mark.parametrize(("more", "held"), [(0.9, False), (1.1, True)])
+def test_a_log_is_read_otherwise_from_a_nat_on(monkeypatch, more, held):
+    monkeypatch.setattr(
+        posed, "mend_recordings", lambda _, mended: xr.Dataset({"held": mended.ramps_held})
+    )
+    monkeypatch.setattr(posed, "weigh_log", lambda *_: more)
+    survey = SimpleNamespace(ranked=([], []), needed=5.0)
+    before = SimpleNamespace(
+        plain=None, base=None, survey=survey, mended=MeasurementEntry(), known={}
+    )
+    after = choose_reading(xr.Dataset(), before, lambda mended, known: mended)
+    assert (after is not before) == held
+    assert not held or after.ramps_held
