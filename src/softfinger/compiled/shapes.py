@@ -1,4 +1,4 @@
-"""A short error where an array does not fit into a part of another.
+"""A short error where array shapes differ.
 
 Numba's own spells out both shapes. The text is made by code that goes into every function with such
 an assignment, and into all that call it, and all of it is compiled.

@@ -1,4 +1,4 @@
-"""What an effect is: a family of forms that fill slots of the forward model.
+"""An effect: forms that fill slots of the forward model.
 
 A form turns a few parameters into values of slots; with its amplitudes at zero it is the base
 model. Priors are normal on the internal scale (the logarithm, for a parameter marked log), cut at

@@ -125,7 +125,7 @@ def soften_damper(
 
 @compiled
 def _thin(model: Model, j: int, time: float, pair: NDArray, row: NDArray) -> None:
-    """Divide a value, its slope and changes by what is left of a viscosity."""
+    """Divide a value, its slope and changes by what a viscosity keeps."""
     left, by_share, by_time = _leave(model, j, time, _FLOW, _FLOW_LAW)
     pair[VALUE] /= left
     pair[SLOPE] /= left

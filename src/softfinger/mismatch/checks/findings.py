@@ -50,7 +50,7 @@ class Findings(NamedTuple):
         return max(free, self.line.gain, self.slips.gain)
 
     def is_unlisted(self, needed: float) -> bool:
-        """Whether more is left than is allowed, or an effect is not itself."""
+        """Whether too much is left, or an effect turned back."""
         left = self.p_value < DECISIONS.missing or self.left > allow_rest(self.gain, needed)
         return bool(left or self.turned)
 

@@ -73,7 +73,7 @@ def turns_back(course: NDArray[np.float64], covariance: NDArray[np.float64]) -> 
 def _follow(
     candidate: Candidate, number: int, time: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """A piece's course (joint, n) and its covariance, to first order in φ."""
+    """A piece's course (joint, n) and its linearised covariance."""
     model, fit = candidate.model, candidate.fit
     mine = [k for k, entry in enumerate(model.entries) if entry.piece == number]
     slopes = []

@@ -95,7 +95,7 @@ def find_best_form(
 
 
 def _join_own(squares: Squares, product: NDArray[np.float64], d: int) -> NDArray[np.float64]:
-    """Gram matrices (trial, d + 1, d + 1) of [∂F/∂η | z]."""
+    """Gram matrices of [∂F/∂η | z]: (trial, d + 1, d + 1)."""
     own = np.zeros((len(product), d + 1, d + 1))
     own[:, :d, :d] = squares.own
     own[:, :d, d] = own[:, d, :d] = product[:, :d]
