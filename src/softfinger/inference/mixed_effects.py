@@ -224,7 +224,8 @@ def _integrate_own(gram: NDArray, inverse: NDArray, white: NDArray, normal: NDAr
 def invert_scaled(matrix: NDArray) -> NDArray:
     """Invert a positive matrix, each row in its own unit.
 
-    Rounding hardly moves it.     The diagonal is enlarged by what rounding may have taken, so that it is not singular.
+    Rounding hardly moves it. The diagonal is enlarged by what rounding may have taken, so that it
+    is not singular.
     """
     size = np.sqrt(np.diag(matrix))
     unit = np.outer(size, size)
