@@ -7,6 +7,7 @@ form too, and a set that was found is tried in its other forms, from where it wa
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ from softfinger.mechanics.effects.model import EffectModel, Piece
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.law_size import resize_laws
 from softfinger.mismatch.candidates.linearised import place_fit
-from softfinger.mismatch.candidates.rank import go_on, prune
+from softfinger.mismatch.candidates.rank import Progress, go_on, prune
 
 Start = tuple[EffectModel, NDArray[np.float64]]
 
@@ -58,10 +59,20 @@ def list_finer(candidate: Candidate, pieces: Iterable[Piece]) -> list[Piece]:
     return list(finer.values())
 
 
-def swap_forms(problem: Problem, candidate: Candidate, pieces: list[Piece]) -> list[Candidate]:
+def swap_forms(
+    problem: Problem,
+    candidate: Candidate,
+    pieces: list[Piece],
+    progress: Progress = lambda items, _: items,
+) -> list[Candidate]:
     """Fit a model with one effect's form swapped.
 
     It is repeated while that gains.
+
+    Parameters
+    ----------
+    progress
+        Wraps each round, and may end it early.
 
     Returns
     -------
@@ -71,7 +82,8 @@ def swap_forms(problem: Problem, candidate: Candidate, pieces: list[Piece]) -> l
     fitted: list[Candidate] = []
     while True:
         best = fitted[-1] if fitted else candidate
-        fits = (_fit_near(problem, best, start) for start in _list_swaps(best, pieces))
+        swaps = progress(list(_list_swaps(best, pieces)), "trying other forms")
+        fits = (_fit_near(problem, best, start) for start in swaps)
         swapped = [c for c in fits if c is not None]
         top = max(swapped, key=lambda c: c.log_evidence, default=best)
         if top.log_evidence <= best.log_evidence:
@@ -121,14 +133,15 @@ def _name_entries(model: EffectModel) -> list[tuple[str, str]]:
 def _fit_near(problem: Problem, best: Candidate, start: Start) -> Candidate | None:
     """Fit a model near the best, else None."""
     model, shared = start
-    before = best.fit.own, shared, best.fit.omega
-    fit = problem.fit(model, before, steps=BUDGET.first_steps, first=best.fit.first)
+    near = best.log_evidence - BUDGET.reach_nats
+    begin = partial(problem.fit, steps=BUDGET.first_steps, first=best.fit.first, rival=near)
+    fit = begin(model, (best.fit.own, shared, best.fit.omega))
     if fit is not None:
         sized = resize_laws(problem, model, place_fit(fit))
         if sized is not model:
-            model, before = sized, (fit.own, fit.shared, fit.omega)
-            fit = problem.fit(model, before, steps=BUDGET.first_steps, first=best.fit.first)
-    if fit is None or fit.log_evidence < best.log_evidence - BUDGET.reach_nats:
+            model = sized
+            fit = begin(model, (fit.own, fit.shared, fit.omega))
+    if fit is None or fit.log_evidence < near:
         return None
     fit = go_on(problem, model, fit)
     if fit is None:

@@ -9,10 +9,15 @@ from collections.abc import Iterable
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mechanics.effects.model import Piece
 from softfinger.mismatch.candidates.other_forms import list_finer, swap_forms
+from softfinger.mismatch.candidates.rank import Progress
 
 
 def fit_finer(
-    problem: Problem, top: Candidate, found: list[Candidate], pieces: Iterable[Piece]
+    problem: Problem,
+    top: Candidate,
+    found: list[Candidate],
+    pieces: Iterable[Piece],
+    progress: Progress = lambda items, _: items,
 ) -> list[Candidate]:
     """Fit the parts of a set with finer laws.
 
@@ -20,6 +25,8 @@ def fit_finer(
     ----------
     pieces
         The catalogue.
+    progress
+        As of `swap_forms`.
 
     Returns
     -------
@@ -30,5 +37,5 @@ def fit_finer(
     parts = {c.model.ids: c for c in sorted(fitted, key=lambda c: c.log_evidence)}
     finer = []
     for part in parts.values():
-        finer += swap_forms(problem, part, list_finer(part, pieces))
+        finer += swap_forms(problem, part, list_finer(part, pieces), progress)
     return finer

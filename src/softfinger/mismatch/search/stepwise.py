@@ -196,7 +196,8 @@ def _pair_up(task: Task, now: _Round, larger: list[Candidate]) -> list[Candidate
 
 def _vary(task: Task, top: Candidate, rivals: list[Candidate]) -> list[Candidate]:
     """Other forms of a pair, and other partners in it."""
-    found = swap_forms(task.problem, top, [*task.pieces, *list_finer(top, task.pieces)])
+    pieces = [*task.pieces, *list_finer(top, task.pieces)]
+    found = swap_forms(task.problem, top, pieces, task.progress)
     return found + try_partners(task, top, {rival.model.ids for rival in rivals})
 
 
@@ -209,7 +210,7 @@ def _seek_hidden(task: Task, search: Search, needed: float) -> Search:
     if top is base or top.log_evidence - base.log_evidence <= measure_shape(problem, base).gain:
         return search
     pieces = list(dict.fromkeys(block.model.pieces[-1] for block in columns.blocks))
-    found = [*search.candidates, *hidden, *swap_forms(problem, top, pieces)]
+    found = [*search.candidates, *hidden, *swap_forms(problem, top, pieces, task.progress)]
     best = eliminate(problem, choose_top(found, top), needed, found)
     found.sort(key=lambda c: -c.log_evidence)
     gain = best.log_evidence - base.log_evidence
@@ -279,7 +280,7 @@ def _face_finer(
     They, and what leads on top of them, are added to `found` and `larger`; returns the best of
     fewer effects.
     """
-    finer = fit_finer(task.problem, top, found, task.pieces)
+    finer = fit_finer(task.problem, top, found, task.pieces, task.progress)
     if not finer:
         return best
     found += finer

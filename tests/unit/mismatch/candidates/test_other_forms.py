@@ -35,6 +35,11 @@ def test_a_set_is_tried_in_its_other_forms_from_where_it_was_found(posed):
     assert swap_forms(problem, better, pieces) == []
 
 
+def test_other_forms_are_left_where_the_time_is_over(posed):
+    problem, pieces, fitted = posed
+    assert swap_forms(problem, fitted["own_compliance"], pieces, lambda *_: []) == []
+
+
 def test_the_other_form_is_the_best_of_the_same_effects(posed):
     _, _, fitted = posed
     better, worse = fitted["proportional"], fitted["own_compliance"]

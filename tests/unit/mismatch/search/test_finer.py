@@ -25,7 +25,7 @@ def test_the_best_of_each_part_is_tried_with_finer_laws(monkeypatch):
     top = fitted(110.0)
     top.model.ids = frozenset({"moment_arm", "contact_stop"})
     monkeypatch.setattr(finer, "list_finer", lambda part, _: part)
-    monkeypatch.setattr(finer, "swap_forms", lambda _, part, __: [(part, "finer")])
+    monkeypatch.setattr(finer, "swap_forms", lambda _, part, *__: [(part, "finer")])
     found = finer.fit_finer(None, top, [arm, worse, stop, lens, unfitted], [])
     assert sorted(part.log_evidence for part, _ in found) == [50.0, 80.0]
 
