@@ -14,6 +14,7 @@ References
 Laird, Ware (1982), Biometrics 38, 963. Varadhan, Roland (2008), Scand. J. Stat. 35, 335 (SQUAREM).
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -146,15 +147,15 @@ def solve_gram(
     trials, size = gram.shape[0], gram.shape[1]
     d, m = omega.shape[0], size - 1
     inverse = np.linalg.inv(omega)
-    kept, white = np.empty((trials, d, d)), np.zeros((d, d + size))
+    kept = np.empty((trials, d, d))
     normal = np.diag(np.append(precision, 0.0))
     normal[:m, m] = precision * mean
     normal[m, m] = np.sum(precision * mean**2)
     log_omega = np.linalg.slogdet(omega)[1]
+    scratch = np.empty((d, d + 1)), np.empty((d, d)), np.empty((d, size)), np.empty((size, size))
     logdet = 0.0
     for i in range(trials):
-        logdet += log_omega + _integrate_own(gram[i], inverse, white, normal)
-        kept[i] = np.ascontiguousarray(white[:, :d].T) @ np.ascontiguousarray(white[:, :d])
+        logdet += log_omega + _integrate_own(gram[i], inverse, scratch, kept[i], normal)
     for k in range(m):  # trials add to what the prior knows; rounding may take it away
         normal[k, k] = max(normal[k, k], precision[k])
     hessian = np.ascontiguousarray(normal[:m, :m])
@@ -164,14 +165,9 @@ def solve_gram(
     evidence = -0.5 * (square + logdet + np.linalg.slogdet(hessian)[1])
     evidence += 0.5 * np.sum(np.log(precision))
     evidence -= 0.5 * weight * (log_omega + np.sum(np.diag(inverse) * spread**2))
-    own = np.empty((trials, d))
-    moment = np.diag(weight * spread**2)
-    for i in range(trials):
-        share = kept[i] @ np.ascontiguousarray(gram[i, :d, :m])
-        shift = kept[i] @ np.ascontiguousarray(gram[i, :d, m]) - share @ shared
-        own[i] = shared[:d] + shift
-        moment += np.outer(shift, shift) + kept[i] + share @ covariance @ share.T
+    own, moment = _gather_own(gram, kept, shared, covariance)
     for a in range(d):
+        moment[a, a] += weight * spread[a] ** 2
         for b in range(d):
             if a // block != b // block:
                 moment[a, b] = 0.0
@@ -180,43 +176,91 @@ def solve_gram(
     return shared, covariance, omega, own, kept, evidence, moment * np.outer(shrink, shrink)
 
 
+@compiled
+def _gather_own(
+    gram: NDArray, kept: NDArray, shared: NDArray, covariance: NDArray
+) -> tuple[NDArray, NDArray]:
+    """Own parameters, and Σ E[b bᵀ] of their distances b from μ.
+
+    (trial, d) and (d, d).
+    """
+    trials, d, m = kept.shape[0], kept.shape[1], shared.size
+    own, moment, shift = np.empty((trials, d)), np.zeros((d, d)), np.empty(d)
+    share, wide = np.empty((d, m + 1)), np.empty((d, m + 1))
+    padded, spread = np.zeros((m + 1, m + 1)), np.empty((d, d))
+    padded[:m, :m] = covariance
+    for i in range(trials):
+        np.dot(kept[i], gram[i, :d], share)
+        np.dot(share, padded, wide)
+        np.dot(wide, share.T, spread)
+        for a in range(d):
+            shift[a] = share[a, m]
+            for k in range(m):
+                shift[a] -= share[a, k] * shared[k]
+            own[i, a] = shared[a] + shift[a]
+        for a in range(d):
+            for b in range(d):
+                moment[a, b] += shift[a] * shift[b] + kept[i, a, b] + spread[a, b]
+    return own, moment
+
+
 @compiled(inline="always")
-def _integrate_own(gram: NDArray, inverse: NDArray, white: NDArray, normal: NDArray) -> float:
+def _integrate_own(
+    gram: NDArray,
+    inverse: NDArray,
+    scratch: tuple[NDArray, NDArray, NDArray, NDArray],
+    kept: NDArray,
+    normal: NDArray,
+) -> float:
     """Add a trial's part to the normal matrix.
 
-    It is G − G_η K G_ηᵀ with K = (P + G_ηη)⁻¹ = WᵀW; returns log|P + G_ηη|.
+    It is G − G_η K G_ηᵀ with K = (P + G_ηη)⁻¹ = WᵀW; writes K; returns log|P + G_ηη|.
 
     In the form P − P K P, G_φη K P large numbers do not cancel, however much the trial shows. Each
     row of P + G_ηη is factorised in its own unit, and its diagonal enlarged by what rounding may
     have taken: K alone would lose the digits that it needs where own parameters look alike.
-    Writes W [1 | P | G_ηφ] into `white` (d, 2 d + p + 1).
+    Works in `scratch`: the factor beside each row's unit (d, d + 1), W (d, d), W [P | G_ηφ]
+    (d, d + p + 1) and its square.
     """
-    d = len(inverse)
-    factor, logdet = np.empty((d, d)), 0.0
-    size = np.empty(d)
+    factor, white, whole, product = scratch
+    d, size = whole.shape
+    logdet = 0.0
     for a in range(d):
-        size[a] = np.sqrt(inverse[a, a] + gram[a, a])
-        white[a, :d] = 0.0
-        white[a, a] = 1.0 / size[a]
-        white[a, d : 2 * d] = inverse[a] / size[a]
-        white[a, 2 * d :] = gram[a, d:] / size[a]
+        unit = math.sqrt(inverse[a, a] + gram[a, a])
+        factor[a, d] = unit
+        for b in range(d):
+            white[a, b] = 0.0
+            whole[a, b] = inverse[a, b] / unit
+        white[a, a] = 1.0 / unit
+        for b in range(d, size):
+            whole[a, b] = gram[a, b] / unit
     for a in range(d):
         for b in range(a + 1):
-            rest = (inverse[a, b] + gram[a, b]) / (size[a] * size[b])
+            rest = (inverse[a, b] + gram[a, b]) / (factor[a, d] * factor[b, d])
             for k in range(b):
                 rest -= factor[a, k] * factor[b, k]
-            factor[a, b] = rest / factor[b, b] if b < a else np.sqrt(max(rest, 0.0) + ROUNDING)
+            factor[a, b] = rest / factor[b, b] if b < a else math.sqrt(max(rest, 0.0) + ROUNDING)
         for b in range(a):
-            for c in range(white.shape[1]):
+            for c in range(d):
                 white[a, c] -= factor[a, b] * white[b, c]
-        white[a] /= factor[a, a]
-        logdet += 2.0 * np.log(size[a] * factor[a, a])
-    whole = np.ascontiguousarray(white[:, d:])
-    product = np.ascontiguousarray(whole.T) @ whole
-    normal[:d, :d] += inverse - product[:d, :d]
-    normal[d:, :d] += product[d:, :d]
-    normal[:d, d:] += product[:d, d:]
-    normal[d:, d:] += gram[d:, d:] - product[d:, d:]
+            for c in range(size):
+                whole[a, c] -= factor[a, b] * whole[b, c]
+        for c in range(d):
+            white[a, c] /= factor[a, a]
+        for c in range(size):
+            whole[a, c] /= factor[a, a]
+        logdet += 2.0 * math.log(factor[a, d] * factor[a, a])
+    np.dot(white.T, white, kept)
+    np.dot(whole.T, whole, product)
+    for a in range(d):
+        for b in range(d):
+            normal[a, b] += inverse[a, b] - product[a, b]
+        for b in range(d, size):
+            normal[a, b] += product[a, b]
+            normal[b, a] += product[b, a]
+    for a in range(d, size):
+        for b in range(d, size):
+            normal[a, b] += gram[a, b] - product[a, b]
     return logdet
 
 

@@ -43,9 +43,8 @@ _SCALE, _OWN, _CARRIED = declare(
 def add_inertia(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
     """What acceleration takes: −scale (M(q) q̈ + h(q, q̇))."""
     joints = model.joint.shape[0]
-    scale, coefficients = model.chain[_SCALE], np.empty((joints, joints))
-    matrix, taken = np.empty((joints, joints)), np.empty(joints)
-    by_angle, by_velocity = np.empty((joints, joints)), np.empty((joints, joints))
+    scale, taken = model.chain[_SCALE], balance.taken
+    coefficients, matrix, by_angle, by_velocity = balance.inertia
     angle, velocity, acceleration = nodes.angle[i], nodes.velocity[i], nodes.acceleration[i]
     for j in range(joints):
         for k in range(joints):

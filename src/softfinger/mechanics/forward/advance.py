@@ -164,10 +164,10 @@ def measure_error(model: Model, work: Work, step: float, tolerance: float) -> fl
     nodes, linear, largest = work.nodes, work.linear, work.largest
     worst = 0.0
     for j in range(linear.rate.shape[0]):
-        missed = linear.drive[j, :, 0].copy()
-        missed[0] -= nodes.torque[START, j] - nodes.spring[START, j]
-        missed[1] -= nodes.flow[START, j]
-        missed[2] -= nodes.torque[START, j]
+        torque, missed = nodes.torque[START, j], work.missed
+        missed[0] = linear.drive[j, 0, 0] - (torque - nodes.spring[START, j])
+        missed[1] = linear.drive[j, 1, 0] - nodes.flow[START, j]
+        missed[2] = linear.drive[j, 2, 0] - torque
         if not np.isfinite(missed).all():  # `max` would forget a NaN
             return np.inf
         for c in model.columns[j]:

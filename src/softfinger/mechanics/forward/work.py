@@ -125,6 +125,8 @@ class Balance(structref.StructRefProxy):
     by_direction: Block  # (4, joint, joint that the wire passes)
     by_load: Table  # (4, joint)
     tangent: Block  # (4, joint, column), at fixed angles, load and direction
+    inertia: Block  # (4, joint, joint): scratch of what the links' masses take, as is
+    taken: Row  # (joint,)
 
 
 class Newton(structref.StructRefProxy):
@@ -160,6 +162,7 @@ class Work(structref.StructRefProxy):
     spring: Row  # (6,): the spring as hooks change it (`spring.py`)
     d_spring: Table  # (2, column)
     largest: Row  # (column,): the largest tangent so far
+    missed: Row  # (drive,): what the quadratics miss at the start of the step
 
 
 _FACES = (Model, State, Load, Linear, Nodes, Balance, Newton, Work)
@@ -260,6 +263,7 @@ def allocate_work(n: int, modes: int, columns: int) -> Work:
     balance = Balance(
         np.zeros((4, n)), np.zeros((4, n, n)), np.zeros((4, n, n)), np.zeros((4, n, n)),
         np.zeros((4, n, n)), np.zeros((4, n)), np.zeros((4, n, columns)),
+        np.zeros((4, n, n)), np.zeros(n),
     )  # fmt: skip
     newton = Newton(
         np.zeros((n, 3, 3)), np.zeros((n, 3, 3)), np.zeros((n, 3, 3)),
@@ -271,4 +275,5 @@ def allocate_work(n: int, modes: int, columns: int) -> Work:
         state, linear, nodes, balance, newton, load, np.zeros((3, 3)), np.zeros((modes, 6)),
         np.zeros((modes, 3)), np.zeros(modes, np.int64), np.zeros(2), np.zeros(0),
         np.zeros(6), np.zeros((2, columns)), np.zeros(columns),
+        np.zeros(3),
     )  # fmt: skip
