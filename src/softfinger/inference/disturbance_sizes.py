@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,12 +32,41 @@ from softfinger.measurement.decisions import DECISIONS as MEASURING
 Array = NDArray[np.float64]
 
 
+class Moves(NamedTuple):
+    """How a fitted model moves, and how disturbances move it.
+
+    Attributes
+    ----------
+    angle, slope
+        As of `Problem.simulate`.
+    directions
+        Id → (trial, joint, bin · 2, column) [rad] of `list_disturbances`, and of `list_spreads` of
+        the effects' parameters.
+    """
+
+    angle: Array
+    slope: Array
+    directions: dict[str, Array]
+
+
+def list_moves(problem: Problem, candidate: Candidate) -> Moves:
+    """Simulate a fitted model, and what disturbances do to it."""
+    angle, slope = problem.simulate(candidate.model, candidate.fit.own, candidate.fit.shared)
+    directions = list_disturbances(problem, candidate) | list_spreads(candidate, slope)
+    return Moves(angle, slope, directions)
+
+
 def fit_disturbances(
-    problem: Problem, candidate: Candidate, least: float = MEASURING.present_nats, **limits: int
+    problem: Problem,
+    candidate: Candidate,
+    least: float = MEASURING.present_nats,
+    moves: Moves | None = None,
+    **limits: int,
 ) -> tuple[dict[str, float], dict[str, float], dict[str, Array]]:
     """Find which disturbances a fitted model's residual shows.
 
-    Those with `least` nats of evidence; `limits` as of `choose_components`.
+    Those with `least` nats of evidence; `limits` as of `choose_components`; `moves` where the model
+    was simulated before, whatever the noise was.
 
     What would have to move the angles by a large share of their motion is physics that the model
     lacks, and no disturbance. So is an error of log, clock or gain that asks for more than any rig
@@ -45,12 +75,10 @@ def fit_disturbances(
     Returns
     -------
     size, evidence, directions
-        Id → size and evidence [nats] of those that are present; `list_disturbances`, and
-        `list_spreads` of the effects' parameters.
+        Id → size and evidence [nats] of those that are present; all of `Moves`.
     """
     fit = candidate.fit
-    angle, slope = problem.simulate(candidate.model, fit.own, fit.shared)
-    directions = list_disturbances(problem, candidate) | list_spreads(candidate, slope)
+    angle, slope, directions = moves or list_moves(problem, candidate)
     known = slope.shape[3]
     gram = reduce_trials(
         problem.trials, angle, np.concatenate([slope, *directions.values()], axis=3)

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
+from softfinger.inference.omega import pack_omega, unpack_omega
 
 LOG_TWO_PI = float(np.log(2.0 * np.pi))
 ROUNDING = 4.0 * np.finfo(float).eps
@@ -118,24 +119,6 @@ def hold_omega(gram: NDArray[np.float64], prior: Prior, omega: NDArray[np.float6
         np.ascontiguousarray(gram, float), prior, np.ascontiguousarray(omega, float)
     )
     return LinearFit(*solved[:-1])
-
-
-def subtract_omega(omega: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Change (d²,) from another Ω to this.
-
-    It is the change of the Cholesky factor, its diagonal in logarithms.
-    """
-    return _pack(np.ascontiguousarray(omega)) - _pack(np.ascontiguousarray(other))
-
-
-def add_omega(omega: NDArray[np.float64], change: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Ω after a change as `subtract_omega` states it.
-
-    >>> one, four = np.eye(1), 4 * np.eye(1)
-    >>> add_omega(one, 0.5 * subtract_omega(four, one)).round(6)
-    array([[2.]])
-    """
-    return _unpack(_pack(np.ascontiguousarray(omega)) + change, len(omega))
 
 
 @compiled
@@ -286,14 +269,14 @@ def climb_omega(
     for _ in range(rounds):
         one = solve_gram(gram, prior, omega)
         two = solve_gram(gram, prior, one[6])
-        x0, x1, x2 = _pack(omega), _pack(one[6]), _pack(two[6])
+        x0, x1, x2 = pack_omega(omega), pack_omega(one[6]), pack_omega(two[6])
         step, bend = x1 - x0, x2 - 2.0 * x1 + x0
         length = np.sqrt(np.sum(step**2) / max(np.sum(bend**2), 1e-300))
         length = min(max(length, 1.0), 16.0)
         omega, value = two[6], two[5]
         away = x0 + 2.0 * length * step + length**2 * bend - x2
         most = np.max(np.abs(away[:: omega.shape[0] + 1]))  # of logarithms of sds
-        trial = _unpack(x2 + away * FARTHEST / max(most, FARTHEST), omega.shape[0])
+        trial = unpack_omega(x2 + away * FARTHEST / max(most, FARTHEST), omega.shape[0])
         if np.all(np.isfinite(trial)):
             far = solve_gram(gram, prior, trial)
             if far[5] > value:
@@ -302,20 +285,3 @@ def climb_omega(
             return omega, value
         best = value
     return omega, best
-
-
-@compiled
-def _pack(omega: NDArray) -> NDArray:
-    """Cholesky factor of Ω, its diagonal in logarithms."""
-    factor = np.linalg.cholesky(omega)
-    for a in range(factor.shape[0]):
-        factor[a, a] = np.log(factor[a, a])
-    return factor.ravel()
-
-
-@compiled
-def _unpack(packed: NDArray, d: int) -> NDArray:
-    factor = packed.copy().reshape(d, d)
-    for a in range(d):
-        factor[a, a] = np.exp(min(factor[a, a], 10.0))
-    return factor @ factor.T

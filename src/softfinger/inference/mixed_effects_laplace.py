@@ -17,14 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.inference.budget import BUDGET
-from softfinger.inference.mixed_effects import (
-    LinearFit,
-    Prior,
-    add_omega,
-    fit_linear,
-    hold_omega,
-    subtract_omega,
-)
+from softfinger.inference.mixed_effects import LinearFit, Prior, fit_linear, hold_omega
 from softfinger.inference.mixed_effects_linearised import (
     SharedBounds,
     centre_gram,
@@ -33,6 +26,7 @@ from softfinger.inference.mixed_effects_linearised import (
 )
 from softfinger.inference.mixed_effects_quadratic import Longest, Place, expand, settle
 from softfinger.inference.mixed_effects_step import Linearise, take_step
+from softfinger.inference.omega import add_omega, subtract_omega
 from softfinger.inference.relaxation import Relaxation
 
 

@@ -35,11 +35,10 @@ from softfinger.mismatch.search.beyond import go_beyond
 from softfinger.mismatch.search.calibrate import FalseAlarms, calibrate_false_alarms
 from softfinger.mismatch.search.demand import list_free
 from softfinger.mismatch.search.eliminate import fit_less
-from softfinger.mismatch.search.finalists import list_best
+from softfinger.mismatch.search.finalists import list_best, list_leaders
 from softfinger.mismatch.search.judge import (
     compare_levels,
     judge_finalists,
-    list_leaders,
     needs_disturbance,
     settle_measurement,
 )
@@ -163,7 +162,7 @@ def search_jointly(
             worth = max(known - BUDGET.reach_nats, 0.0)
             rivals = list_best(bare.search(plain, base, patience, worth))
     if search.best is not search.base or rivals:
-        asked = found.demand, found.catalogue[0]
+        asked = found.demand, found.catalogue[0], patience
         problem, search = judge_finalists(plain, problem, search, rivals, right, *asked)
     return problem, found, search
 

@@ -27,7 +27,8 @@ from softfinger.mismatch.search.calibrate import FalseAlarms
 from softfinger.mismatch.search.demand import Demand, build_demand, list_free
 from softfinger.mismatch.search.eliminate import choose_top
 from softfinger.mismatch.search.extend import Task
-from softfinger.mismatch.search.judge import find_leader, fit_again, judge, list_leaders
+from softfinger.mismatch.search.finalists import find_leader, list_leaders
+from softfinger.mismatch.search.judge import fit_again, judge
 from softfinger.mismatch.search.log_and_clock import (
     PlacedSteps,
     find_clock_rate,

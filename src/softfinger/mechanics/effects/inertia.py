@@ -12,7 +12,6 @@ seen.
 
 from dataclasses import replace
 
-import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled

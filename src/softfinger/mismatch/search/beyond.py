@@ -14,11 +14,12 @@ from softfinger.mismatch.search.stepwise import Search
 def go_beyond(task: Task, search: Search, demand: Demand) -> Search:
     """Add effects to the best set while each gains enough.
 
-    The larger sets are the search's `beyond`; all else is as it was.
+    None has more than a search tries. The larger sets are its `beyond`; all else is as it was.
     """
     known = task.base
     top, larger = choose_top([search.best, *search.candidates], search.best), []
-    for _ in range(BUDGET.beyond):
+    few = BUDGET.most_effects - len(top.model.ids - known.model.ids)
+    for _ in range(min(BUDGET.beyond, few)):
         gain = top.log_evidence - known.log_evidence
         asked = top.log_evidence + demand.ask(top.model.ids - known.model.ids, gain)
         more = choose_top(extend(task, top, task.pieces, asked), top)

@@ -9,13 +9,14 @@ the sets of effects that are found are compared once more, each with its own.
 """
 
 from dataclasses import replace
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from softfinger.inference.budget import BUDGET as INFERENCE
-from softfinger.inference.disturbance_sizes import fit_disturbances
+from softfinger.inference.disturbance_sizes import Moves, fit_disturbances, list_moves
 from softfinger.inference.disturbances import find_kind
 from softfinger.inference.disturbed import admit_disturbances, forget_spreads
 from softfinger.inference.problem import Candidate, Problem, predict_frames
@@ -26,7 +27,7 @@ from softfinger.measurement.mend import MENDED
 from softfinger.measurement.trials import prepare_trials
 from softfinger.mechanics.effects.model import Piece
 from softfinger.mismatch.budget import BUDGET
-from softfinger.mismatch.candidates.rank import has_reached, reaching_nats
+from softfinger.mismatch.candidates.rank import Progress, has_reached, reaching_nats
 from softfinger.mismatch.priors import PRIORS
 from softfinger.mismatch.search.demand import Demand, choose_simplest
 from softfinger.mismatch.search.finalists import list_finalists
@@ -45,22 +46,6 @@ class Judged(NamedTuple):
     problem: Problem
     candidate: Candidate
     evidence: float
-
-
-def find_leader(base: Candidate, singles: list[Candidate], needed: float) -> Candidate:
-    """Find the best of base model and leading effects."""
-    leaders = base, *list_leaders(base, singles, needed)
-    return max(leaders, key=lambda c: c.log_evidence)
-
-
-def list_leaders(base: Candidate, singles: list[Candidate], needed: float) -> list[Candidate]:
-    """Best model of each of the leading effects."""
-    leaders: dict[frozenset[str], Candidate] = {}
-    for candidate in singles:
-        gain = candidate.log_evidence - base.log_evidence
-        if candidate.fit is not None and gain > needed and len(leaders) < BUDGET.leaders:
-            leaders.setdefault(candidate.model.ids, candidate)
-    return list(leaders.values())
 
 
 def settle_measurement(
@@ -104,6 +89,7 @@ def judge_finalists(
     angles: xr.Dataset,
     demand: Demand,
     pieces: list[Piece],
+    progress: Progress,
 ) -> tuple[Problem, Search]:
     """Judge the leading sets of effects anew.
 
@@ -121,6 +107,8 @@ def judge_finalists(
         Sets that a search without disturbances found.
     pieces
         The catalogue.
+    progress
+        Wraps the long loops; base and best are judged whatever the time.
 
     Returns
     -------
@@ -128,11 +116,12 @@ def judge_finalists(
         With the measurement of the model that then leads; its candidates are the finalists.
     """
     measured = measure_again(plain, search.best, angles)
-    finalists = list_finalists(search, rivals)
+    finalists = sorted(list_finalists(search, rivals), key=lambda c: -c.log_evidence)
+    others = [c for c in finalists if c is not search.base]
     fitted = problem if measured is plain else None
     judged: list[Judged] = []
     best = None
-    for candidate in sorted(finalists, key=lambda c: (c is not search.base, -c.log_evidence)):
+    for candidate in chain([search.base], progress(others, "judging sets of effects")):
         worth = -np.inf
         if best is not None:
             worth = best.evidence - reaching_nats(best.evidence - judged[0].evidence)
@@ -155,7 +144,7 @@ def judge_finalists(
                 evidence = max(evidence, again.log_evidence)
             settled.append(again._replace(log_evidence=evidence))
     search = _settle(search, settled, demand)
-    finer = fit_finer(best.problem, search.best, search.candidates, pieces)
+    finer = fit_finer(best.problem, search.best, search.candidates, pieces, progress)
     return best.problem, _settle(search, [search.base, *search.candidates, *finer], demand)
 
 
@@ -187,10 +176,11 @@ def judge(
     worth
         Evidence [nats] that is worth reaching.
     """
-    problem, size = _soften(plain, candidate)
+    moves = list_moves(plain, candidate)
+    problem, size = _soften(plain, candidate, moves)
     tailed = weigh_tails(plain, candidate, problem)
     if tailed is not plain:
-        problem, size = _soften(tailed, candidate)
+        problem, size = _soften(tailed, candidate, moves)
     more = _measure_level(problem) - PRIORS.component_nats * len(size)
     rival = worth - more
     again = candidate if problem is fitted else fit_again(problem, candidate, base, rival)
@@ -204,12 +194,12 @@ def needs_disturbance(plain: Problem, candidate: Candidate) -> bool:
     return bool(fit_disturbances(plain, candidate, PRIORS.component_nats, most=1)[0])
 
 
-def _soften(plain: Problem, candidate: Candidate) -> tuple[Problem, dict[str, float]]:
+def _soften(plain: Problem, candidate: Candidate, moves: Moves) -> tuple[Problem, dict[str, float]]:
     """Admit the disturbances that a model's residual shows.
 
     From the evidence that one costs: to be claimed it needs more.
     """
-    size, evidence, directions = fit_disturbances(plain, candidate, PRIORS.component_nats)
+    size, evidence, directions = fit_disturbances(plain, candidate, PRIORS.component_nats, moves)
     if not size:
         return plain, size
     noise = add_components(plain.noise, size, evidence)

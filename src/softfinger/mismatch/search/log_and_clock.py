@@ -15,7 +15,8 @@ from softfinger.inference.reduce import reduce_trials
 from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.step_time import advance_steps_array, open_steps_array
 from softfinger.mismatch.budget import BUDGET
-from softfinger.mismatch.search.judge import fit_again, list_leaders
+from softfinger.mismatch.search.finalists import list_leaders
+from softfinger.mismatch.search.judge import fit_again
 
 
 def weigh_log(

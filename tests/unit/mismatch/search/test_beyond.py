@@ -1,5 +1,7 @@
 """What further effects explain, where none is named."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from softfinger.mismatch.candidates.rank import list_pieces
@@ -41,3 +43,11 @@ def test_a_measurement_of_its_own_counts_for_the_set_that_has_it(begin):
     task, search = begin
     ahead = search.base._replace(log_evidence=search.base.log_evidence + 1e4)
     assert go_beyond(task, search._replace(best=ahead), Demand(10.0, 10.0)).beyond == ()
+
+
+def test_a_set_of_as_many_effects_as_a_search_tries_is_not_enlarged(begin):
+    """A fourth and a fifth effect took a quarter of a diagnosis, and named nothing."""
+    task, search = begin
+    full = SimpleNamespace(ids=frozenset({"gravity", "contact_stop", "moment_arm"}))
+    best = search.base._replace(model=full)
+    assert go_beyond(task, search._replace(best=best), Demand(10.0, 10.0)).beyond == ()

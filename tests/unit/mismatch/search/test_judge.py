@@ -10,6 +10,7 @@ from softfinger.mismatch.search import judge as module
 from softfinger.mismatch.search.demand import Demand, choose_simplest
 from softfinger.mismatch.search.finalists import list_best, list_finalists
 from softfinger.mismatch.search.judge import Judged, judge_finalists
+from softfinger.mismatch.search.patience import Patience
 from softfinger.mismatch.search.stepwise import Search
 
 
@@ -24,6 +25,12 @@ def pose(disturbed=()):
 
 BASE, BEST, THIRD = stand_in(0.0), stand_in(500.0, "gravity"), stand_in(90.0, "inertia")
 DEMAND = Demand(5.0, 8.0)
+
+
+def quiet(items, _):
+    return items
+
+
 SEARCH = Search(BASE, [BEST, THIRD], [], BEST, 500.0, {}, [])
 
 
@@ -38,7 +45,7 @@ def test_the_base_model_is_never_given_up_and_no_other_goes_on_far_behind(monkey
     monkeypatch.setattr(module, "judge", judge)
     monkeypatch.setattr(module, "measure_again", lambda problem, *_: problem)
     rival = stand_in(300.0, "wire_friction")
-    judge_finalists(plain, plain, SEARCH, [rival], None, DEMAND, [])
+    judge_finalists(plain, plain, SEARCH, [rival], None, DEMAND, [], quiet)
     assert list(asked) == [BASE.model.ids, BEST.model.ids, rival.model.ids, THIRD.model.ids]
     assert asked[BASE.model.ids] == -np.inf
     assert asked[BEST.model.ids] == -20.0  # behind the base model, the best so far
@@ -60,7 +67,7 @@ def test_the_measurement_is_that_of_the_model_that_leads(monkeypatch, gain, lead
     monkeypatch.setattr(module, "fit_again", lambda _problem, c, _base: c._replace(**no_better))
     found = Search(BASE, [BEST], [], BEST, 500.0, {}, [])
     problem, search = judge_finalists(
-        problems["effect"], problems["effect"], found, [], None, DEMAND, []
+        problems["effect"], problems["effect"], found, [], None, DEMAND, [], quiet
     )
     assert problem is problems[leads]
     assert search.best.model.ids == (BEST if leads == "effect" else BASE).model.ids
@@ -91,7 +98,7 @@ def test_a_model_is_at_its_best_with_the_measurement_of_another(
     )
     found = Search(BASE, [BEST], [], BEST, 10.0, {}, [])
     problem, search = judge_finalists(
-        problems["base"], problems["base"], found, [], None, DEMAND, []
+        problems["base"], problems["base"], found, [], None, DEMAND, [], quiet
     )
     assert problem is problems["effect"]
     assert (search.best is search.base) is (leads == "base")
@@ -104,7 +111,7 @@ def test_a_further_effect_is_held_against_finer_laws_with_the_measurement_of_its
     single, pair = stand_in(80.0, "contact_stop"), stand_in(100.0, "contact_stop", "moment_arm")
     own, asked = pose({"drift": 1.0}), []
 
-    def fit_finer(problem, top, found, pieces):
+    def fit_finer(problem, top, found, pieces, _progress):
         asked.append((problem, top.model.ids, {c.model.ids for c in found}, pieces))
         return [stand_in(95.0, "contact_stop", form="free_finer")]
 
@@ -112,7 +119,7 @@ def test_a_further_effect_is_held_against_finer_laws_with_the_measurement_of_its
     monkeypatch.setattr(module, "measure_again", lambda problem, *_: problem)
     monkeypatch.setattr(module, "fit_finer", fit_finer)
     plain, found = pose(), Search(BASE, [pair, single], [], pair, 80.0, {}, [])
-    problem, search = judge_finalists(plain, plain, found, [], None, DEMAND, ["catalogue"])
+    problem, search = judge_finalists(plain, plain, found, [], None, DEMAND, ["catalogue"], quiet)
     assert problem is own
     assert asked == [(own, pair.model.ids, {pair.model.ids, single.model.ids}, ["catalogue"])]
     assert search.best.model.pieces[0].label == "contact_stop/free_finer"
@@ -170,3 +177,29 @@ def test_a_rival_of_another_form_competes_and_the_same_pieces_do_once():
     pair, turned = stand_in(510.0, "gravity", "inertia"), stand_in(505.0, "inertia", "gravity")
     found = list_finalists(SEARCH._replace(candidates=[pair, BEST, THIRD]), [free, turned])
     assert found == [BASE, pair, BEST, THIRD, free]
+
+
+def test_of_sets_of_more_effects_than_are_named_the_best_alone_is_a_finalist():
+    """Three triples of one campaign took a minute, and none could have been named."""
+    names = ("gravity", "inertia", "load_limit", "fatigue_softening")
+    first, second = stand_in(600.0, *names[:3]), stand_in(590.0, *names[:2], names[3])
+    leading = stand_in(610.0, *names[1:])
+    search = SEARCH._replace(best=leading, candidates=[leading, first, second, BEST])
+    assert list_finalists(search, []) == [BASE, BEST, leading]
+    assert list_finalists(search, [first, second, THIRD]) == [BASE, BEST, leading, first, THIRD]
+
+
+def test_once_the_time_is_over_base_and_best_are_still_judged(monkeypatch):
+    asked = []
+
+    def judge(problem, candidate, *_):
+        asked.append(candidate)
+        return Judged(problem, candidate, candidate.log_evidence)
+
+    plain, hurried = pose(), Patience(0.0, quiet)
+    monkeypatch.setattr(module, "judge", judge)
+    monkeypatch.setattr(module, "measure_again", lambda problem, *_: problem)
+    _, search = judge_finalists(plain, plain, SEARCH, [], None, DEMAND, [], hurried)
+    assert asked == [BASE, BEST]
+    assert hurried.was_lost
+    assert search.best is BEST
