@@ -7,11 +7,13 @@ swing once in ten frames.
 
 Free: the masses lie elsewhere than declared, or are others, as with a payload. Of a chain only the
 inertia of each link about its joint, and the first moment of each link and what it carries, can be
-seen.
+seen. What no masses make has no motion.
 """
 
+import math
 from dataclasses import replace
 
+import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.compiled import compiled
@@ -27,7 +29,7 @@ from softfinger.mechanics.effects.effect import (
 )
 from softfinger.mechanics.forward.hooks import Hook
 from softfinger.mechanics.forward.slot import Slot, declare
-from softfinger.mechanics.forward.work import Balance, Model, Nodes
+from softfinger.mechanics.forward.work import Balance, Model, Nodes, Work
 
 _SCALE, _OWN, _CARRIED = declare(
     inertia_scale=Slot(
@@ -45,10 +47,7 @@ def add_inertia(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: 
     scale, taken = model.chain[_SCALE], balance.taken
     coefficients, matrix, by_angle, by_velocity = balance.inertia
     angle, velocity, acceleration = nodes.angle[i], nodes.velocity[i], nodes.acceleration[i]
-    for j in range(joints):
-        for k in range(joints):
-            share = model.joint[j, _OWN] if j == k else model.joint[max(j, k), _CARRIED]
-            coefficients[j, k] = model.inertia[j, k] * (1.0 + share)
+    _fill_coefficients(model, coefficients)
     _take(angle, velocity, acceleration, coefficients, matrix, taken)
     fill_slopes(angle, velocity, acceleration, coefficients, by_angle, by_velocity)
     for j in range(joints):
@@ -71,6 +70,37 @@ def add_inertia(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: 
             _take(angle, velocity, acceleration, coefficients, matrix, taken)
             for j in range(joints):
                 balance.tangent[i, j, c] -= scale * taken[j]
+
+
+@compiled
+def _fill_coefficients(model: Model, coefficients: NDArray) -> None:
+    """Write the kinetic energy's constants, in units of the scale."""
+    for j in range(model.joint.shape[0]):
+        for k in range(model.joint.shape[0]):
+            share = model.joint[j, _OWN] if j == k else model.joint[max(j, k), _CARRIED]
+            coefficients[j, k] = model.inertia[j, k] * (1.0 + share)
+
+
+@compiled
+def refuse_impossible_masses(model: Model, work: Work, j: int) -> None:
+    """Give links that no masses make no state.
+
+    Their kinetic energy could fall below 0, and their motion would end within a moment. It cannot,
+    in any posture, where the constants' matrix is positive definite (Schur's product theorem).
+    """
+    matrix = work.balance.inertia[0]
+    _fill_coefficients(model, matrix)
+    for a in range(j + 1):  # Cholesky's factor, as far as joint j
+        for b in range(a + 1):
+            for k in range(b):
+                matrix[a, b] -= matrix[a, k] * matrix[b, k]
+            if b < a:
+                matrix[a, b] /= matrix[b, b]
+            elif matrix[a, a] > 0.0:
+                matrix[a, a] = math.sqrt(matrix[a, a])
+            else:
+                work.state.offset[j] = np.nan
+                return
 
 
 @compiled
@@ -110,5 +140,8 @@ EFFECT = Effect(
     "the links have mass",
     "within_trial",
     _build_forms,
-    hooks=(Hook("balance", add_inertia, ("inertia_scale",), mixes=True, inertial=True),),
+    hooks=(
+        Hook("balance", add_inertia, ("inertia_scale",), mixes=True, inertial=True),
+        Hook("rest", refuse_impossible_masses, ("inertia_own_share", "inertia_moment_share")),
+    ),
 )

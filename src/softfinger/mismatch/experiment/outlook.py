@@ -120,13 +120,16 @@ def _linearise(
     problem: Problem, survivor: Survivor, planned: PlannedTrials
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     model, fit = survivor.candidate.model, survivor.candidate.fit
-    return _simulate(
+    angle, slope = _simulate(
         problem,
         planned.trials,
         fit.own[planned.like],
         _take(model.fill_slots(fit.shared), planned.like),
         [_take(tangent, planned.like) for tangent in model.fill_tangents(fit.shared)],
     )
+    if not (np.isfinite(angle).all() and np.isfinite(slope).all()):
+        raise ArithmeticError(f"{survivor.label} has no motion under a planned protocol")
+    return angle, slope
 
 
 def linearise_motion(

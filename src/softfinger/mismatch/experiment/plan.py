@@ -102,15 +102,17 @@ def plan_next(
     def reach(protocol: PlannedProtocol) -> float:
         return measure_largest_angle(problem, question.survivors, protocol)
 
+    seed = int(rng.integers(2**31))
     tried = choose_best(limits, purpose, reach, short=short)
-    ranked = [choice for choice in tried if np.isfinite(choice.worth)]
-    if not ranked:
+    ranked = (choice for choice in tried if np.isfinite(choice.worth))
+    safe = (_make_safe(problem, question, limits, choice, seed) for choice in ranked)
+    moving = (one for one in safe if np.isfinite(assess(one[0].protocol, purpose)))
+    if (found := next(moving, None)) is None:
         raise Fault(
             "no protocol is within the limits: a larger --max-angle, --max-load or --max-rate, or "
             "more --minutes are needed"
         )
-    seed = int(rng.integers(2**31))
-    best, largest = _make_safe(problem, question, limits, ranked[0], seed)
+    best, largest = found
     others = {REPEATED: repeat_protocol(problem, limits.trials)}
     others |= {} if short else list_generic(limits)
     expected = {best.name: expect(question, purpose, foresee, best.protocol, seed)}

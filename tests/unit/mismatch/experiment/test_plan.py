@@ -7,11 +7,18 @@ from softfinger.faults import Fault, ListedFault
 from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.mechanics.effects.model_file import FittedTo
 from softfinger.mismatch.candidates.rank import list_pieces
+from softfinger.mismatch.experiment import plan as planning
 from softfinger.mismatch.experiment.account import describe_plan, tabulate_plan
+from softfinger.mismatch.experiment.choice import assess
 from softfinger.mismatch.experiment.limits import RigLimits
 from softfinger.mismatch.experiment.outlook import measure_largest_angle
-from softfinger.mismatch.experiment.plan import REPEATED, plan_next
-from softfinger.mismatch.experiment.purposes import ask_how_much, ask_whether, ask_which
+from softfinger.mismatch.experiment.plan import REPEATED, plan_next, repeat_protocol
+from softfinger.mismatch.experiment.purposes import (
+    ask_how_much,
+    ask_whether,
+    ask_which,
+    foresee_question,
+)
 from softfinger.mismatch.experiment.survivors import (
     Survivor,
     describe_survivors,
@@ -127,3 +134,39 @@ def test_survivors_are_fitted_again_from_their_file(posed, late, tmp_path):
     file.write_text("version: 1\n")
     with pytest.raises(ListedFault, match="survivors"):
         read_survivors(file, SHA)
+
+
+def test_where_a_model_has_no_motion_under_the_best_plan_the_next_is_taken(
+    posed, late, monkeypatch
+):
+    """A lowered load made a swinging finger's motion diverge, and the diagnosis ended."""
+    problem, _ = posed
+    question, limits = ask_which(late), set_limits(problem)
+    first, made = [], planning._make_safe
+
+    def make_safe(problem, question, limits, best, seed):
+        safe, largest = made(problem, question, limits, best, seed)
+        first.append(safe)
+        return safe, largest
+
+    def assess_but_first(protocol, purpose):
+        if first and protocol is first[0].protocol:
+            return -np.inf
+        return assess(protocol, purpose)
+
+    monkeypatch.setattr(planning, "_make_safe", make_safe)
+    monkeypatch.setattr(planning, "assess", assess_but_first)
+    rng = np.random.default_rng(1)
+    plan = plan_next(problem, question, limits, rng, short=True)
+    assert plan.best is first[1]
+    assert np.isfinite(plan.expected[plan.best.name].worth)
+    assert describe_plan(plan, "load", 1.0)["protocol"] == plan.best.name
+
+
+def test_a_model_without_motion_makes_a_protocol_worthless_without_a_warning(posed, late):
+    problem, _ = posed
+    lag = late[0]
+    wild = lag.candidate.fit._replace(own=np.nan * lag.candidate.fit.own)
+    lost = [lag._replace(candidate=lag.candidate._replace(fit=wild)), *late[1:]]
+    with pytest.raises(ArithmeticError, match="has no motion"):
+        foresee_question(problem, ask_which(lost), repeat_protocol(problem, 2), 2, 0.05)
