@@ -1,6 +1,6 @@
-"""Ω as numbers without bounds, so that it can be moved along a line.
+"""Ω as numbers without bounds.
 
-They are its Cholesky factor, the diagonal in logarithms.
+They are its Cholesky factor, the diagonal in logarithms. Along a line of them Ω stays positive.
 """
 
 import numpy as np

@@ -103,7 +103,10 @@ def emit_frame(
 def _give_way(
     model: Model, work: Work, j: int, span: float, share: float, row: NDArray
 ) -> tuple[float, float]:
-    """What a link turns at once, and how fast; adds its changes to the row."""
+    """What a link turns at once, and how fast.
+
+    Adds its changes to the row.
+    """
     drive, given = work.linear.drive[j, TORQUE], work.pair
     given[VALUE], given[SLOPE] = 0.0, 0.0
     torque = drive[0] + share * (drive[1] + share * drive[2])

@@ -106,16 +106,17 @@ def plan_next(
     tried = choose_best(limits, purpose, reach, short=short)
     ranked = (choice for choice in tried if np.isfinite(choice.worth))
     safe = (_make_safe(problem, question, limits, choice, seed) for choice in ranked)
-    moving = (one for one in safe if np.isfinite(assess(one[0].protocol, purpose)))
-    if (found := next(moving, None)) is None:
+    told = ((*one, expect(question, purpose, foresee, one[0].protocol, seed)) for one in safe)
+    found = next((one for one in told if np.isfinite(one[2].worth)), None)
+    if found is None:
         raise Fault(
             "no protocol is within the limits: a larger --max-angle, --max-load or --max-rate, or "
             "more --minutes are needed"
         )
-    best, largest = found
+    best, largest, first = found
     others = {REPEATED: repeat_protocol(problem, limits.trials)}
     others |= {} if short else list_generic(limits)
-    expected = {best.name: expect(question, purpose, foresee, best.protocol, seed)}
+    expected = {best.name: first}
     for name, protocol in others.items():
         held = hold_angle(protocol, limits, reach)
         label = name if name == REPEATED else f"plain {name}"

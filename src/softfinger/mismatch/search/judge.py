@@ -104,7 +104,7 @@ def judge_finalists(
     plain, problem
         Without disturbances, and as the search had it.
     rivals
-        Sets that a search without disturbances found.
+        Sets that a search without disturbances found, its best first.
     pieces
         The catalogue.
     progress

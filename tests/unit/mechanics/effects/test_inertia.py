@@ -13,7 +13,7 @@ COARSE = {"tolerance": np.inf, "longest_step": 0.02}
 
 
 def move(own, moment, end=2e-3, **settings):
-    """Angles (joint, time) [rad] under one step of the load, links of these shares."""
+    """Angles (joint, time) [rad] under one step of the load."""
     one = np.log([0.1, 0.015, 20.0])
     parameters = np.tile(np.append(one, 0.02), (1, 3, 1))
     shares = {"inertia_own_share": [own], "inertia_moment_share": [moment]}

@@ -46,7 +46,7 @@ def test_a_measurement_of_its_own_counts_for_the_set_that_has_it(begin):
 
 
 def test_a_set_of_as_many_effects_as_a_search_tries_is_not_enlarged(begin):
-    """A fourth and a fifth effect took a quarter of a diagnosis, and named nothing."""
+    """A fourth and a fifth effect cost much, and named nothing."""
     task, search = begin
     full = SimpleNamespace(ids=frozenset({"gravity", "contact_stop", "moment_arm"}))
     best = search.base._replace(model=full)

@@ -180,7 +180,7 @@ def test_a_rival_of_another_form_competes_and_the_same_pieces_do_once():
 
 
 def test_of_sets_of_more_effects_than_are_named_the_best_alone_is_a_finalist():
-    """Three triples of one campaign took a minute, and none could have been named."""
+    """Three triples were judged, and none could have been named."""
     names = ("gravity", "inertia", "load_limit", "fatigue_softening")
     first, second = stand_in(600.0, *names[:3]), stand_in(590.0, *names[:2], names[3])
     leading = stand_in(610.0, *names[1:])
