@@ -45,7 +45,8 @@ def list_walks(problem: Problem) -> Array:
     trials = problem.trials
     shapes = count_shapes(len(trials.name), trials.joints)
     walk = walk_array(share_trial(trials), shapes)[:, None]
-    return _move_joints(problem, np.repeat(walk, trials.joints, axis=1))
+    alone = np.eye(trials.joints)
+    return _move_joints(problem, np.repeat(walk, trials.joints, axis=1), alone)
 
 
 def list_waves(problem: Problem) -> Array:
@@ -54,8 +55,8 @@ def list_waves(problem: Problem) -> Array:
     Twice as long as quiet windows show, and as lively from frame to frame: it has more of its slow
     waves √2 cos(ω t), ω = k π/T. With σ and τ of the noise's lasting part, T its recording and
     x = ω τ, their variances are 6 σ² τ/T / ((1 + 4 x²) (1 + x²)): spectra at 2 τ less those at τ.
-    A quartic follows such waves in a window, and one that is shorter than the noise lasts does not
-    show how long that is.
+    The joints' waves are correlated as their noise is. A quartic follows such waves in a window,
+    and one that is shorter than the noise lasts does not show how long that is.
     """
     trials, noise = problem.trials, problem.noise
     rho = np.maximum(noise["noise_autocorrelation"].values, np.finfo(float).tiny)
@@ -67,7 +68,8 @@ def list_waves(problem: Problem) -> Array:
     size = 6.0 * (1.0 - noise["noise_white"].values) * lasts / span
     sd = np.sqrt(size[..., None] / ((1.0 + 4.0 * turn) * (1.0 + turn)))
     waves = np.sqrt(2.0) * np.cos(share_trial(trials)[..., None] * number * np.pi)
-    return _move_joints(problem, np.einsum("tnk,tjk->tjnk", waves, sd))
+    shape = np.einsum("tnk,tjk->tjnk", waves, sd)
+    return _move_joints(problem, shape, noise["noise_correlation"].values)
 
 
 def turn_link(problem: Problem, link: int) -> Array:
@@ -102,11 +104,11 @@ def share_trial(trials: Trials) -> Array:
     return (node - node[:, :1]) / np.maximum(node[:, -1:] - node[:, :1], 1e-300)
 
 
-def _move_joints(problem: Problem, shape: Array) -> Array:
-    """Move each joint alone by shapes.
+def _move_joints(problem: Problem, shape: Array, correlation: Array) -> Array:
+    """Move joints, correlated (joint, joint), by shapes.
 
     They are (trial, joint, node, k), in units of the noise's sd.
     """
     sd = problem.noise["noise_sd"].values
-    columns = np.einsum("tink,ij,j->tinjk", shape, np.eye(len(sd)), sd)
+    columns = np.einsum("tink,ij,i->tinjk", shape, np.linalg.cholesky(correlation), sd)
     return columns.reshape(*columns.shape[:3], -1)

@@ -11,11 +11,18 @@ from numpy.typing import NDArray
 
 from softfinger.measurement.frames import compute_frame_interval_array
 from softfinger.measurement.steady import steady_log
-from softfinger.measurement.step_time import advance_steps_array, open_steps_array
+from softfinger.measurement.step_time import (
+    advance_steps_array,
+    list_steps_array,
+    open_steps_array,
+    place_steps_array,
+)
 from softfinger.measurement.tare import tare_log
 from softfinger.mechanics.effects.measurement_file import HumEntry, MeasurementEntry
 
-MENDED = frozenset({"step_time", "load_zero"})
+Array = NDArray[np.float64]
+
+MENDED = frozenset({"step_time", "step_moments", "load_zero"})
 """Components of what was set right that are no disturbance of the noise."""
 
 
@@ -34,15 +41,15 @@ def mend_recordings(angles: xr.Dataset, known: MeasurementEntry) -> xr.Dataset:
     -------
     Dataset
         As `angles`, with time multiplied by 1 + rate, and later by each trial's offset; plateaus of
-        the load at their mean, its zero taken off, its steps sooner by a share of their gaps or
-        straight lines over them; and each hum a cos ωt + b sin ωt taken off, t being the time that
-        was set right.
+        the load at their mean, its zero taken off, its steps sooner by a share of their gaps (one
+        for all, or one each) or straight lines over them; and each hum a cos ωt + b sin ωt taken
+        off, t being the time that was set right.
     """
     if known.steady_load:
         angles = steady_log(angles, held=known.ramps_held)[0]
     if known.load_tared:
         angles = tare_log(angles)[0]
-    if known.steps_early or known.steps_open:
+    if known.steps_early or known.steps_open or known.step_shares:
         angles = _move_steps(angles, known)
     if known.clock_rate:
         angles = angles.assign(time=angles["time"] * (1.0 + known.clock_rate))
@@ -65,12 +72,25 @@ def _move_steps(angles: xr.Dataset, known: MeasurementEntry) -> xr.Dataset:
     interval = compute_frame_interval_array(time, np.isfinite(time))
     if known.steps_open:
         moved = open_steps_array(*load, interval)
+    elif known.step_shares:
+        moved = place_steps_array(*load, _list_shares(angles, known, load, interval), interval)
     else:
         moved = advance_steps_array(*load, known.steps_early, interval)
     return angles.assign(load_time=(knots.dims, moved))
 
 
-def _move_hum(angles: xr.Dataset, hum: HumEntry) -> NDArray[np.float64]:
+def _list_shares(
+    angles: xr.Dataset, known: MeasurementEntry, load: tuple[Array, Array], interval: float
+) -> Array:
+    """Shares (trial, step) of gaps; steps that are not known stay at their rows."""
+    shares = np.zeros(list_steps_array(*load, interval).shape)
+    for row, name in zip(shares, angles["trial"].values, strict=True):
+        some = known.step_shares.get(str(name), [])[: len(row)]
+        row[: len(some)] = some
+    return shares
+
+
+def _move_hum(angles: xr.Dataset, hum: HumEntry) -> Array:
     """Angles (trial, joint, frame) [rad] of a hum."""
     phase = 2.0 * np.pi * hum.frequency_hz * angles["time"].transpose("trial", "frame").values
     nothing = [0.0] * angles.sizes["joint"]

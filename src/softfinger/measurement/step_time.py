@@ -32,10 +32,50 @@ def find_step_gaps_array(load_time: Array, load_torque: Array, frame_interval: f
     return found
 
 
+def list_steps_array(load_time: Array, load_torque: Array, frame_interval: float) -> Array:
+    """Gaps [s] of all steps of a load, one after the other.
+
+    Of knots (trial, knot): (trial, step), 0 where a trial has fewer.
+
+    >>> knots, load = np.array([[0.0, 1.0, 1.1, 1.1, 2.0]]), np.array([[0.0, 0.0, 0.0, 4.0, 4.0]])
+    >>> list_steps_array(knots, load, 0.1).round(6)
+    array([[0.1]])
+    """
+    gaps = find_step_gaps_array(load_time, load_torque, frame_interval)
+    number = _number_steps(load_time, gaps)
+    listed = np.zeros((len(gaps), int(number.max(initial=-1)) + 1))
+    trial, knot = np.nonzero(number >= 0)
+    listed[trial, number[trial, knot]] = gaps[trial, knot]
+    return listed
+
+
+def place_steps_array(
+    load_time: Array, load_torque: Array, share: Array, frame_interval: float
+) -> Array:
+    """Move each step sooner by a share of its gap.
+
+    Shares are (trial, step) as of `list_steps_array`; returns the times [s] of knots (trial, knot).
+
+    >>> knots, load = np.array([[0.0, 1.0, 1.1, 1.1, 2.0]]), np.array([[0.0, 0.0, 0.0, 4.0, 4.0]])
+    >>> place_steps_array(knots, load, np.array([[0.5]]), 0.1).round(6)
+    array([[0.  , 1.  , 1.05, 1.05, 2.  ]])
+    """
+    gaps = find_step_gaps_array(load_time, load_torque, frame_interval)
+    number = _number_steps(load_time, gaps)
+    padded = np.append(share, np.zeros((len(share), 1)), axis=1)  # of no step, −1, there is none
+    return _forget_rounding(load_time - np.take_along_axis(padded, number, axis=1) * gaps)
+
+
+def _number_steps(load_time: Array, gaps: Array) -> NDArray[np.int64]:
+    """Which step a knot (trial, knot) belongs to; −1 for none."""
+    first = (gaps > 0.0) & (np.diff(load_time, append=np.inf) == 0.0)
+    return np.where(gaps > 0.0, np.cumsum(first, axis=1) - 1, -1)
+
+
 def advance_steps_array(
     load_time: Array, load_torque: Array, share: float, frame_interval: float
 ) -> Array:
-    """Move steps sooner by a share of their gaps.
+    """Move all steps sooner by one share of their gaps.
 
     Returns the times [s] of all knots (…, knot).
 

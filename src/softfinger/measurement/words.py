@@ -131,6 +131,14 @@ WORDS = {
         ),
         "clock_offset",
     ),
+    "step_moments": Words(
+        "sd_s",
+        lambda s, _: (
+            "The load log reads too seldom to show when its steps came: by the motion "
+            f"{1e3 * s:.2g} ms before its rows on average, each at a moment of its own."
+        ),
+        "clock_offset",
+    ),
     "step_scatter": Words(
         "gap_share",
         lambda s, _: (

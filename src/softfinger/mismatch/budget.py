@@ -78,6 +78,12 @@ class DiagnosisBudget:
     Why: where that explains less, so does more; a search to the end takes many fits.
     Test: `test_weigh_log.py::test_steps_that_came_at_their_rows_are_left_there_by_one_fit`.
     """
+    placed_steps: int = 12
+    """Steps of a trial that are each placed. Why: each takes a simulation at every place.
+    Test: `test_weigh_log.py::test_more_steps_than_can_be_placed_are_open`.
+    """
+    step_tries: int = 9
+    """Places of a step in its gap that are tried. Why: a parabola gives the rest."""
     rest_nats: float = 0.02
     """[nats] at which a finalist's fit rests. Why: far below any decision's size."""
     shape_steps: int = 25

@@ -2,19 +2,19 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from softfinger.inference.disturbance_sizes import fit_disturbances
-from softfinger.inference.disturbances import CLOCKS, DRIFTS, find_kind
+from softfinger.inference.disturbances import CLOCKS, DRIFTS, SIZES, find_kind
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.measure import add_components
 from softfinger.measurement.mend import mend_recordings
 from softfinger.measurement.steady import steady_log
-from softfinger.measurement.step_time import find_step_gaps_array
+from softfinger.measurement.step_time import find_step_gaps_array, list_steps_array
 from softfinger.measurement.tare import tare_log
 from softfinger.mechanics.effects.measurement_file import MeasurementEntry
 from softfinger.mechanics.effects.model import Piece
@@ -29,13 +29,8 @@ from softfinger.mismatch.search.eliminate import choose_top
 from softfinger.mismatch.search.extend import Task
 from softfinger.mismatch.search.finalists import find_leader, list_leaders
 from softfinger.mismatch.search.judge import fit_again, judge
-from softfinger.mismatch.search.log_and_clock import (
-    PlacedSteps,
-    find_clock_rate,
-    place_steps,
-    start_clocks,
-    weigh_log,
-)
+from softfinger.mismatch.search.log_and_clock import find_clock_rate, start_clocks, weigh_log
+from softfinger.mismatch.search.place_steps import PlacedSteps, place_steps
 from softfinger.mismatch.search.stepwise import Search, search_effects
 
 
@@ -98,6 +93,10 @@ class Posed(NamedTuple):
     mended: MeasurementEntry
 
 
+AS_LOGGED = MeasurementEntry().model_dump(include={"steps_early", "steps_open", "step_shares"})
+"""Steps at the later of the two rows that state them."""
+STEPS = frozenset({"step_time", "step_moments"})
+
 Pose = Callable[[MeasurementEntry, Mapping[str, tuple[float, float]]], Posed]
 
 
@@ -123,7 +122,8 @@ def pose_load(angles: xr.Dataset, pose: Pose) -> Posed:
         followed = MeasurementEntry(load_tared=posed.mended.load_tared)
         zero = {name: found for name, found in posed.known.items() if name == "load_zero"}
         return mend_steps(pose(followed, zero), pose)
-    if more >= 0.0 or error == 0.0 or not np.isfinite(more):  # of no fit there is no evidence
+    slight = error < min(SIZES["noisy_load"])  # a good cell scatters as much
+    if more >= 0.0 or slight or not np.isfinite(more):  # of no fit there is no evidence
         return posed
     noise = add_components(posed.plain.noise, {"noisy_load": error}, {"noisy_load": -more})
     known = {**posed.known, "noisy_load": (error, -more)}
@@ -164,11 +164,27 @@ def mend_steps(posed: Posed, pose: Pose) -> Posed:
         return posed
     survey = posed.survey
     steps = place_steps(plain, posed.base, survey.ranked[0], survey.needed)
-    if steps == PlacedSteps():
+    if not steps.nats:
         return posed
-    placed = {"steps_open": True} if steps.is_open else {"steps_early": steps.early}
-    early = {} if steps.is_open else {"step_time": (steps.early * gap, steps.nats)}
-    return pose(posed.mended.model_copy(update=placed), {**posed.known, **early})
+    placed, found = _describe_steps(plain, steps)
+    return pose(posed.mended.model_copy(update=placed), {**posed.known, **found})
+
+
+def _describe_steps(
+    plain: Problem, steps: PlacedSteps
+) -> tuple[dict[str, Any], dict[str, tuple[float, float]]]:
+    """What was mended of steps, and component → mean time [s] that they come sooner, evidence."""
+    if steps.is_open:
+        return {"steps_open": True}, {}
+    trials = plain.trials
+    gaps = list_steps_array(trials.load_time, trials.load_torque, trials.interval)
+    if steps.each is None:
+        early = steps.early * gaps[gaps > 0.0].mean()
+        return {"steps_early": steps.early}, {"step_time": (float(early), steps.nats)}
+    early = (steps.each * gaps)[gaps > 0.0].mean()
+    of_trials = zip(trials.name, steps.each, gaps, strict=True)
+    shares = {name: share[gap > 0.0].tolist() for name, share, gap in of_trials}
+    return {"step_shares": shares}, {"step_moments": (float(early), steps.nats)}
 
 
 def mend_clock(posed: Posed, pose: Pose) -> Posed:
@@ -263,10 +279,10 @@ def mend_hums(posed: Posed, pose: Pose) -> tuple[Posed, list[Hum]]:
     if drift > sum(hum.evidence for hum in hums):
         return posed, []
     mended = add_hums(posed.mended, hums, posed.plain.trials.name)
-    if not (mended.steps_early or mended.steps_open):
+    as_logged = mended.model_copy(update=AS_LOGGED)
+    if mended == as_logged:
         return pose(mended, posed.known), hums
-    as_logged = mended.model_copy(update={"steps_early": 0.0, "steps_open": False})
-    known = {name: found for name, found in posed.known.items() if name != "step_time"}
+    known = {name: found for name, found in posed.known.items() if name not in STEPS}
     return mend_steps(pose(as_logged, known), pose), hums
 
 

@@ -27,6 +27,13 @@ class DiagnosisPriors:
 
     Test: `test_decisions.py::test_noise_of_another_size_is_no_excess_and_what_lasts_is`.
     """
+    step_mean: float = 0.5
+    """Mean share of its gap by which a step of the load comes sooner. Why: any is as likely.
+
+    Test: `test_weigh_log.py::test_steps_that_come_at_any_moment_of_their_gaps_are_each_placed`.
+    """
+    step_variance: float = 1.0 / 12.0
+    """Variance of that share. Why: as of `step_mean`. Test: as of `step_mean`."""
     law_sizes: tuple[float, ...] = (1.0, 0.25, 0.0625)
     """Prior sizes of a free law that are as likely, over its form's. Why: half an arm to 3 % of it.
 

@@ -255,6 +255,24 @@ def test_noise_that_outlasts_the_windows_is_no_drift(record):
     assert evidence["lasting_noise"] > 15.0
 
 
+def test_noise_that_lasts_is_correlated_between_joints_as_the_noise_is(record):
+    """As directions are measured: neighbouring joints err against each other."""
+    angles = record()
+    values, rng = angles["joint_angle"].values.copy(), np.random.default_rng(14)
+    direction = rng.standard_normal((8, 3, 500))
+    direction[:, :, 0] /= np.sqrt(1.0 - 0.98**2)
+    for k in range(1, 500):
+        direction[:, :, k] += 0.98 * direction[:, :, k - 1]
+    values += 0.01 * np.diff(direction, axis=1)
+    problem, fit = pose_problem(angles.assign(joint_angle=(angles["joint_angle"].dims, values)))
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    size, _, directions = fit_disturbances(problem, base)
+    assert list(size) == ["lasting_noise"]
+    moved = directions["lasting_noise"].reshape(8, 2, -1)
+    known = problem.noise["noise_correlation"].values
+    np.testing.assert_allclose(np.corrcoef(moved[0])[0, 1], known[0, 1], atol=0.1)
+
+
 @pytest.mark.parametrize(("size", "found"), [(3.0, True), (60.0, False)])
 def test_what_asks_for_more_than_a_drift_is_no_drift(record, size, found):
     """A camera drifts by a few times its noise; what is far beyond is physics that is missing."""

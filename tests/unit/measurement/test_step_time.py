@@ -8,7 +8,9 @@ from softfinger.measurement.decisions import DECISIONS
 from softfinger.measurement.step_time import (
     advance_steps_array,
     find_step_gaps_array,
+    list_steps_array,
     open_steps_array,
+    place_steps_array,
 )
 from softfinger.mechanics.effects import load_limit
 
@@ -25,6 +27,27 @@ def test_knots_stay_in_their_order_wherever_steps_come(rows, share):
     assert (np.diff(moved) >= 0.0).all()
     assert (moved <= knots).all()
     assert (knots - moved <= 1.5 + 1e-12).all()
+
+
+@given(ROWS, st.floats(0.0, 1.0))
+def test_each_step_placed_at_one_share_is_all_steps_sooner_by_it(rows, share):
+    time = np.cumsum([gap for gap, _ in rows])
+    load = build_load_array(time, np.array([value for _, value in rows]), 1.5)
+    knots, torque = (part[None] for part in load)
+    steps = list_steps_array(knots, torque, 1.0)
+    assert (steps > 0.0).all()
+    placed = place_steps_array(knots, torque, np.full(steps.shape, share), 1.0)
+    np.testing.assert_array_equal(placed, advance_steps_array(knots, torque, share, 1.0))
+
+
+def test_each_step_comes_sooner_by_a_share_of_its_own_gap():
+    knots = np.array([[0.0, 1.0, 1.1, 1.1, 2.0, 2.2, 2.2], [0.0, 1.0, 1.0, 1.0, 2.0, 2.4, 2.4]])
+    load = np.array([[0.0, 0.0, 0.0, 4.0, 4.0, 4.0, 1.0], [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 3.0]])
+    np.testing.assert_allclose(list_steps_array(knots, load, 0.3), [[0.1, 0.2], [0.4, 0.0]])
+    moved = place_steps_array(knots, load, np.array([[0.5, 0.25], [1.0, 0.0]]), 0.3)
+    np.testing.assert_allclose(
+        knots - moved, [[0, 0, 0.05, 0.05, 0, 0.05, 0.05], [0] * 5 + [0.4] * 2]
+    )
 
 
 def test_a_step_that_is_stated_at_once_has_no_gap():

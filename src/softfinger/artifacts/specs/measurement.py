@@ -88,6 +88,12 @@ SPEC = ArtifactSpec(
             "truth value",
             optional=True,
         ),
+        "step_share": Variable(
+            ("trial", "step"),
+            "1",
+            "how much sooner each step of the load comes, as a share of the gap of its log",
+            optional=True,
+        ),
         "hum_frequency": Variable(
             ("hum",), "Hz", "of what the angles hum, strongest first", at_least=0.0
         ),

@@ -21,6 +21,7 @@ Disturbance = Literal[
 ]
 LinkTurn = Annotated[str, Field(pattern=f"^{LINK_TURN}[1-9][0-9]*$")]
 DIGITS = 7
+Share = Annotated[float, Field(ge=0.0, le=1.0)]
 Amplitudes = dict[str, list[float]]
 
 
@@ -43,15 +44,17 @@ class MeasurementEntry(Part):
     `clock_rate`: how slow the camera's clock runs, as a share;
     `clock_offsets_s`: trial → by how much its frames are later than stated; `steps_early`: how much
     sooner than at its later row a step of the load comes, as a share of the gap between the two
-    rows that state it; `steps_open`: it comes at any moment of that gap; `disturbances`: their sds,
-    each in its own unit.
+    rows that state it; `steps_open`: it comes at any moment of that gap; `step_shares`: trial →
+    share of its gap by which each of its steps comes sooner, one after the other;
+    `disturbances`: their sds, each in its own unit.
     """
 
     steady_load: bool = False
     ramps_held: bool = False
     load_tared: bool = False
-    steps_early: Annotated[float, Field(ge=0.0, le=1.0)] = 0.0
+    steps_early: Share = 0.0
     steps_open: bool = False
+    step_shares: dict[str, list[Share]] = Field(default_factory=dict)
     clock_rate: Annotated[float, Field(gt=-0.5, lt=0.5)] = 0.0
     clock_offsets_s: dict[str, float] = Field(default_factory=dict)
     hums: list[HumEntry] = Field(default_factory=list)

@@ -1,5 +1,6 @@
 """Whether the motion prefers another load log or clock."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -8,12 +9,11 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from softfinger.inference.disturbances import SIZES, list_disturbances
-from softfinger.inference.disturbed import admit_disturbances
+from softfinger.inference.disturbances import SIZES
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.inference.reduce import reduce_trials
 from softfinger.measurement.decisions import DECISIONS as MEASURING
-from softfinger.measurement.step_time import advance_steps_array, open_steps_array
+from softfinger.measurement.trials import Trials
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.search.finalists import list_leaders
 from softfinger.mismatch.search.judge import fit_again
@@ -43,7 +43,7 @@ def weigh_log(
     leaders = list_leaders(base, singles, needed)
     moved = (fit_again(other, c, base) for c in (base, *leaders))
     best = [
-        max((_discount(c, base, needed) for c in some if c is not None), default=-np.inf)
+        max((discount(c, base, needed) for c in some if c is not None), default=-np.inf)
         for some in ((base, *leaders), moved)
     ]
     return best[1] - best[0]
@@ -98,7 +98,7 @@ def start_clocks(plain: Problem, candidate: Candidate, base: Candidate) -> Start
         lost = _scan_clocks(here, now, grid)
         if not np.isfinite(lost).all():
             return None
-        moved, variance = _find_lowest(grid, lost)
+        moved, variance = find_lowest(grid, lost)
         offset = offset + moved
         away = offset - offset.mean()
         spread = max(float(np.mean(away**2)), np.finfo(float).tiny)
@@ -117,25 +117,34 @@ def start_clocks(plain: Problem, candidate: Candidate, base: Candidate) -> Start
 def _scan_clocks(
     problem: Problem, candidate: Candidate, grid: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Half the misfit (offset, trial) of later and sooner frames.
+    """Half the misfit (offset, trial) of later and sooner frames."""
+    trials = problem.trials
+    moved = (trials._replace(node=trials.node + offset) for offset in grid)
+    return measure_lost(problem, candidate, moved)
 
-    Each trial's own parameters follow as far as the population lets them.
+
+def measure_lost(
+    problem: Problem, candidate: Candidate, moved: Iterable[Trials]
+) -> NDArray[np.float64]:
+    """Half the misfit (try, trial) of moved trials.
+
+    Each trial's own parameters follow to first order, as far as the population lets them.
     """
-    fit, trials, nothing = candidate.fit, problem.trials, np.zeros(0, np.int64)
+    fit, nothing = candidate.fit, np.zeros(0, np.int64)
     slope = problem.simulate(candidate.model, fit.own, fit.shared)[1][..., : fit.own.shape[1]]
     precision, away = np.linalg.inv(fit.omega), fit.own - fit.mean
-    lost = np.empty((len(grid), len(trials.name)))
-    for k, moved in enumerate(grid):
-        later = replace(problem, trials=trials._replace(node=trials.node + moved))
-        angle = later.simulate(candidate.model, fit.own, fit.shared, nothing)[0]
-        gram = reduce_trials(trials, angle, slope)
+    lost = []
+    for trials in moved:
+        other = replace(problem, trials=trials)
+        angle = other.simulate(candidate.model, fit.own, fit.shared, nothing)[0]
+        gram = reduce_trials(problem.trials, angle, slope)
         pull = gram[:, :-1, -1] - away @ precision
         step = np.linalg.solve(gram[:, :-1, :-1] + precision, pull[..., None])[..., 0]
-        lost[k] = 0.5 * (gram[:, -1, -1] - np.sum(pull * step, axis=1))
-    return lost
+        lost.append(0.5 * (gram[:, -1, -1] - np.sum(pull * step, axis=1)))
+    return np.array(lost)
 
 
-def _find_lowest(
+def find_lowest(
     grid: NDArray[np.float64], lost: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Where each column is lowest, and that place's variance.
@@ -143,7 +152,7 @@ def _find_lowest(
     By a parabola through three points of the grid.
 
     >>> grid = np.linspace(-2.0, 2.0, 9)
-    >>> [part.round(6).tolist() for part in _find_lowest(grid, 8.0 * (grid[:, None] - 0.6) ** 2)]
+    >>> [part.round(6).tolist() for part in find_lowest(grid, 8.0 * (grid[:, None] - 0.6) ** 2)]
     [[0.6], [0.0625]]
     """
     at = np.clip(lost.argmin(axis=0), 1, len(grid) - 2)
@@ -154,82 +163,7 @@ def _find_lowest(
     return grid[at] + shift * width, width**2 / bend
 
 
-class PlacedSteps(NamedTuple):
-    """When the load's steps come, and what that gains.
-
-    `early`: sooner than at their later rows, as a share of the gap; `is_open`: at any moment of it;
-    `nats` [nats] over the log as it is.
-    """
-
-    early: float = 0.0
-    is_open: bool = False
-    nats: float = 0.0
-
-
-def place_steps(
-    plain: Problem, base: Candidate, singles: list[Candidate], needed: float
-) -> PlacedSteps:
-    """Find when in their gaps the load's steps come.
-
-    As the log has them where a model of the log as it is explains more.
-
-    By the base model or the best effects, each at its best and an effect less what chance gains.
-
-    Parameters
-    ----------
-    plain, base, singles
-        Fitted to steps at the later of the two rows that state them.
-    """
-    leaders = base, *list_leaders(base, singles, needed)
-    known = max(_discount(c, base, needed) for c in leaders)
-    best, most = PlacedSteps(), 0.0
-    for candidate in leaders:
-        found = max(
-            (_find_steps_early(plain, candidate, base), _open_steps(plain, candidate, base)),
-            key=lambda steps: steps.nats - MEASURING.present_nats * steps.is_open,
-        )
-        lead = _discount(candidate, base, needed) + found.nats - known
-        if found.nats > MEASURING.present_nats and lead >= most:
-            best, most = found, lead
-    return best
-
-
-def _find_steps_early(plain: Problem, candidate: Candidate, base: Candidate) -> PlacedSteps:
-    """Move all steps by one share of their gaps.
-
-    They stay at their rows where a slight share explains less.
-    """
-    load = plain.trials.load_time, plain.trials.load_torque
-
-    def lose(share: float) -> float:
-        sooner = advance_steps_array(*load, share, plain.trials.interval)
-        moved = replace(plain, trials=plain.trials._replace(load_time=sooner))
-        again = fit_again(moved, candidate, base)
-        return (
-            BUDGET.no_motion_nats if again is None else candidate.log_evidence - again.log_evidence
-        )
-
-    if lose(BUDGET.step_share) >= 0.0:
-        return PlacedSteps()
-    options = {"xatol": BUDGET.step_digits}
-    found = minimize_scalar(lose, bounds=(0.0, 1.0), method="bounded", options=options)
-    return PlacedSteps(float(found.x), nats=-float(found.fun))
-
-
-def _open_steps(plain: Problem, candidate: Candidate, base: Candidate) -> PlacedSteps:
-    """Let steps come at any moment of their gaps."""
-    trials, unit = plain.trials, {"step_scatter": 1.0}
-    line = open_steps_array(trials.load_time, trials.load_torque, trials.interval)
-    opened = replace(plain, trials=trials._replace(load_time=line))
-    again = fit_again(opened, candidate, base)
-    directions = {} if again is None else list_disturbances(opened, again, set(unit))
-    if again is None or not directions:
-        return PlacedSteps(nats=-np.inf)
-    softer = fit_again(admit_disturbances(opened, unit, directions), again, base)
-    nats = -np.inf if softer is None else softer.log_evidence - candidate.log_evidence
-    return PlacedSteps(is_open=True, nats=nats)
-
-
-def _discount(candidate: Candidate, base: Candidate, needed: float) -> float:
+def discount(candidate: Candidate, base: Candidate, needed: float) -> float:
+    """Log evidence [nats] less what chance gains by its effects."""
     added = len(candidate.model.ids - base.model.ids)
     return candidate.log_evidence - needed * added

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from softfinger.mechanics.effects.law_curve import compute_law_curves
 from softfinger.mechanics.effects.model_file import FittedTo, ModelFile, describe_model
@@ -61,7 +62,7 @@ def tabulate_diagnosis(
         "repair": measure_repair(problem, *models, angles, np.random.default_rng(seed)),
         "free_form": tabulate_free_form(diagnosis),
         "measurement": problem.noise[list(MEASURED)]
-        .assign(mended | {"clock_offset": ("trial", later)})
+        .assign(mended | {"clock_offset": ("trial", later), "step_share": _list_shares(diagnosis)})
         .reset_coords(drop=True),
         "laws": compute_law_curves(
             search.best.model, search.best.fit.shared, search.best.fit.shared_covariance
@@ -75,6 +76,18 @@ def tabulate_diagnosis(
         "effects": "+".join(effect.id for effect in verdict.effects),
     }
     return {name: table.assign_attrs(said) for name, table in tables.items()}
+
+
+def _list_shares(diagnosis: Diagnosis) -> tuple[tuple[str, str], NDArray[np.float64]]:
+    """Shares of their gaps by which placed steps come sooner; NaN where a trial has fewer."""
+    known = diagnosis.mended.step_shares
+    shares = np.full(
+        (len(diagnosis.problem.trials.name), max(map(len, known.values()), default=0)), np.nan
+    )
+    for row, name in zip(shares, diagnosis.problem.trials.name, strict=True):
+        some = known.get(name, [])
+        row[: len(some)] = some
+    return ("trial", "step"), shares
 
 
 def tabulate_free_form(diagnosis: Diagnosis) -> xr.Dataset:

@@ -1,5 +1,6 @@
 """Whether the load follows what its log reads on a plateau, or the log errs."""
 
+from dataclasses import replace
 from functools import partial
 from importlib import import_module
 from types import SimpleNamespace
@@ -24,12 +25,8 @@ from softfinger.mechanics.effects.measurement_file import MeasurementEntry
 from softfinger.mismatch import posed as diagnosed
 from softfinger.mismatch.posed import Posed, mend_clock, mend_steps, pose_load
 from softfinger.mismatch.search.judge import _carry_over
-from softfinger.mismatch.search.log_and_clock import (
-    PlacedSteps,
-    find_clock_rate,
-    place_steps,
-    weigh_log,
-)
+from softfinger.mismatch.search.log_and_clock import find_clock_rate, weigh_log
+from softfinger.mismatch.search.place_steps import PlacedSteps, place_steps
 
 whole = import_module("softfinger.mismatch.diagnose")  # the package has a function of this name
 TIME = np.arange(300) / 15
@@ -209,9 +206,10 @@ def test_a_step_comes_within_the_gap_of_its_log(early):
     problem, fit = pose_problem(angles)
     assert problem.setting.step_gap == pytest.approx(0.04)
     base = Candidate(problem.base, fit, fit.log_evidence)
-    share, is_open, nats = place_steps(problem, base, [], 7.0)
+    share, is_open, each, nats = place_steps(problem, base, [], 7.0)
     assert share == pytest.approx(early / 0.04, abs=0.05)
     assert not is_open
+    assert each is None
     assert (nats > 20.0) == (early > 0.0)
     survey = SimpleNamespace(ranked=([], []), needed=7.0)
     posed = Posed(angles, problem, base, survey, {}, MeasurementEntry())
@@ -232,7 +230,7 @@ def test_steps_that_came_at_their_rows_are_left_there_by_one_fit(monkeypatch):
     count = {"fit_again": lambda *with_: fits.append(with_) or fit_again(*with_)}
     monkeypatch.setitem(place_steps.__globals__, *count.popitem())
     assert place_steps(problem, base, [], 7.0) == PlacedSteps()
-    assert len(fits) <= 1 + 2  # opened steps are fitted twice
+    assert len(fits) <= 1 + 2 + 4  # opened steps are fitted twice, placed ones in each round
 
 
 def explain_all(fit, name, base=None):
@@ -257,7 +255,30 @@ def test_a_step_stays_where_an_effect_explains_more_at_its_row(monkeypatch):
     assert place_steps(problem, base, [effect], 7.0) == PlacedSteps()
 
 
-def test_steps_that_come_at_any_moment_of_their_gaps_are_open():
+def test_steps_that_come_at_any_moment_of_their_gaps_are_each_placed():
+    early = np.random.default_rng(4).uniform(0.0, 0.04, (8, 1))
+    angles = record_steps(early)
+    problem, fit = pose_problem(angles)
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    steps = place_steps(problem, base, [], 7.0)
+    np.testing.assert_allclose(steps.each * 0.04, early, atol=3e-3)
+    assert steps.nats > 20.0
+    survey = SimpleNamespace(ranked=([], []), needed=7.0)
+    posed = Posed(angles, problem, base, survey, {}, MeasurementEntry())
+    entry, known = mend_steps(posed, lambda mended, known: (mended, known))
+    assert entry == MeasurementEntry(
+        step_shares=dict(zip(problem.trials.name, steps.each.tolist(), strict=True))
+    )
+    assert known == {"step_moments": (pytest.approx(early.mean(), abs=2e-3), steps.nats)}
+    mended = mend_recordings(angles, entry)
+    placed, fit = pose_problem(mended)
+    np.testing.assert_allclose(mended["load_time"][:, 2:4] + early, 1.0, atol=3e-3)
+    assert not fit_disturbances(placed, Candidate(placed.base, fit, fit.log_evidence))[0]
+
+
+def test_more_steps_than_can_be_placed_are_open(monkeypatch):
+    budget = place_steps.__globals__["BUDGET"]
+    monkeypatch.setitem(place_steps.__globals__, "BUDGET", replace(budget, placed_steps=0))
     angles = record_steps(np.random.default_rng(4).uniform(0.0, 0.04, (8, 1)))
     problem, fit = pose_problem(angles)
     base = Candidate(problem.base, fit, fit.log_evidence)

@@ -1,0 +1,165 @@
+"""When within the gaps of its log the load's steps came."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from softfinger.inference.disturbances import list_disturbances
+from softfinger.inference.disturbed import admit_disturbances
+from softfinger.inference.problem import Candidate, Problem
+from softfinger.measurement.decisions import DECISIONS as MEASURING
+from softfinger.measurement.step_time import (
+    advance_steps_array,
+    list_steps_array,
+    open_steps_array,
+    place_steps_array,
+)
+from softfinger.measurement.trials import Trials
+from softfinger.mismatch.budget import BUDGET
+from softfinger.mismatch.priors import PRIORS
+from softfinger.mismatch.search.finalists import list_leaders
+from softfinger.mismatch.search.judge import compare_levels, fit_again
+from softfinger.mismatch.search.log_and_clock import discount, find_lowest, measure_lost
+
+Array = NDArray[np.float64]
+
+
+class PlacedSteps(NamedTuple):
+    """When the load's steps come, and what that gains.
+
+    `early`: sooner than at their later rows, as a share of the gap; `is_open`: at any moment of it;
+    `each`: sooner by shares of their own (trial, step); `nats` [nats] over the log as it is.
+    """
+
+    early: float = 0.0
+    is_open: bool = False
+    each: Array | None = None
+    nats: float = 0.0
+
+
+def place_steps(
+    plain: Problem, base: Candidate, singles: list[Candidate], needed: float
+) -> PlacedSteps:
+    """Find when in their gaps the load's steps come.
+
+    As the log has them where a model of the log as it is explains more.
+
+    By the base model or the best effects, each at its best and an effect less what chance gains.
+
+    Parameters
+    ----------
+    plain, base, singles
+        Fitted to steps at the later of the two rows that state them.
+    """
+    leaders = base, *list_leaders(base, singles, needed)
+    known = max(discount(c, base, needed) for c in leaders)
+    best, most = PlacedSteps(), 0.0
+    for candidate in leaders:
+        found = max(
+            (
+                find(plain, candidate, base)
+                for find in (_find_steps_early, _open_steps, _place_each)
+            ),
+            key=lambda steps: steps.nats - MEASURING.present_nats * (steps.early == 0.0),
+        )
+        lead = discount(candidate, base, needed) + found.nats - known
+        if found.nats > MEASURING.present_nats and lead >= most:
+            best, most = found, lead
+    return best
+
+
+def _find_steps_early(plain: Problem, candidate: Candidate, base: Candidate) -> PlacedSteps:
+    """Move all steps by one share of their gaps.
+
+    They stay at their rows where a slight share explains less.
+    """
+    load = plain.trials.load_time, plain.trials.load_torque
+
+    def lose(share: float) -> float:
+        sooner = advance_steps_array(*load, share, plain.trials.interval)
+        moved = replace(plain, trials=plain.trials._replace(load_time=sooner))
+        again = fit_again(moved, candidate, base)
+        return (
+            BUDGET.no_motion_nats if again is None else candidate.log_evidence - again.log_evidence
+        )
+
+    if lose(BUDGET.step_share) >= 0.0:
+        return PlacedSteps()
+    options = {"xatol": BUDGET.step_digits}
+    found = minimize_scalar(lose, bounds=(0.0, 1.0), method="bounded", options=options)
+    return PlacedSteps(float(found.x), nats=-float(found.fun))
+
+
+def _open_steps(plain: Problem, candidate: Candidate, base: Candidate) -> PlacedSteps:
+    """Let steps come at any moment of their gaps."""
+    trials, unit = plain.trials, {"step_scatter": 1.0}
+    line = open_steps_array(trials.load_time, trials.load_torque, trials.interval)
+    opened = replace(plain, trials=trials._replace(load_time=line))
+    again = fit_again(opened, candidate, base)
+    directions = {} if again is None else list_disturbances(opened, again, set(unit))
+    if again is None or not directions:
+        return PlacedSteps(nats=-np.inf)
+    problem = admit_disturbances(opened, unit, directions)
+    softer = fit_again(problem, again, base)
+    if softer is None:
+        return PlacedSteps(nats=-np.inf)
+    nats = softer.log_evidence - candidate.log_evidence + compare_levels(problem, plain)
+    return PlacedSteps(is_open=True, nats=nats)
+
+
+def _place_each(plain: Problem, candidate: Candidate, base: Candidate) -> PlacedSteps:
+    """Place each step where the motion has it.
+
+    A line over a gap is more than a step; where a frame shows the motion in a millisecond, so does
+    a step that came elsewhere in its gap. The share U of the gap by which it came sooner has mean ½
+    and variance 1/12. With half the misfit L(U) its evidence is, by Laplace's method at the mode,
+
+        −L − 6 (U − ½)² − ½ log(1 + 1/(12 var)),  1/var = L″
+    """
+    trials = plain.trials
+    load = trials.load_time, trials.load_torque
+    is_step = list_steps_array(*load, trials.interval) > 0.0
+    if is_step.shape[1] > BUDGET.placed_steps:
+        return PlacedSteps(nats=-np.inf)
+    mean, variance = PRIORS.step_mean, PRIORS.step_variance
+    share, spread = np.where(is_step, mean, 0.0), np.full(is_step.shape, variance)
+
+    def move(share: Array) -> Trials:
+        return trials._replace(load_time=place_steps_array(*load, share, trials.interval))
+
+    now, before = fit_again(replace(plain, trials=move(share)), candidate, base), -np.inf
+    for _ in range(BUDGET.offset_rounds):
+        if now is None or now.log_evidence < before + BUDGET.rest_nats:
+            break
+        share, spread = _scan_steps(replace(plain, trials=move(share)), now, share, move)
+        share, before = np.where(is_step, share, 0.0), now.log_evidence
+        now = fit_again(replace(plain, trials=move(share)), now, base)
+    if now is None:
+        return PlacedSteps(nats=-np.inf)
+    cost = (share - mean) ** 2 / (2.0 * variance) + 0.5 * np.log(variance / spread)
+    gain = now.log_evidence - candidate.log_evidence
+    return PlacedSteps(each=share, nats=gain - float(cost[is_step].sum()))
+
+
+def _scan_steps(
+    here: Problem, candidate: Candidate, share: Array, move: Callable[[Array], Trials]
+) -> tuple[Array, Array]:
+    """Most probable share of each step, and its variance (trial, step), one step after the other.
+
+    As they are where some have no motion.
+    """
+    grid = np.linspace(0.0, 1.0, BUDGET.step_tries)
+    away = (grid[:, None] - PRIORS.step_mean) ** 2 / (2.0 * PRIORS.step_variance)
+    share, spread = share.copy(), np.full(share.shape, PRIORS.step_variance)
+    for step in range(share.shape[1]):
+        put = np.arange(share.shape[1]) == step
+        moved = (move(np.where(put, place, share)) for place in grid)
+        lost = measure_lost(here, candidate, moved) + away
+        if np.isfinite(lost).all():
+            place, spread[:, step] = find_lowest(grid, lost)
+            share[:, step] = np.clip(place, 0.0, 1.0)
+    return share, spread
