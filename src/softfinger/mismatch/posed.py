@@ -2,19 +2,20 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from softfinger.inference.disturbance_sizes import fit_disturbances
 from softfinger.inference.disturbances import CLOCKS, DRIFTS, SIZES, find_kind
+from softfinger.inference.disturbed import admit_disturbances
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.measure import add_components
 from softfinger.measurement.mend import mend_recordings
 from softfinger.measurement.steady import steady_log
-from softfinger.measurement.step_time import find_step_gaps_array, list_steps_array
+from softfinger.measurement.step_time import find_step_gaps_array
 from softfinger.measurement.tare import tare_log
 from softfinger.mechanics.effects.measurement_file import MeasurementEntry
 from softfinger.mechanics.effects.model import Piece
@@ -30,7 +31,7 @@ from softfinger.mismatch.search.extend import Task
 from softfinger.mismatch.search.finalists import find_leader, list_leaders
 from softfinger.mismatch.search.judge import fit_again, judge
 from softfinger.mismatch.search.log_and_clock import find_clock_rate, start_clocks, weigh_log
-from softfinger.mismatch.search.place_steps import PlacedSteps, place_steps
+from softfinger.mismatch.search.place_steps import PlacedSteps, describe_steps, place_steps
 from softfinger.mismatch.search.stepwise import Search, search_effects
 
 
@@ -155,7 +156,7 @@ def mend_steps(posed: Posed, pose: Pose) -> Posed:
     """Place the load's steps within the gaps of its log.
 
     Where a log is as slow as the frames, all motion seems too early: no delay of the camera, which
-    the log cannot show.
+    the log cannot show. What leads once they are placed may be another effect, with other moments.
     """
     plain, trials = posed.plain, posed.plain.trials
     gaps = find_step_gaps_array(trials.load_time, trials.load_torque, trials.interval)
@@ -166,25 +167,19 @@ def mend_steps(posed: Posed, pose: Pose) -> Posed:
     steps = place_steps(plain, posed.base, survey.ranked[0], survey.needed)
     if not steps.nats:
         return posed
-    placed, found = _describe_steps(plain, steps)
+    placed = _pose_steps(posed, steps, pose)
+    leader = find_leader(placed.base, placed.survey.ranked[0], survey.needed)
+    again = fit_again(plain, leader, posed.base) if leader is not placed.base else None
+    if again is None:
+        return placed
+    more = place_steps(plain, posed.base, [again], survey.needed)
+    better = more.evidence > steps.evidence + MEASURING.present_nats
+    return _pose_steps(posed, more, pose) if better else placed
+
+
+def _pose_steps(posed: Posed, steps: PlacedSteps, pose: Pose) -> Posed:
+    placed, found = describe_steps(posed.plain, steps)
     return pose(posed.mended.model_copy(update=placed), {**posed.known, **found})
-
-
-def _describe_steps(
-    plain: Problem, steps: PlacedSteps
-) -> tuple[dict[str, Any], dict[str, tuple[float, float]]]:
-    """What was mended of steps, and component → mean time [s] that they come sooner, evidence."""
-    if steps.is_open:
-        return {"steps_open": True}, {}
-    trials = plain.trials
-    gaps = list_steps_array(trials.load_time, trials.load_torque, trials.interval)
-    if steps.each is None:
-        early = steps.early * gaps[gaps > 0.0].mean()
-        return {"steps_early": steps.early}, {"step_time": (float(early), steps.nats)}
-    early = (steps.each * gaps)[gaps > 0.0].mean()
-    of_trials = zip(trials.name, steps.each, gaps, strict=True)
-    shares = {name: share[gap > 0.0].tolist() for name, share, gap in of_trials}
-    return {"step_shares": shares}, {"step_moments": (float(early), steps.nats)}
 
 
 def mend_clock(posed: Posed, pose: Pose) -> Posed:
@@ -267,16 +262,22 @@ def _weigh_best(
 def mend_hums(posed: Posed, pose: Pose) -> tuple[Posed, list[Hum]]:
     """Take hums, neither motion nor noise, off recordings.
 
-    A few slow waves imitate a drift. They are hums where they explain more than it does. Steps that
-    come at any moment take up a part of a wave, so they are placed anew without it.
+    A few slow waves imitate a drift. They are hums where they explain more than it does. What a log
+    or a clock that errs makes of the motion is no hum. Steps that come at any moment take up a part
+    of a wave, so they are placed anew without it.
     """
     leader = find_leader(posed.base, posed.survey.ranked[0], posed.survey.needed)
     hums = hear_hums(posed.plain, leader, posed.angles)
     if not hums:
         return posed, hums
-    found = fit_disturbances(posed.plain, leader)[1]
+    size, found, directions = fit_disturbances(posed.plain, leader)
+    known = {name: sd for name, sd in size.items() if find_kind(name) not in (None, *DRIFTS)}
+    if known:
+        softer = admit_disturbances(posed.plain, known, directions)
+        again = fit_again(softer, leader, posed.base)
+        hums = hums if again is None else hear_hums(softer, again, posed.angles)
     drift = sum(nats for name, nats in found.items() if find_kind(name) in DRIFTS)
-    if drift > sum(hum.evidence for hum in hums):
+    if not hums or drift > sum(hum.evidence for hum in hums):
         return posed, []
     mended = add_hums(posed.mended, hums, posed.plain.trials.name)
     as_logged = mended.model_copy(update=AS_LOGGED)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,13 +32,15 @@ class PlacedSteps(NamedTuple):
     """When the load's steps come, and what that gains.
 
     `early`: sooner than at their later rows, as a share of the gap; `is_open`: at any moment of it;
-    `each`: sooner by shares of their own (trial, step); `nats` [nats] over the log as it is.
+    `each`: sooner by shares of their own (trial, step); `nats` [nats] over the log as it is;
+    `evidence` [nats] of the best with them, an effect less what chance gains.
     """
 
     early: float = 0.0
     is_open: bool = False
     each: Array | None = None
     nats: float = 0.0
+    evidence: float = -np.inf
 
 
 def place_steps(
@@ -57,7 +59,7 @@ def place_steps(
     """
     leaders = base, *list_leaders(base, singles, needed)
     known = max(discount(c, base, needed) for c in leaders)
-    best, most = PlacedSteps(), 0.0
+    best = PlacedSteps()
     for candidate in leaders:
         found = max(
             (
@@ -66,9 +68,9 @@ def place_steps(
             ),
             key=lambda steps: steps.nats - MEASURING.present_nats * (steps.early == 0.0),
         )
-        lead = discount(candidate, base, needed) + found.nats - known
-        if found.nats > MEASURING.present_nats and lead >= most:
-            best, most = found, lead
+        evidence = discount(candidate, base, needed) + found.nats
+        if found.nats > MEASURING.present_nats and evidence >= max(known, best.evidence):
+            best = found._replace(evidence=evidence)
     return best
 
 
@@ -163,3 +165,20 @@ def _scan_steps(
             place, spread[:, step] = find_lowest(grid, lost)
             share[:, step] = np.clip(place, 0.0, 1.0)
     return share, spread
+
+
+def describe_steps(
+    plain: Problem, steps: PlacedSteps
+) -> tuple[dict[str, Any], dict[str, tuple[float, float]]]:
+    """Steps as a model file has them, and component → mean time sooner [s], evidence [nats]."""
+    if steps.is_open:
+        return {"steps_open": True}, {}
+    trials = plain.trials
+    gaps = list_steps_array(trials.load_time, trials.load_torque, trials.interval)
+    if steps.each is None:
+        early = steps.early * gaps[gaps > 0.0].mean()
+        return {"steps_early": steps.early}, {"step_time": (float(early), steps.nats)}
+    early = (steps.each * gaps)[gaps > 0.0].mean()
+    of_trials = zip(trials.name, steps.each, gaps, strict=True)
+    shares = {name: share[gap > 0.0].tolist() for name, share, gap in of_trials}
+    return {"step_shares": shares}, {"step_moments": (float(early), steps.nats)}

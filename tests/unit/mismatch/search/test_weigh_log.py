@@ -3,6 +3,7 @@
 from dataclasses import replace
 from functools import partial
 from importlib import import_module
+from itertools import chain
 from types import SimpleNamespace
 
 import numpy as np
@@ -200,26 +201,31 @@ def record_steps(early):
     )
 
 
+def pose_as(posed, mended, known):
+    """Keep what was mended, and nothing else."""
+    return posed._replace(mended=mended, known=known)
+
+
 @pytest.mark.parametrize("early", [0.0, 0.018, 0.04])
 def test_a_step_comes_within_the_gap_of_its_log(early):
     angles = record_steps(early)
     problem, fit = pose_problem(angles)
     assert problem.setting.step_gap == pytest.approx(0.04)
     base = Candidate(problem.base, fit, fit.log_evidence)
-    share, is_open, each, nats = place_steps(problem, base, [], 7.0)
+    share, is_open, each, nats, _ = place_steps(problem, base, [], 7.0)
     assert share == pytest.approx(early / 0.04, abs=0.05)
     assert not is_open
     assert each is None
     assert (nats > 20.0) == (early > 0.0)
     survey = SimpleNamespace(ranked=([], []), needed=7.0)
     posed = Posed(angles, problem, base, survey, {}, MeasurementEntry())
-    found = mend_steps(posed, lambda mended, known: (mended, known))
+    found = mend_steps(posed, partial(pose_as, posed))
     if early == 0.0:
         assert found is posed
         return
-    assert found[0].steps_early == share
-    assert found[1]["step_time"] == (pytest.approx(share * 0.04), nats)
-    mended = mend_recordings(angles, found[0])
+    assert found.mended.steps_early == share
+    assert found.known["step_time"] == (pytest.approx(share * 0.04), nats)
+    mended = mend_recordings(angles, found.mended)
     np.testing.assert_allclose(mended["load_time"].values[:, 2:4], 1.0 - early, atol=2e-3)
 
 
@@ -265,7 +271,7 @@ def test_steps_that_come_at_any_moment_of_their_gaps_are_each_placed():
     assert steps.nats > 20.0
     survey = SimpleNamespace(ranked=([], []), needed=7.0)
     posed = Posed(angles, problem, base, survey, {}, MeasurementEntry())
-    entry, known = mend_steps(posed, lambda mended, known: (mended, known))
+    _, _, _, _, known, entry = mend_steps(posed, partial(pose_as, posed))
     assert entry == MeasurementEntry(
         step_shares=dict(zip(problem.trials.name, steps.each.tolist(), strict=True))
     )
@@ -274,6 +280,28 @@ def test_steps_that_come_at_any_moment_of_their_gaps_are_each_placed():
     placed, fit = pose_problem(mended)
     np.testing.assert_allclose(mended["load_time"][:, 2:4] + early, 1.0, atol=3e-3)
     assert not fit_disturbances(placed, Candidate(placed.base, fit, fit.log_evidence))[0]
+
+
+@pytest.mark.parametrize(("evidence", "share"), [(50.0, 0.25), (10.0, 0.75)])
+def test_steps_are_placed_anew_by_what_leads_once_they_are_placed(monkeypatch, evidence, share):
+    problem, fit = pose_problem(record_steps(0.018))
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    effect = Candidate(SimpleNamespace(ids=frozenset({"inertia"})), fit, fit.log_evidence + 90.0)
+    posed = Posed(
+        None, problem, base, SimpleNamespace(ranked=([], []), needed=7.0), {}, MeasurementEntry()
+    )
+    led = SimpleNamespace(ranked=([effect], []), needed=7.0)
+
+    def place(plain, base, singles, needed):
+        each = np.full((8, 1), 0.25 if singles else 0.75)
+        return PlacedSteps(each=each, nats=5.0, evidence=evidence if singles else 10.0)
+
+    monkeypatch.setattr(diagnosed, "place_steps", place)
+    monkeypatch.setattr(diagnosed, "fit_again", lambda plain, candidate, base: candidate)
+    found = mend_steps(
+        posed, lambda mended, known: posed._replace(survey=led, mended=mended, known=known)
+    )
+    assert set(chain(*found.mended.step_shares.values())) == {share}
 
 
 def test_more_steps_than_can_be_placed_are_open(monkeypatch):
@@ -287,7 +315,7 @@ def test_more_steps_than_can_be_placed_are_open(monkeypatch):
     assert steps.nats > 20.0
     survey = SimpleNamespace(ranked=([], []), needed=7.0)
     posed = Posed(angles, problem, base, survey, {}, MeasurementEntry())
-    entry, known = mend_steps(posed, lambda mended, known: (mended, known))
+    _, _, _, _, known, entry = mend_steps(posed, partial(pose_as, posed))
     assert entry == MeasurementEntry(steps_open=True)
     assert known == {}
     mended = mend_recordings(angles, entry)
