@@ -82,7 +82,10 @@ def _move_steps(angles: xr.Dataset, known: MeasurementEntry) -> xr.Dataset:
 def _list_shares(
     angles: xr.Dataset, known: MeasurementEntry, load: tuple[Array, Array], interval: float
 ) -> Array:
-    """Shares (trial, step) of gaps; steps that are not known stay at their rows."""
+    """Shares (trial, step) of gaps.
+
+    Steps that are not known stay at their rows.
+    """
     shares = np.zeros(list_steps_array(*load, interval).shape)
     for row, name in zip(shares, angles["trial"].values, strict=True):
         some = known.step_shares.get(str(name), [])[: len(row)]

@@ -150,9 +150,9 @@ def _place_each(plain: Problem, candidate: Candidate, base: Candidate) -> Placed
 def _scan_steps(
     here: Problem, candidate: Candidate, share: Array, move: Callable[[Array], Trials]
 ) -> tuple[Array, Array]:
-    """Most probable share of each step, and its variance (trial, step), one step after the other.
+    """Most probable share of each step, and its variance.
 
-    As they are where some have no motion.
+    Both are (trial, step), found one step after the other; as they are where a place has no motion.
     """
     grid = np.linspace(0.0, 1.0, BUDGET.step_tries)
     away = (grid[:, None] - PRIORS.step_mean) ** 2 / (2.0 * PRIORS.step_variance)
@@ -170,7 +170,10 @@ def _scan_steps(
 def describe_steps(
     plain: Problem, steps: PlacedSteps
 ) -> tuple[dict[str, Any], dict[str, tuple[float, float]]]:
-    """Steps as a model file has them, and component → mean time sooner [s], evidence [nats]."""
+    """Steps as a model file has them.
+
+    Also component → mean time that they come sooner [s], and evidence [nats].
+    """
     if steps.is_open:
         return {"steps_open": True}, {}
     trials = plain.trials

@@ -79,7 +79,10 @@ def tabulate_diagnosis(
 
 
 def _list_shares(diagnosis: Diagnosis) -> tuple[tuple[str, str], NDArray[np.float64]]:
-    """Shares of their gaps by which placed steps come sooner; NaN where a trial has fewer."""
+    """Shares of their gaps by which placed steps come sooner.
+
+    NaN where a trial has fewer.
+    """
     known = diagnosis.mended.step_shares
     shares = np.full(
         (len(diagnosis.problem.trials.name), max(map(len, known.values()), default=0)), np.nan
