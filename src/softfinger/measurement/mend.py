@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from softfinger.faults import Fault
 from softfinger.measurement.frames import compute_frame_interval_array
 from softfinger.measurement.steady import steady_log
 from softfinger.measurement.step_time import (
@@ -18,7 +19,7 @@ from softfinger.measurement.step_time import (
     place_steps_array,
 )
 from softfinger.measurement.tare import tare_log
-from softfinger.mechanics.effects.measurement_file import HumEntry, MeasurementEntry
+from softfinger.mechanics.effects.measurement_file import Amplitudes, HumEntry, MeasurementEntry
 
 Array = NDArray[np.float64]
 
@@ -44,6 +45,11 @@ def mend_recordings(angles: xr.Dataset, known: MeasurementEntry) -> xr.Dataset:
         the load at their mean, its zero taken off, its steps sooner by a share of their gaps (one
         for all, or one each) or straight lines over them; and each hum a cos ωt + b sin ωt taken
         off, t being the time that was set right.
+
+    Raises
+    ------
+    Fault
+        `known` has more steps than a trial's load, or a hum of other joints: it is not of `angles`.
     """
     if known.steady_load:
         angles = steady_log(angles, held=known.ramps_held)[0]
@@ -86,9 +92,16 @@ def _list_shares(
 
     Steps that are not known stay at their rows.
     """
-    shares = np.zeros(list_steps_array(*load, interval).shape)
-    for row, name in zip(shares, angles["trial"].values, strict=True):
-        some = known.step_shares.get(str(name), [])[: len(row)]
+    gaps = list_steps_array(*load, interval)
+    shares = np.zeros(gaps.shape)
+    for row, gap, trial in zip(shares, gaps, angles["trial"].values, strict=True):
+        some = known.step_shares.get(str(trial), [])
+        if len(some) > np.count_nonzero(gap):
+            raise Fault(
+                f"measurement.step_shares.{trial}: {len(some)} listed, expected at most "
+                f"{np.count_nonzero(gap)}, one for each step of the trial's load between two rows; "
+                "take the others out, or diagnose again"
+            )
         row[: len(some)] = some
     return shares
 
@@ -96,9 +109,20 @@ def _list_shares(
 def _move_hum(angles: xr.Dataset, hum: HumEntry) -> Array:
     """Angles (trial, joint, frame) [rad] of a hum."""
     phase = 2.0 * np.pi * hum.frequency_hz * angles["time"].transpose("trial", "frame").values
-    nothing = [0.0] * angles.sizes["joint"]
-    cosine, sine = (
-        np.array([part.get(str(name), nothing) for name in angles["trial"].values])[:, :, None]
-        for part in (hum.cosine_rad, hum.sine_rad)
-    )
+    cosine, sine = (_list_amplitudes(angles, part) for part in (hum.cosine_rad, hum.sine_rad))
     return cosine * np.cos(phase)[:, None] + sine * np.sin(phase)[:, None]
+
+
+def _list_amplitudes(angles: xr.Dataset, known: Amplitudes) -> Array:
+    """Amplitudes (trial, joint, 1) [rad]; 0 in trials that are not named."""
+    joints = angles.sizes["joint"]
+    amplitudes = np.zeros((angles.sizes["trial"], joints))
+    for row, trial in zip(amplitudes, angles["trial"].values, strict=True):
+        some = known.get(str(trial), [0.0] * joints)
+        if len(some) != joints:
+            raise Fault(
+                f"measurement.hums: {len(some)} amplitudes in trial {trial}, expected {joints}, "
+                "one a joint of the recordings; diagnose again"
+            )
+        row[:] = some
+    return amplitudes[:, :, None]

@@ -5,7 +5,9 @@ from typing import NamedTuple
 
 import xarray as xr
 
+from softfinger.faults import Fault
 from softfinger.measurement.mend import mend_recordings
+from softfinger.mechanics.effects.measurement_file import MeasurementEntry
 from softfinger.mechanics.effects.model_file import ModelFile, read_model_file
 
 
@@ -28,6 +30,11 @@ def read_modelled(recorded: xr.Dataset, sha256: str, model: Path | None) -> Mode
     ----------
     recorded, sha256
         The `angles` artifact, and its hash.
+
+    Raises
+    ------
+    Fault
+        The file cannot be used, or its measurement is not of these recordings.
     """
     if model is None:
         return Modelled(recorded, None, priors=True)
@@ -36,5 +43,19 @@ def read_modelled(recorded: xr.Dataset, sha256: str, model: Path | None) -> Mode
         elsewhere = content.model_copy(update={"measurement": None})
         return Modelled(recorded, elsewhere, priors=True)
     if content.measurement is not None:
-        recorded = mend_recordings(recorded, content.measurement)
+        recorded = mend_as_filed(recorded, content.measurement, model)
     return Modelled(recorded, content, priors=False)
+
+
+def mend_as_filed(recorded: xr.Dataset, known: MeasurementEntry, file: Path) -> xr.Dataset:
+    """Mend recordings by what a file knows of them.
+
+    Raises
+    ------
+    Fault
+        `known` cannot be of these recordings; it names the file.
+    """
+    try:
+        return mend_recordings(recorded, known)
+    except Fault as fault:
+        raise Fault(f"{file}: {fault}") from fault

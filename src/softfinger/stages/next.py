@@ -17,7 +17,6 @@ from softfinger.figures.style import render_figure
 from softfinger.gate import read_document
 from softfinger.inference.disturbed import admit_known
 from softfinger.inference.problem import Candidate, Problem, pose_problem
-from softfinger.measurement.mend import mend_recordings
 from softfinger.mechanics.effects.measurement_file import MeasurementEntry
 from softfinger.mismatch.experiment.account import describe_plan, tabulate_plan
 from softfinger.mismatch.experiment.limits import RigLimits
@@ -39,7 +38,10 @@ from softfinger.rig.plan import Plan, read_plan
 from softfinger.rig.planned import build_plan, list_paths, list_repeats
 from softfinger.rig.profiles import Profile
 from softfinger.stages.linear_algebra import on_one_thread
+from softfinger.stages.modelled import mend_as_filed
 from softfinger.stages.rig_plan import write_proposal
+
+SURVIVORS = "survivors.yaml"
 
 
 class Asked(NamedTuple):
@@ -84,7 +86,7 @@ def next_experiment(
     column, scale = choose_column(recorded)
     if described is not None:
         asked = _hold_rig(asked, described, rig, column)
-    recorded, problem, base = pose_measured(recorded, content)
+    recorded, problem, base = pose_measured(recorded, content, angles.with_name(SURVIVORS))
     question = pose_question(problem, base, content, asked.narrow)
     limits = read_limits(asked, recorded, problem, scale)
     rng = np.random.default_rng(derive_seed(seed, "next"))
@@ -107,7 +109,7 @@ def open_diagnosis(results: Path) -> tuple[Path, OpenModels]:
     Fault
         A file is missing, or the verdict is of another campaign than the angles.
     """
-    files = {name: results / name for name in ("verdict.json", "survivors.yaml", "angles.nc")}
+    files = {name: results / name for name in ("verdict.json", SURVIVORS, "angles.nc")}
     for name, file in files.items():
         if not file.is_file():
             raise Fault(
@@ -121,14 +123,21 @@ def open_diagnosis(results: Path) -> tuple[Path, OpenModels]:
             f"{files['verdict.json']}: it is of campaign '{verdict.campaign}', and angles.nc of "
             f"'{campaign}'; diagnose the campaign again"
         )
-    content = read_survivors(files["survivors.yaml"], hash_files(files["angles.nc"]))
+    content = read_survivors(files[SURVIVORS], hash_files(files["angles.nc"]))
     return files["angles.nc"], content
 
 
 def pose_measured(
-    recorded: xr.Dataset, content: OpenModels
+    recorded: xr.Dataset, content: OpenModels, survivors: Path
 ) -> tuple[xr.Dataset, Problem, Candidate]:
     """Pose recordings as they were diagnosed.
+
+    Parameters
+    ----------
+    recorded
+        The `angles` artifact.
+    content, survivors
+        The open models, and the file that has them.
 
     Returns
     -------
@@ -136,7 +145,7 @@ def pose_measured(
         The `angles` artifact set right, and the base model, with the measurement that was found.
     """
     known = MeasurementEntry() if content.measurement is None else content.measurement
-    recorded = mend_recordings(recorded, known)
+    recorded = mend_as_filed(recorded, known, survivors)
     problem, fit = admit_known(*pose_problem(recorded), known.disturbances)
     return recorded, problem, Candidate(problem.base, fit, fit.log_evidence)
 

@@ -1,9 +1,12 @@
 """Recordings are set right by what is known to be wrong with them."""
 
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
 
+from softfinger.faults import Fault
 from softfinger.measurement.mend import mend_recordings
 from softfinger.mechanics.effects.measurement_file import HumEntry, MeasurementEntry
 
@@ -60,3 +63,36 @@ def test_frames_are_later_in_the_trials_that_are_named(still):
     mended = mend_recordings(still, MeasurementEntry(clock_offsets_s={"b": 0.02, "other": 1.0}))
     np.testing.assert_allclose(mended["time"].values - TIME, [[0.0] * 50, [0.02] * 50, [0.0] * 50])
     assert mended["time"].dims == still["time"].dims
+
+
+@pytest.fixture
+def stepped(still):
+    """A step in trials a and b, none in c."""
+    time = np.tile([0.0, 0.56, 0.6, 0.6, 2.0], (3, 1))
+    torque = np.array([[0.0, 0.0, 0.0, 0.04, 0.04]] * 2 + [[0.0] * 5])
+    dims = ("trial", "knot")
+    return still.assign(load_time=(dims, time), load_torque=(dims, torque))
+
+
+def test_a_step_comes_sooner_by_its_own_share(stepped):
+    known = MeasurementEntry(step_shares={"b": [0.25]})
+    mended = mend_recordings(stepped, known)["load_time"].values
+    np.testing.assert_allclose(mended[:, 2], [0.6, 0.59, 0.6])
+
+
+@pytest.mark.parametrize(
+    ("trial", "shares", "message"),
+    [
+        ("b", [0.25, 0.5], "measurement.step_shares.b: 2 listed, expected at most 1,"),
+        ("c", [0.25], "measurement.step_shares.c: 1 listed, expected at most 0,"),
+    ],
+)
+def test_shares_of_steps_that_are_not_are_refused(stepped, trial, shares, message):
+    with pytest.raises(Fault, match=f"^{re.escape(message)}"):
+        mend_recordings(stepped, MeasurementEntry(step_shares={trial: shares}))
+
+
+def test_a_hum_of_another_finger_is_refused(still):
+    hum = HumEntry(frequency_hz=3.1, cosine_rad={"a": [0.1] * 3}, sine_rad={"a": [0.1] * 3})
+    with pytest.raises(Fault, match="3 amplitudes in trial a, expected 2, one a joint"):
+        mend_recordings(still, MeasurementEntry(hums=[hum]))

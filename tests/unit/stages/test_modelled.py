@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from softfinger.faults import Fault
 from softfinger.stages.modelled import read_modelled
 
 TEXT = """\
@@ -44,3 +45,14 @@ def test_other_recordings_stay_as_they_are(recorded, model):
 
 def test_without_a_file_there_is_the_base_model(recorded):
     assert read_modelled(recorded, "ab" * 32, None) == (recorded, None, True)
+
+
+def test_a_measurement_of_other_recordings_names_the_file(recorded, model):
+    model.write_text(TEXT.replace("clock_rate: 0.01", "step_shares: {a: [0.5]}"))
+    load = xr.DataArray([[0.0, 1.0]], dims=("trial", "knot"))
+    still = recorded.assign_coords(trial=["a"]).assign(load_time=load, load_torque=0.0 * load)
+    with pytest.raises(Fault) as refused:
+        read_modelled(still, "ab" * 32, model)
+    assert str(refused.value).startswith(
+        f"{model}: measurement.step_shares.a: 1 listed, expected at most 0,"
+    )

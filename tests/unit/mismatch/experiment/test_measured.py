@@ -1,5 +1,7 @@
 """The next experiment sees recordings as they were diagnosed."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -40,7 +42,7 @@ def keep(survivor, measurement, file):
 def test_clock_and_drift_of_the_diagnosis_count(angles, survivor, tmp_path):
     known = MeasurementEntry(clock_rate=0.01, disturbances={"drift": 0.5})
     content = keep(survivor, known, tmp_path / "survivors.yaml")
-    right, problem, base = pose_measured(angles, content)
+    right, problem, base = pose_measured(angles, content, Path("survivors.yaml"))
     np.testing.assert_allclose(right["time"].values, 1.01 * angles["time"].values)
     assert problem.disturbed == {"drift": 0.5}
     assert base.fit is not None
@@ -48,7 +50,7 @@ def test_clock_and_drift_of_the_diagnosis_count(angles, survivor, tmp_path):
 
 def test_where_nothing_is_wrong_the_recordings_stay_as_they_are(angles, survivor, tmp_path):
     content = keep(survivor, None, tmp_path / "survivors.yaml")
-    right, problem, base = pose_measured(angles, content)
+    right, problem, base = pose_measured(angles, content, Path("survivors.yaml"))
     assert right.equals(angles)
     assert not problem.disturbed
     assert base.log_evidence == survivor.candidate.log_evidence
