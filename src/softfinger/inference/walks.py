@@ -55,7 +55,7 @@ def list_waves(problem: Problem) -> Array:
     Twice as long as quiet windows show, and as lively from frame to frame: it has more of its slow
     waves √2 cos(ω t), ω = k π/T. With σ and τ of the noise's lasting part, T its recording and
     x = ω τ, their variances are 6 σ² τ/T / ((1 + 4 x²) (1 + x²)): spectra at 2 τ less those at τ.
-    The joints' waves are correlated as their noise is. A quartic follows such waves in a window,
+    The joints' waves are correlated as their noise is, and larger where it is. A quartic follows such waves in a window,
     and one that is shorter than the noise lasts does not show how long that is.
     """
     trials, noise = problem.trials, problem.noise
@@ -69,7 +69,8 @@ def list_waves(problem: Problem) -> Array:
     sd = np.sqrt(size[..., None] / ((1.0 + 4.0 * turn) * (1.0 + turn)))
     waves = np.sqrt(2.0) * np.cos(share_trial(trials)[..., None] * number * np.pi)
     shape = np.einsum("tnk,tjk->tjnk", waves, sd)
-    return _move_joints(problem, shape, noise["noise_correlation"].values)
+    moved = _move_joints(problem, shape, noise["noise_correlation"].values)
+    return moved * np.repeat(trials.scale.transpose(0, 2, 1), 2, axis=2)[..., None]
 
 
 def turn_link(problem: Problem, link: int) -> Array:

@@ -273,6 +273,24 @@ def test_noise_that_lasts_is_correlated_between_joints_as_the_noise_is(record):
     np.testing.assert_allclose(np.corrcoef(moved[0])[0, 1], known[0, 1], atol=0.1)
 
 
+def test_noise_that_lasts_is_larger_where_the_noise_is(noisy):
+    """With one size for all, the slow waves of loud trials are drifts."""
+    problem, base = noisy
+    scale = problem.trials.scale.copy()
+    scale[2] *= 3.0
+    scale[3, 10:] *= 0.5
+    other = replace(problem, trials=problem.trials._replace(scale=scale))
+    before, after = (
+        list_disturbances(some, base, {"lasting_noise"})["lasting_noise"]
+        for some in (problem, other)
+    )
+    factor = np.ones_like(before)
+    factor[2] = 3.0
+    factor[3, :, 20:] = 0.5
+    np.testing.assert_allclose(after, factor * before)
+    assert np.ptp(before) > 0.0
+
+
 @pytest.mark.parametrize(("size", "found"), [(3.0, True), (60.0, False)])
 def test_what_asks_for_more_than_a_drift_is_no_drift(record, size, found):
     """A camera drifts by a few times its noise; what is far beyond is physics that is missing."""
