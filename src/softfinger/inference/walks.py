@@ -55,8 +55,9 @@ def list_waves(problem: Problem) -> Array:
     Twice as long as quiet windows show, and as lively from frame to frame: it has more of its slow
     waves √2 cos(ω t), ω = k π/T. With σ and τ of the noise's lasting part, T its recording and
     x = ω τ, their variances are 6 σ² τ/T / ((1 + 4 x²) (1 + x²)): spectra at 2 τ less those at τ.
-    The joints' waves are correlated as their noise is, and larger where it is. A quartic follows such waves in a window,
-    and one that is shorter than the noise lasts does not show how long that is.
+    The joints' waves are correlated as their noise is, and larger where it is. A quartic follows
+    such waves in a window, and one that is shorter than the noise lasts does not show how long that
+    is.
     """
     trials, noise = problem.trials, problem.noise
     rho = np.maximum(noise["noise_autocorrelation"].values, np.finfo(float).tiny)
