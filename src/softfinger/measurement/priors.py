@@ -30,10 +30,12 @@ class MeasurementPriors:
 
     Test: `test_noise.py::test_noise_that_outlasts_the_windows_is_not_taken_for_an_endless_drift`.
     """
-    white_shares: tuple[float, ...] = (0.1, 0.3, 0.6)
-    """Shares of the noise that are tried as white. Why: hardly seen up to most of it.
+    white_shares: tuple[float, ...] = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 0.6)
+    """Shares of the noise that are tried as white. Why: each a third of the next, up to most.
 
-    Test: `test_noise.py::test_noise_of_two_kinds_is_told_from_one`.
+    Beside noise that lasts long a hundredth is most of what differs from frame to frame.
+    Test: `test_noise.py::test_noise_of_two_kinds_is_told_from_one`,
+    `test_noise.py::test_slight_white_noise_is_seen_beside_what_lasts`.
     """
     beyond: float = 2.0
     """How far a size may lie beyond those that are tried. Why: half a step of their grids."""

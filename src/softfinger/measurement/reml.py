@@ -239,7 +239,7 @@ def find_memory(windows: list[Windows], declared: float) -> Memory:
         lambda x: deviance(Memory(*expit(x))),
         logit(start),
         method="Nelder-Mead",
-        bounds=[(-7.0, 7.6), (-5.0, 5.0)],
+        bounds=[(-7.0, 7.6), (-9.0, 5.0)],
         options={"xatol": 0.02, "fatol": 0.05, "maxfev": BUDGET.memory_evaluations},
     )
     return Memory(*map(float, expit(found.x)))

@@ -116,6 +116,17 @@ def test_noise_of_two_kinds_is_told_from_one(make_campaign, rng):
     assert estimate_noise(angles)["noise_white"].values.tolist() == [0.0] * 3
 
 
+def test_slight_white_noise_is_seen_beside_what_lasts(make_campaign, rng):
+    """Rounding: a hundredth of the variance, and half of what differs from frame to frame."""
+    angles, _, noise = make_campaign(rng, trials=12, joints=1, time=np.arange(1200) / 30, rho=0.98)
+    sd = noise["noise_sd"].values[:, None]
+    fresh = 0.1 * sd * rng.normal(size=angles["joint_angle"].shape)
+    both = estimate_noise(angles.assign(joint_angle=angles["joint_angle"] + fresh))
+    white_sd = np.sqrt(both["noise_white"].values) * both["noise_sd"].values
+    assert white_sd == pytest.approx(0.1 * noise["noise_sd"].values, rel=0.1)
+    assert both["noise_autocorrelation"].values == pytest.approx(0.98, abs=0.025)
+
+
 def test_joints_share_one_autocorrelation_unless_it_plainly_differs(make_campaign, rng):
     alike, _, _ = make_campaign(rng, trials=6, time=np.arange(500) / 30, rho=0.0)
     assert np.ptp(estimate_noise(alike)["noise_autocorrelation"].values) == 0.0
