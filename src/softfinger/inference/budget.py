@@ -108,6 +108,16 @@ class InferenceBudget:
 
     Test: `test_disturbances.py::test_noise_that_outlasts_the_windows_is_no_drift`.
     """
+    flicker_columns: int = 500
+    """Waves of noise in each octave, of all trials and joints. Why: a minute at 240 Hz has so many.
+
+    Test: `test_disturbances.py::test_noise_of_equal_power_in_each_octave_is_no_drift`.
+    """
+    octave: float = 6.0
+    """Memories of the noise that such a wave must last. Why: shorter ones are noise of windows.
+
+    Test: `test_disturbances.py::test_noise_of_equal_power_in_each_octave_is_no_drift`.
+    """
     disturbed_trials: int = 100
     """Trials of a fit in which disturbances are sought. Why: what all suffer from, these show."""
     disturbance_rounds: int = 3

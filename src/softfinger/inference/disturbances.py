@@ -24,6 +24,7 @@ from softfinger.inference.decisions import DECISIONS
 from softfinger.inference.priors import PRIORS
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.inference.walks import (
+    list_flicker,
     list_walks,
     list_waves,
     share_trial,
@@ -48,10 +49,20 @@ SIZES: Mapping[str, Array] = {
     LINK_TURN: np.array(PRIORS.drift_sizes),
     "gain_drift": np.array(PRIORS.gain_drift_sizes),
     "lasting_noise": np.array(PRIORS.lasting_sizes),
+    "flicker_noise": np.array(PRIORS.flicker_sizes),
 }
 CLOCKS = frozenset({"clock_offset", "clock_rate"})
-DRIFTS = ("drift", "gain_drift", "picture_turn", LINK_TURN, "lasting_noise")  # wander slowly
-IN_NOISE = frozenset({"drift", "picture_turn", LINK_TURN, "lasting_noise"})  # their unit
+DRIFTS = (
+    "drift",
+    "gain_drift",
+    "picture_turn",
+    LINK_TURN,
+    "lasting_noise",
+    "flicker_noise",
+)  # wander slowly
+IN_NOISE = frozenset(
+    {"drift", "picture_turn", LINK_TURN, "lasting_noise", "flicker_noise"}
+)  # their unit
 IN_GAPS = frozenset({"step_scatter"})  # as large as the log leaves open
 STEP_SHARE = 0.01  # of a row's load by which the model is moved
 STEP_S = 0.002
@@ -73,6 +84,7 @@ def list_disturbances(
         "drift": lambda: list_walks(problem),
         "gain_drift": lambda: _drift_gain(problem, candidate),
         "lasting_noise": lambda: list_waves(problem),
+        "flicker_noise": lambda: list_flicker(problem),
     }
     if problem.trials.joints > 1:  # with one joint it is no other than its drift
         made["picture_turn"] = lambda: turn_link(problem, 0)

@@ -72,6 +72,8 @@ class InferencePriors:
     """The same of the picture's drift, over the noise. Why: hardly seen up to plain."""
     lasting_sizes: tuple[float, ...] = (0.5, 1.0, 2.0, 4.0)
     """The same of noise that lasts longer: 1 is twice as long. Why: windows show it to that."""
+    flicker_sizes: tuple[float, ...] = (0.25, 0.5, 1.0, 2.0, 4.0)
+    """The same of noise with equal power in each octave. Why: as of drifts; half of it is usual."""
     gain_drift_sizes: tuple[float, ...] = (0.003, 0.01, 0.03)
     """The same of the gain of the angles' own sensor. Why: as of a load cell's."""
     largest_share: float = 0.05

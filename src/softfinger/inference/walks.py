@@ -1,7 +1,7 @@
 """What wanders slowly in the angles of a trial.
 
-A random walk goes ever farther; noise that lasts returns. Both are a few shapes over the trial,
-each times a normal number of its own.
+A random walk goes ever farther; noise that lasts returns; flicker has as much in each octave. All
+are a few shapes over the trial, each times a normal number of its own.
 """
 
 import numpy as np
@@ -60,18 +60,33 @@ def list_waves(problem: Problem) -> Array:
     is.
     """
     trials, noise = problem.trials, problem.noise
-    rho = np.maximum(noise["noise_autocorrelation"].values, np.finfo(float).tiny)
-    lasts = -float(noise["frame_interval"]) / np.log(rho)
-    node = trials.node.reshape(len(trials.name), -1)
-    span = (node[:, -1] - node[:, 0])[:, None]
+    lasts, span = _measure_memory(problem), _measure_span(trials)[:, None]
     number = np.arange(1, BUDGET.lasting_shapes + 1)
     turn = (number * np.pi * lasts[:, None] / span[:, None]) ** 2  # x² (trial, joint, k)
     size = 6.0 * (1.0 - noise["noise_white"].values) * lasts / span
     sd = np.sqrt(size[..., None] / ((1.0 + 4.0 * turn) * (1.0 + turn)))
     waves = np.sqrt(2.0) * np.cos(share_trial(trials)[..., None] * number * np.pi)
     shape = np.einsum("tnk,tjk->tjnk", waves, sd)
-    moved = _move_joints(problem, shape, noise["noise_correlation"].values)
-    return moved * np.repeat(trials.scale.transpose(0, 2, 1), 2, axis=2)[..., None]
+    return _move_as_noise(problem, shape)
+
+
+def list_flicker(problem: Problem) -> Array:
+    """How noise of equal power in each octave moves angles.
+
+    Quiet windows show its fast part, as noise that is shorter than it is. With τ of that and T a
+    recording, its slow waves √2 cos(ω t), ω = k π/T, have more power, in the ratio 1/k − 6 τ/T. As
+    long as that is positive they count, and together have the noise's variance. The joints' waves
+    are correlated as their noise is, and larger where it is.
+    """
+    trials = problem.trials
+    share = BUDGET.octave * _measure_memory(problem) / _measure_span(trials)[:, None]
+    most = BUDGET.flicker_columns // (len(trials.name) * trials.joints)
+    most = min(int(1.0 / share.min()), max(BUDGET.drift_shapes, most))
+    number = np.arange(1, most + 1)
+    power = np.maximum(1.0 / number - share[..., None], 0.0)
+    sd = np.sqrt(power / np.maximum(power.sum(axis=2, keepdims=True), np.finfo(float).tiny))
+    waves = np.sqrt(2.0) * np.cos(share_trial(trials)[..., None] * number * np.pi)
+    return _move_as_noise(problem, np.einsum("tnk,tjk->tjnk", waves, sd))
 
 
 def turn_link(problem: Problem, link: int) -> Array:
@@ -104,6 +119,24 @@ def share_trial(trials: Trials) -> Array:
     """How much of a trial has gone by (trial, bin · 2)."""
     node = trials.node.reshape(len(trials.name), -1)
     return (node - node[:, :1]) / np.maximum(node[:, -1:] - node[:, :1], 1e-300)
+
+
+def _measure_memory(problem: Problem) -> Array:
+    """How long each joint's noise lasts (joint,) [s]."""
+    rho = np.maximum(problem.noise["noise_autocorrelation"].values, np.finfo(float).tiny)
+    return -float(problem.noise["frame_interval"]) / np.log(rho)
+
+
+def _measure_span(trials: Trials) -> Array:
+    """How long trials are (trial,) [s]."""
+    node = trials.node.reshape(len(trials.name), -1)
+    return node[:, -1] - node[:, 0]
+
+
+def _move_as_noise(problem: Problem, shape: Array) -> Array:
+    """Move joints by shapes, as correlated as their noise and larger where it is."""
+    moved = _move_joints(problem, shape, problem.noise["noise_correlation"].values)
+    return moved * np.repeat(problem.trials.scale.transpose(0, 2, 1), 2, axis=2)[..., None]
 
 
 def _move_joints(problem: Problem, shape: Array, correlation: Array) -> Array:

@@ -175,5 +175,13 @@ WORDS = {
         ),
         fault=False,
     ),
+    "flicker_noise": Words(
+        "noise_sd",
+        lambda s, _: (
+            "The noise has equal power in each octave: what windows do not show of it is "
+            f"{s:.2g} times what they do."
+        ),
+        fault=False,
+    ),
     "hum": Words("amplitude_rad", _say_hum, "drift"),
 }

@@ -273,6 +273,26 @@ def test_noise_that_lasts_is_correlated_between_joints_as_the_noise_is(record):
     np.testing.assert_allclose(np.corrcoef(moved[0])[0, 1], known[0, 1], atol=0.1)
 
 
+def draw_flicker(rng, shape):
+    """1/f noise of sd 1 (…, frame)."""
+    frames = shape[-1]
+    spectrum = np.fft.rfft(rng.standard_normal((*shape[:-1], 4 * frames)))
+    spectrum /= np.sqrt(np.maximum(np.arange(spectrum.shape[-1]), 1))
+    noise = np.fft.irfft(spectrum)[..., :frames]
+    return noise / noise.std()
+
+
+def test_noise_of_equal_power_in_each_octave_is_no_drift(record):
+    angles = record()
+    rng = np.random.default_rng(16)
+    values = angles["joint_angle"].values + 0.004 * draw_flicker(rng, (8, 2, 500))
+    problem, fit = pose_problem(angles.assign(joint_angle=(angles["joint_angle"].dims, values)))
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    size, evidence, _ = fit_disturbances(problem, base)
+    assert list(size) == ["flicker_noise"]
+    assert evidence["flicker_noise"] > 15.0
+
+
 def test_noise_that_lasts_is_larger_where_the_noise_is(noisy):
     """With one size for all, the slow waves of loud trials are drifts."""
     problem, base = noisy

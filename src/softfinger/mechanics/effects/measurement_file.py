@@ -17,6 +17,7 @@ Disturbance = Literal[
     "drift",
     "gain_drift",
     "lasting_noise",
+    "flicker_noise",
     "picture_turn",
 ]
 LinkTurn = Annotated[str, Field(pattern=f"^{LINK_TURN}[1-9][0-9]*$")]

@@ -1,6 +1,7 @@
 """What recordings suffer from, in words."""
 
 import numpy as np
+import pytest
 import xarray as xr
 
 from softfinger.measurement.words import WORDS
@@ -38,8 +39,9 @@ def test_what_only_keeps_an_effect_from_being_claimed_is_not_claimed_itself():
     assert describe_measurement(build_measurement({"drift": (1.0, 4.0)})) == []
 
 
-def test_how_long_the_noise_lasts_is_no_fault():
-    assert describe_measurement(build_measurement({"lasting_noise": (1.0, 90.0)})) == []
+@pytest.mark.parametrize("name", ["lasting_noise", "flicker_noise"])
+def test_how_long_the_noise_lasts_is_no_fault(name):
+    assert describe_measurement(build_measurement({name: (1.0, 90.0)})) == []
 
 
 def test_a_hum_is_told_with_its_frequencies_as_a_drift():
