@@ -29,7 +29,7 @@ def test_every_component_has_a_sentence_and_the_strongest_comes_first():
     found = {name: (0.005, 10.0 + k) for k, name in enumerate(WORDS)}
     told = describe_measurement(build_measurement(found))
     faults = {name: words for name, words in WORDS.items() if words.fault}
-    assert len(told) == len(faults) == len(WORDS) - 1
+    assert len(told) == len(faults) == len(WORDS) - 2
     assert [one.evidence for one in told] == sorted((one.evidence for one in told), reverse=True)
     assert all(one.statement.endswith(".") for one in told)
     assert {one.id for one in told} == {words.id or name for name, words in faults.items()}
