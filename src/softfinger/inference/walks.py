@@ -75,11 +75,13 @@ def list_flicker(problem: Problem) -> Array:
 
     Quiet windows show its fast part, as noise that is shorter than it is. With τ of that and T a
     recording, its slow waves √2 cos(ω t), ω = k π/T, have more power, in the ratio 1/k − 6 τ/T. As
-    long as that is positive they count, and together have the noise's variance. The joints' waves
-    are correlated as their noise is, and larger where it is.
+    long as that is positive they count, and together have the noise's variance. Noise that is new
+    in every frame has none. The joints' waves are correlated as their noise is, and larger where it
+    is.
     """
-    trials = problem.trials
-    share = BUDGET.octave * _measure_memory(problem) / _measure_span(trials)[:, None]
+    trials, lasts = problem.trials, _measure_memory(problem)
+    lasts[lasts < float(problem.noise["frame_interval"])] = np.inf
+    share = BUDGET.octave * lasts / _measure_span(trials)[:, None]
     most = BUDGET.flicker_columns // (len(trials.name) * trials.joints)
     most = min(int(1.0 / share.min()), max(BUDGET.drift_shapes, most))
     number = np.arange(1, most + 1)

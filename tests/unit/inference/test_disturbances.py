@@ -293,6 +293,13 @@ def test_noise_of_equal_power_in_each_octave_is_no_drift(record):
     assert evidence["flicker_noise"] > 15.0
 
 
+def test_noise_that_is_new_in_every_frame_has_no_octaves(noisy):
+    problem, base = noisy
+    assert (problem.noise["noise_autocorrelation"] < 0.3).all()
+    moved = list_disturbances(problem, base, {"flicker_noise"})["flicker_noise"]
+    assert moved.shape[3] == 0
+
+
 def test_noise_that_lasts_is_larger_where_the_noise_is(noisy):
     """With one size for all, the slow waves of loud trials are drifts."""
     problem, base = noisy
