@@ -66,7 +66,8 @@ def measure(angles: xr.Dataset, motion: Array | None = None) -> xr.Dataset:
     passed *= find_time_error(angles["joint_angle"].values, passed, seen)
     every = frames[["used", "present"]]
     frames = _leave_out(frames, _find_outliers(angles, frames, None, passed))
-    scales, frames = _scale_noise(angles, frames, _measure_deflection(motion, frames))
+    moved = _measure_deflection(motion, frames), _measure_speed(motion, angles, frames)
+    scales, frames = _scale_noise(angles, frames, *moved)
     known = complete_noise(fit_noise(angles, frames).noise, angles, frames)
     frames = frames.assign(every)
     frames = _leave_out(frames, _find_outliers(angles, frames, known, passed))
@@ -77,7 +78,9 @@ def measure(angles: xr.Dataset, motion: Array | None = None) -> xr.Dataset:
     )
 
 
-def _scale_noise(angles: xr.Dataset, frames: xr.Dataset, moved: Array) -> tuple[Scales, xr.Dataset]:
+def _scale_noise(
+    angles: xr.Dataset, frames: xr.Dataset, moved: Array, speed: Array
+) -> tuple[Scales, xr.Dataset]:
     """Scale every noise by what quiet windows show.
 
     It goes in rounds: windows that are too lively for a campaign of one noise are calm in units
@@ -87,8 +90,9 @@ def _scale_noise(angles: xr.Dataset, frames: xr.Dataset, moved: Array) -> tuple[
     declared = float(angles.attrs.get("noise_sd_rad", np.nan))
     for _ in range(BUDGET.scale_rounds):
         fit = fit_noise(free, frames)
-        scales = fit_scales(_list_variances(fit, moved, frames, declared))
-        grown = np.sqrt(1.0 + (scales.per_rad * np.nan_to_num(moved)) ** 2)
+        scales = fit_scales(_list_variances(fit, (moved, speed), frames, declared))
+        parts = scales.per_rad * moved, scales.per_rate * np.minimum(speed, scales.fastest)
+        grown = np.sqrt(1.0 + sum(np.nan_to_num(part) ** 2 for part in parts))
         frames = frames.assign(
             trial_factor=(LAYOUT[:2], scales.factor),
             noise_factor=(LAYOUT, scales.factor[:, :, None] * grown),
@@ -212,13 +216,24 @@ def _measure_deflection(motion: Array, frames: xr.Dataset) -> Array:
     return np.abs(motion - np.take_along_axis(motion, first[:, None, None], axis=2))
 
 
+def _measure_speed(motion: Array, angles: xr.Dataset, frames: xr.Dataset) -> Array:
+    """Speed (trial, joint, frame) [rad/s] of a motion, at the frames that are used."""
+    time = angles["time"].transpose("trial", "frame").values
+    speed = np.zeros(motion.shape)
+    for trial, used in enumerate(frames["used"].values):
+        if used.sum() > 1:
+            slope = np.gradient(motion[trial][:, used], time[trial, used], axis=1)
+            speed[trial][:, used] = np.abs(slope)
+    return speed
+
+
 def _list_variances(
-    fit: NoiseFit, moved: Array, frames: xr.Dataset, declared: float
+    fit: NoiseFit, moved: tuple[Array, Array], frames: xr.Dataset, declared: float
 ) -> WindowVariances:
     """Quiet windows' variances, over their joint's or declared."""
     factor = frames["noise_factor"].values
-    trials, joints, count = moved.shape
-    parts = [np.empty((0, 5))]
+    trials, joints, count = factor.shape
+    parts = [np.empty((0, 6))]
     for joint, (windows, memory) in enumerate(zip(fit.windows, fit.memories, strict=True)):
         if windows.dof <= 0 or not np.isfinite(memory.autocorrelation):
             continue
@@ -228,18 +243,19 @@ def _list_variances(
         usual = declared**2 if np.isfinite(declared) else rss.sum() / freedom.sum()
         begin = windows.start[:-1]
         trial, frame = windows.place // count, windows.place % count
-        away, own = (
+        away, fast, own = (
             np.add.reduceat(part[trial, joint, frame], begin) / np.diff(windows.start)
-            for part in (moved, factor**2)
+            for part in (*moved, factor**2)
         )
         least = max(LEAST_SD, float(frames["rounding_sd"][joint])) ** 2
         value = np.maximum(own * rss / freedom, least) / max(usual, least)
         freedom = freedom / (1.0 + 0.5 * _measure_tail(residual, windows.start))
-        parts.append(np.column_stack([value, freedom, trial[begin], 0 * value + joint, away]))
-    value, freedom, trial, joint, away = np.concatenate(parts).T
+        place = trial[begin], 0 * value + joint
+        parts.append(np.column_stack([value, freedom, *place, away, fast]))
+    value, freedom, trial, joint, away, fast = np.concatenate(parts).T
     places = trial.astype(int), joint.astype(int)
     expected = bool(np.isfinite(declared))
-    return WindowVariances(value, freedom, *places, away, trials, joints, expected)
+    return WindowVariances(value, freedom, *places, away, fast, trials, joints, expected)
 
 
 def _measure_tail(residual: Array, start: NDArray) -> Array:

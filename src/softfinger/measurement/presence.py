@@ -22,6 +22,8 @@ def list_components(
         found["uneven_noise"] = float(size), evidence
     if "signal" in scales.size:
         found["signal_noise"] = scales.per_rad, scales.evidence["signal"]
+    if "rate" in scales.size:
+        found["rate_noise"] = scales.per_rate, scales.evidence["rate"]
     found |= _add_jumps(_weigh_outliers(frames), frames) | _weigh_tails(fit)
     found |= _count_frames("repeated_frames", frames["repeated"].values.sum(), frames)
     found |= _count_frames("saturated_sensor", frames["saturated"].values.sum(), frames)

@@ -1,13 +1,13 @@
 """How the size of the noise differs.
 
-It differs between trials and joints, and with the deflection.
+It differs between trials and joints, with the deflection, and with the speed.
 
-The noise of joint j in trial t is that of the campaign times e^{b_tj/2} √(1 + c² x²), x being how
-far the joint is from where it began. Each quiet window's variance s² (ν degrees of freedom)
-measures it: log s² is all but normal about the truth, with variance 4/ν-like ψ'(ν/2), more where
-the noise has heavy tails. The b are normal, with a part that all joints of a trial share; windows
-may scatter by more than chance. The evidence of every component is averaged over sizes; a component
-is left out where it gains less than `present_nats`.
+The noise of joint j in trial t is that of the campaign times e^{b_tj/2} √(1 + c² x² + a² v²), x
+being how far the joint is from where it began, and v how fast it moves. Each quiet window's
+variance s² (ν degrees of freedom) measures it: log s² is all but normal about the truth, with
+variance 4/ν-like ψ'(ν/2), more where the noise has heavy tails. The b are normal, with a part that
+all joints of a trial share; windows may scatter by more than chance. The evidence of every
+component is averaged over sizes; a component is left out where it gains less than `present_nats`.
 
 References
 ----------
@@ -30,6 +30,7 @@ SIZES: Mapping[str, Array] = {
     "trial": np.array(PRIORS.uneven_sizes),
     "cell": np.array(PRIORS.uneven_sizes),
     "signal": np.array(PRIORS.signal_sizes),
+    "rate": np.array(PRIORS.signal_sizes),
 }
 UNKNOWN = 1e6  # variance of what no window measures
 
@@ -43,8 +44,8 @@ class WindowVariances(NamedTuple):
         (window,) variance over that of the campaign's noise; degrees of freedom.
     trial, joint
         (window,) places.
-    deflection
-        (window,) [rad].
+    deflection, speed
+        (window,) [rad], [rad/s].
     trials, joints
         How many there are.
     expected
@@ -56,6 +57,7 @@ class WindowVariances(NamedTuple):
     trial: NDArray[np.int64]
     joint: NDArray[np.int64]
     deflection: Array
+    speed: Array
     trials: int
     joints: int
     expected: bool = False
@@ -68,14 +70,18 @@ class Scales(NamedTuple):
     ----------
     factor
         (trial, joint).
-    per_rad
-        c [1/rad]; 0 where the noise does not grow.
+    per_rad, per_rate
+        c [1/rad] and a [s/rad]; 0 where the noise does not grow.
+    fastest
+        [rad/s] of the windows; how noise grows beyond that they do not show.
     size, evidence
         Component → size, and evidence [nats]; only those that are present.
     """
 
     factor: Array
     per_rad: float
+    per_rate: float
+    fastest: float
     size: dict[str, float]
     evidence: dict[str, float]
 
@@ -90,16 +96,18 @@ def fit_scales(windows: WindowVariances) -> Scales:
     Windows that scatter no more than they should show nothing.
 
     >>> n = np.arange(40)
-    >>> even = WindowVariances(np.ones(40), np.full(40, 100.0), n // 8, n % 2, 0.1 * n, 5, 2)
+    >>> moved = 0.1 * n, 0.2 * n
+    >>> even = WindowVariances(np.ones(40), np.full(40, 100.0), n // 8, n % 2, *moved, 5, 2)
     >>> fit_scales(even).size
     {}
     """
     sizes = {name: grid for name, grid in SIZES.items() if _is_testable(windows, name)}
     size, evidence = choose_components(lambda some: _evaluate(windows, some), sizes)
     factor = np.exp(0.5 * _locate(windows, size))
-    largest = float(windows.deflection.max(initial=0.0))
+    largest, fastest = (float(x.max(initial=0.0)) for x in (windows.deflection, windows.speed))
     per_rad = size["signal"] / largest if "signal" in size else 0.0
-    return Scales(factor, per_rad, size, evidence)
+    per_rate = size["rate"] / fastest if "rate" in size else 0.0
+    return Scales(factor, per_rad, per_rate, fastest, size, evidence)
 
 
 def _is_testable(windows: WindowVariances, name: str) -> bool:
@@ -109,7 +117,7 @@ def _is_testable(windows: WindowVariances, name: str) -> bool:
         return windows.trials > 1
     if name == "cell":
         return windows.trials > 1 and windows.joints > 1
-    return bool(np.ptp(windows.deflection) > 0)
+    return bool(np.ptp(windows.deflection if name == "signal" else windows.speed) > 0)
 
 
 def _evaluate(windows: WindowVariances, size: Mapping[str, float]) -> float:
@@ -141,9 +149,11 @@ def _solve(
     """
     trials, joints = windows.trials, windows.joints
     half = 0.5 * windows.freedom
-    largest = max(float(windows.deflection.max(initial=0.0)), 1e-300)
-    growth = np.log1p((size.get("signal", 0.0) * windows.deflection / largest) ** 2)
-    value = np.log(windows.value) - digamma(half) + np.log(half) - growth
+    growth = np.zeros(len(half))
+    for name, moved in (("signal", windows.deflection), ("rate", windows.speed)):
+        largest = max(float(moved.max(initial=0.0)), 1e-300)
+        growth += (size.get(name, 0.0) * moved / largest) ** 2
+    value = np.log(windows.value) - digamma(half) + np.log(half) - np.log1p(growth)
     precision = 1.0 / (polygamma(1, half) + scatter**2)
     place = windows.trial * joints + windows.joint
     weight = np.bincount(place, precision, trials * joints)

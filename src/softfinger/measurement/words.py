@@ -64,13 +64,16 @@ def _say_uneven(size: float, measurement: xr.Dataset) -> str:
     )
 
 
-def _say_signal(size: float, measurement: xr.Dataset) -> str:
-    sd = 1e3 * float(np.sqrt((measurement["noise_sd"] ** 2).mean()))
-    grown = sd * np.sqrt(1.0 + size**2)
-    return (
-        f"The noise grows with the deflection: from {sd:.2g} mrad at rest to {grown:.2g} mrad "
-        "at 1 rad."
-    )
+def _say_growth(cause: str, place: str) -> Callable[[float, xr.Dataset], str]:
+    def say(size: float, measurement: xr.Dataset) -> str:
+        sd = 1e3 * float(np.sqrt((measurement["noise_sd"] ** 2).mean()))
+        grown = sd * np.sqrt(1.0 + size**2)
+        return (
+            f"The noise grows with the {cause}: from {sd:.2g} mrad at rest to {grown:.2g} mrad "
+            f"at {place}."
+        )
+
+    return say
 
 
 def _say_hum(size: float, measurement: xr.Dataset) -> str:
@@ -103,7 +106,8 @@ WORDS = {
     ),
     "lost_frames": Words("share", lambda s, _: f"{100 * s:.2g} % of the frames are missing."),
     "uneven_noise": Words("log_sd", _say_uneven),
-    "signal_noise": Words("per_rad", _say_signal),
+    "signal_noise": Words("per_rad", _say_growth("deflection", "1 rad")),
+    "rate_noise": Words("per_rad_s", _say_growth("speed", "1 rad/s"), "signal_noise"),
     "noisy_load": Words(
         "relative_sd",
         lambda s, _: f"The load log scatters by {100 * s:.2g} %: {10 * s:.2g} N at 10 N.",
