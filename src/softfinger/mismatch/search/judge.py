@@ -31,7 +31,7 @@ from softfinger.mismatch.candidates.rank import Progress, has_reached, reaching_
 from softfinger.mismatch.priors import PRIORS
 from softfinger.mismatch.search.demand import Demand, choose_simplest
 from softfinger.mismatch.search.finalists import list_finalists
-from softfinger.mismatch.search.finer import fit_finer
+from softfinger.mismatch.search.finer import fit_finer, fit_rivals_finer
 from softfinger.mismatch.search.stepwise import Search
 
 
@@ -144,7 +144,9 @@ def judge_finalists(
                 evidence = max(evidence, again.log_evidence)
             settled.append(again._replace(log_evidence=evidence))
     search = _settle(search, settled, demand)
-    finer = fit_finer(best.problem, search.best, search.candidates, pieces, progress)
+    known = search.candidates, pieces, progress
+    finer = fit_finer(best.problem, search.best, *known)
+    finer += fit_rivals_finer(best.problem, search.base, search.best, *known)
     return best.problem, _settle(search, [search.base, *search.candidates, *finer], demand)
 
 

@@ -30,6 +30,19 @@ def test_the_best_of_each_part_is_tried_with_finer_laws(monkeypatch):
     assert sorted(part.log_evidence for part, _ in found) == [50.0, 80.0]
 
 
+def test_rivals_that_come_near_are_tried_with_finer_laws(monkeypatch):
+    """Two gaps looked like a damper that thins, which beat the one gap by a third."""
+    best, other_form = fitted(900.0, "thinning_damper"), fitted(850.0, "thinning_damper")
+    play, worse = fitted(600.0, "joint_play"), fitted(590.0, "joint_play")
+    far, pair = fitted(300.0, "wire_friction"), fitted(950.0, "joint_play", "wire_friction")
+    found = [play, best, far, worse, pair, other_form]
+    for one in found:
+        one.model.ids = frozenset(one.model.ids)
+    monkeypatch.setattr(finer, "list_finer", lambda part, _: part)
+    monkeypatch.setattr(finer, "swap_forms", lambda _, part, *__: [(part, "finer")])
+    assert finer.fit_rivals_finer(None, fitted(0.0), best, found, []) == [(play, "finer")]
+
+
 @pytest.mark.parametrize("form", ["square_in_elastic_angle", "free"])
 def test_a_law_is_finer_where_the_effect_acts_whatever_form_leads(clean, form):
     setting = clean.problem.setting
