@@ -136,7 +136,7 @@ def _measure_span(trials: Trials) -> Array:
 
 
 def _move_as_noise(problem: Problem, shape: Array) -> Array:
-    """Move joints by shapes, as correlated as their noise and larger where it is."""
+    """Move joints by shapes, as their noise moves them."""
     moved = _move_joints(problem, shape, problem.noise["noise_correlation"].values)
     return moved * np.repeat(problem.trials.scale.transpose(0, 2, 1), 2, axis=2)[..., None]
 

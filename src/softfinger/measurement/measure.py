@@ -217,7 +217,7 @@ def _measure_deflection(motion: Array, frames: xr.Dataset) -> Array:
 
 
 def _measure_speed(motion: Array, angles: xr.Dataset, frames: xr.Dataset) -> Array:
-    """Speed (trial, joint, frame) [rad/s] of a motion, at the frames that are used."""
+    """Speed (trial, joint, frame) [rad/s] of a motion; 0 at frames that are not used."""
     time = angles["time"].transpose("trial", "frame").values
     speed = np.zeros(motion.shape)
     for trial, used in enumerate(frames["used"].values):
