@@ -66,7 +66,8 @@ def measure(angles: xr.Dataset, motion: Array | None = None) -> xr.Dataset:
     passed *= find_time_error(angles["joint_angle"].values, passed, seen)
     every = frames[["used", "present"]]
     frames = _leave_out(frames, _find_outliers(angles, frames, None, passed))
-    moved = _measure_deflection(motion, frames), _measure_speed(motion, angles, frames)
+    # a gross error is no reason to forget how the finger moved there: it is judged again
+    moved = _measure_deflection(motion, every), _measure_speed(motion, angles, every)
     scales, frames = _scale_noise(angles, frames, *moved)
     known = complete_noise(fit_noise(angles, frames).noise, angles, frames)
     frames = frames.assign(every)
@@ -217,7 +218,7 @@ def _measure_deflection(motion: Array, frames: xr.Dataset) -> Array:
 
 
 def _measure_speed(motion: Array, angles: xr.Dataset, frames: xr.Dataset) -> Array:
-    """Speed (trial, joint, frame) [rad/s] of a motion; 0 at frames that are not used."""
+    """Speed (trial, joint, frame) [rad/s] of a motion; 0 at frames that do not inform."""
     time = angles["time"].transpose("trial", "frame").values
     speed = np.zeros(motion.shape)
     for trial, used in enumerate(frames["used"].values):
