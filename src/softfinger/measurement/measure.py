@@ -15,6 +15,7 @@ from softfinger.measurement.budget import BUDGET
 from softfinger.measurement.decisions import DECISIONS
 from softfinger.measurement.flags import JUMP, STALE
 from softfinger.measurement.frames import select_frames
+from softfinger.measurement.jitter import is_jitter
 from softfinger.measurement.noise import NoiseFit, complete_noise, fit_noise
 from softfinger.measurement.outliers import find_outliers, find_time_error, list_passed_array
 from softfinger.measurement.presence import list_components
@@ -67,7 +68,7 @@ def measure(angles: xr.Dataset, motion: Array | None = None) -> xr.Dataset:
     every = frames[["used", "present"]]
     frames = _leave_out(frames, _find_outliers(angles, frames, None, passed))
     # a gross error is no reason to forget how the finger moved there: it is judged again
-    moved = _measure_deflection(motion, every), _measure_speed(motion, angles, every)
+    moved = _measure_deflection(motion, every), _measure_velocity(motion, angles, every)
     scales, frames = _scale_noise(angles, frames, *moved)
     known = complete_noise(fit_noise(angles, frames).noise, angles, frames)
     frames = frames.assign(every)
@@ -80,14 +81,14 @@ def measure(angles: xr.Dataset, motion: Array | None = None) -> xr.Dataset:
 
 
 def _scale_noise(
-    angles: xr.Dataset, frames: xr.Dataset, moved: Array, speed: Array
+    angles: xr.Dataset, frames: xr.Dataset, moved: Array, velocity: Array
 ) -> tuple[Scales, xr.Dataset]:
     """Scale every noise by what quiet windows show.
 
     It goes in rounds: windows that are too lively for a campaign of one noise are calm in units
     of their own. A declared sd is only where the noise of a trial is expected.
     """
-    free = angles.assign_attrs(noise_sd_rad=np.nan)
+    free, speed = angles.assign_attrs(noise_sd_rad=np.nan), np.abs(velocity)
     declared = float(angles.attrs.get("noise_sd_rad", np.nan))
     for _ in range(BUDGET.scale_rounds):
         fit = fit_noise(free, frames)
@@ -100,6 +101,9 @@ def _scale_noise(
         )
         if not scales.size:
             break
+    growth = scales.per_rate * np.clip(velocity, -scales.fastest, scales.fastest)
+    if scales.per_rate and is_jitter(fit, np.nan_to_num(growth)):
+        scales = scales.rename_rate("jitter")
     return scales, frames
 
 
@@ -217,15 +221,15 @@ def _measure_deflection(motion: Array, frames: xr.Dataset) -> Array:
     return np.abs(motion - np.take_along_axis(motion, first[:, None, None], axis=2))
 
 
-def _measure_speed(motion: Array, angles: xr.Dataset, frames: xr.Dataset) -> Array:
-    """Speed (trial, joint, frame) [rad/s] of a motion; 0 at frames that do not inform."""
+def _measure_velocity(motion: Array, angles: xr.Dataset, frames: xr.Dataset) -> Array:
+    """Velocity (trial, joint, frame) [rad/s]; 0 at frames that do not inform."""
     time = angles["time"].transpose("trial", "frame").values
-    speed = np.zeros(motion.shape)
+    velocity = np.zeros(motion.shape)
     for trial, used in enumerate(frames["used"].values):
         if used.sum() > 1:
             slope = np.gradient(motion[trial][:, used], time[trial, used], axis=1)
-            speed[trial][:, used] = np.abs(slope)
-    return speed
+            velocity[trial][:, used] = slope
+    return velocity
 
 
 def _list_variances(

@@ -19,7 +19,7 @@ from softfinger.measurement.reml import (
     evaluate_reml,
     find_memory,
     fit_joint,
-    profile_windows,
+    whiten_windows,
 )
 
 
@@ -133,12 +133,7 @@ def _correlate_joints(windows: list[Windows], memories: list[Memory]) -> NDArray
 
     It is over the calm frames that they share.
     """
-    leftover = []
-    for part, memory in zip(windows, memories, strict=True):
-        residual = np.empty(len(part.angle))
-        if np.isfinite(memory.autocorrelation):
-            profile_windows(*memory, *part[:4], residual)
-        leftover.append(residual)
+    leftover = whiten_windows(windows, memories)
     correlation = np.eye(len(windows))
     for a in range(len(windows)):
         for b in range(a):

@@ -24,6 +24,9 @@ def list_components(
         found["signal_noise"] = scales.per_rad, scales.evidence["signal"]
     if "rate" in scales.size:
         found["rate_noise"] = scales.per_rate, scales.evidence["rate"]
+    if "jitter" in scales.size:  # s seconds late, a joint of velocity v errs by s v
+        late = scales.per_rate * float(np.nanmean(fit.noise["noise_sd"]))
+        found["frame_jitter"] = late, scales.evidence["jitter"]
     found |= _add_jumps(_weigh_outliers(frames), frames) | _weigh_tails(fit)
     found |= _count_frames("repeated_frames", frames["repeated"].values.sum(), frames)
     found |= _count_frames("saturated_sensor", frames["saturated"].values.sum(), frames)

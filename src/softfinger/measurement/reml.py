@@ -16,7 +16,7 @@ References
 Patterson, Thompson (1971), Biometrika 58, 545, doi:10.1093/biomet/58.3.545.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -141,6 +141,20 @@ def cut_windows(angles: xr.Dataset, frames: xr.Dataset) -> list[Windows]:
         here = every.keep(present[trial, joint])
         found.append(here._replace(angle=angle[:, joint].ravel()[here.place]))
     return found
+
+
+def whiten_windows(windows: list[Windows], memories: Iterable[Memory]) -> list[NDArray]:
+    """What each joint's windows leave (n,), whitened.
+
+    It is not filled for a joint whose memory is unknown.
+    """
+    left = []
+    for part, memory in zip(windows, memories, strict=True):
+        residual = np.zeros(len(part.angle))
+        if np.isfinite(memory.autocorrelation):
+            profile_windows(*memory, *part[:4], residual)
+        left.append(residual)
+    return left
 
 
 def _find_quiet(angles: xr.Dataset, frames: xr.Dataset) -> tuple[Windows, NDArray]:

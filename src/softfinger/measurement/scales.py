@@ -85,6 +85,14 @@ class Scales(NamedTuple):
     size: dict[str, float]
     evidence: dict[str, float]
 
+    def rename_rate(self, name: str) -> "Scales":
+        """The same, what grows with the speed by another name."""
+        size, evidence = (
+            {name if one == "rate" else one: value for one, value in part.items()}
+            for part in (self.size, self.evidence)
+        )
+        return self._replace(size=size, evidence=evidence)
+
 
 def fit_scales(windows: WindowVariances) -> Scales:
     """Find the components that the windows show.

@@ -55,6 +55,10 @@ def scale_trials(measurement: xr.Dataset) -> xr.DataArray:
     return np.exp(np.log(measurement["trial_factor"]).mean("joint"))
 
 
+def _say_jitter(size: float, _: xr.Dataset) -> str:
+    return f"The times of the frames jitter by {1e3 * size:.2g} ms."
+
+
 def _say_uneven(size: float, measurement: xr.Dataset) -> str:
     factor = scale_trials(measurement)
     worst = factor["trial"].values[np.abs(np.log(factor.values)).argmax()]
@@ -122,9 +126,8 @@ WORDS = {
         lambda s, _: f"The zero of the load log is off by {100 * s:.2g} % of the largest load.",
         "noisy_load",
     ),
-    "timing_jitter": Words(
-        "sd_s", lambda s, _: f"The times of the frames jitter by {1e3 * s:.2g} ms."
-    ),
+    "timing_jitter": Words("sd_s", _say_jitter),
+    "frame_jitter": Words("sd_s", _say_jitter, "timing_jitter"),
     "clock_offset": Words(
         "sd_s", lambda s, _: f"Camera and load log are apart by {1e3 * s:.2g} ms, trial by trial."
     ),

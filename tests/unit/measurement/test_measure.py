@@ -101,6 +101,16 @@ def test_fast_frames_that_seemed_gross_are_judged_again_by_their_speed(blurred):
     assert (found["noise_factor"] * found["noise_sd"] > 0.6 * sd).all()
 
 
+def test_an_error_of_the_time_of_a_frame_is_no_noise_of_the_markers(blurred):
+    """It moves all joints together."""
+    angles, motion, _ = blurred(0.0)
+    late = 0.008 * np.random.default_rng(30).standard_normal((8, 1, len(TIME)))
+    values = angles["joint_angle"] + late * np.gradient(motion, TIME, axis=2)
+    found = measure(angles.assign(joint_angle=values), motion)
+    assert list(list_found(found)) == ["frame_jitter"]
+    assert list_found(found)["frame_jitter"] == pytest.approx(0.008, rel=0.3)
+
+
 def scatter_outliers(angles, share=0.02, seed=4):
     rng = np.random.default_rng(seed)
     values = angles["joint_angle"].values.copy()
