@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.__main__ import RESULTS, merge_figures
+from softfinger.artifacts.verdict import read_verdict
 from softfinger.cli.join import write_joined
 from softfinger.concealed.blind import diagnose_blind
 from softfinger.concealed.effects import CATALOGUES
@@ -30,7 +31,6 @@ from softfinger.concealed.protocols import PROTOCOLS
 from softfinger.concealed.setting import draw_setting
 from softfinger.concealed.strength import expect_effect_gain
 from softfinger.concealed.suite import CaseSpec, draw_joints, take_turns
-from softfinger.mismatch.verdict.schema import read_verdict
 from softfinger.provenance import PROJECT, derive_seed
 from softfinger.stages.loop import is_settled, record
 from softfinger.stages.next import Asked, next_experiment

@@ -8,6 +8,7 @@ import xarray as xr
 
 from softfinger.artifacts import open_artifact, open_tree
 from softfinger.artifacts.specs import list_specs
+from softfinger.artifacts.verdict import read_verdict
 from softfinger.faults import Fault
 
 SPECS = {spec.name: spec for spec in list_specs()}
@@ -44,8 +45,6 @@ class Results:
     @property
     def verdict(self) -> dict[str, Any]:
         """The content of ``verdict.json``."""
-        from softfinger.mismatch.verdict.schema import read_verdict  # loads the compiler
-
         return read_verdict(self.folder / "verdict.json").model_dump(mode="json")
 
     def __getitem__(self, name: str) -> xr.Dataset | xr.DataTree:

@@ -100,7 +100,7 @@ def write_verdict(
 
 def describe_verdict(file: Path) -> Iterator[str]:
     """Decision, effects and next experiment, in sentences."""
-    from softfinger.mismatch.verdict.schema import read_verdict
+    from softfinger.artifacts.verdict import read_verdict
 
     verdict = read_verdict(file)
     yield f"{verdict.campaign}: {verdict.decision}"

@@ -43,7 +43,7 @@ def loop(
 
     Writes OUT/loop.html. Exit status 0: the last verdict is settled. 1: it is not.
     """
-    from softfinger.mismatch.verdict.schema import read_verdict
+    from softfinger.artifacts.verdict import read_verdict
     from softfinger.stages.loop import is_settled, list_deviations, record, tell_loop
     from softfinger.stages.next import Asked, next_experiment
 

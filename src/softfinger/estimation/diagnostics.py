@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-import arviz as az
+import arviz_stats as az  # ArviZ without its plots, which take long to import
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray

@@ -13,7 +13,7 @@ Kallioinen, Paananen, Bürkner, Vehtari (2024), Stat. Comput. 34, 57,
 doi:10.1007/s11222-023-10366-5.
 """
 
-import arviz as az
+import arviz_stats as az  # ArviZ without its plots, which take long to import
 import numpy as np
 import xarray as xr
 from scipy.stats import lognorm, norm

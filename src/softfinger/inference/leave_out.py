@@ -17,7 +17,7 @@ Vehtari, Gelman, Gabry (2017), Stat. Comput. 27, 1413, doi:10.1007/s11222-016-96
 import warnings
 from collections.abc import Callable
 
-import arviz as az
+import arviz_stats as az  # ArviZ without its plots, which take long to import
 import numpy as np
 import xarray as xr
 from scipy.special import logsumexp

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from softfinger.artifacts.verdict import Verdict
 from softfinger.inference.disturbances import find_kind
 from softfinger.inference.problem import Candidate, Problem, pose_problem
 from softfinger.inference.tails import list_freedom
@@ -58,7 +59,6 @@ from softfinger.mismatch.search.stepwise import (
     shape_rest,
 )
 from softfinger.mismatch.verdict.conclude import choose_decision, conclude
-from softfinger.mismatch.verdict.schema import Verdict
 from softfinger.progress import track_progress
 from softfinger.settings import read_settings
 

@@ -17,6 +17,7 @@ from softfinger.artifacts.specs import masking as masking_spec
 from softfinger.artifacts.specs import measurement as measurement_spec
 from softfinger.artifacts.specs import ranking as ranking_spec
 from softfinger.artifacts.specs import repair as repair_spec
+from softfinger.artifacts.verdict import Warned, write_verdict
 from softfinger.doubts import find_doubts
 from softfinger.mechanics.effects.model_file import (
     FittedTo,
@@ -34,7 +35,6 @@ from softfinger.mismatch.experiment.survivors import (
 )
 from softfinger.mismatch.tables.outcome import describe_repair, tabulate_diagnosis
 from softfinger.mismatch.verdict.assumed import list_assumed, list_unused
-from softfinger.mismatch.verdict.schema import Warned, write_verdict
 from softfinger.mismatch.verdict.sufferings import doubt_declared, doubt_patience
 from softfinger.provenance import derive_seed, describe_run
 from softfinger.stages.linear_algebra import on_one_thread

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from softfinger.artifacts import write_atomically
+from softfinger.artifacts.verdict import Verdict, read_verdict
 from softfinger.campaign import read_campaign
 from softfinger.campaign.tables import read_text_table
 from softfinger.faults import CampaignFault, Fault
-from softfinger.mismatch.verdict.schema import Verdict, read_verdict
 
 FOLLOWED = 0.05
 """Mean difference of a load from its plan, as a share of the peak, that is not worth a word."""

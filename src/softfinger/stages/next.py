@@ -11,6 +11,7 @@ from ruamel.yaml import YAML
 
 from softfinger.artifacts import open_artifact, write_atomically
 from softfinger.artifacts.specs import angles as angles_spec
+from softfinger.artifacts.verdict import read_verdict
 from softfinger.faults import Fault
 from softfinger.figures.next_experiment import draw_next_experiment
 from softfinger.figures.style import render_figure
@@ -32,7 +33,6 @@ from softfinger.mismatch.experiment.survivors import (
     read_survivors,
     refit_survivors,
 )
-from softfinger.mismatch.verdict.schema import read_verdict
 from softfinger.provenance import derive_seed, hash_files
 from softfinger.rig.plan import Plan, read_plan
 from softfinger.rig.planned import build_plan, list_paths, list_repeats

@@ -30,7 +30,7 @@ from softfinger.artifacts.specs import (
     tracking_quality,
 )
 from softfinger.artifacts.specs import markers as markers_spec
-from softfinger.mismatch.verdict.schema import read_verdict
+from softfinger.artifacts.verdict import read_verdict
 
 SPECS = {
     part.SPEC.name: part.SPEC

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from softfinger.artifacts.verdict import read_verdict
 from softfinger.cli import app
-from softfinger.mismatch.verdict.schema import read_verdict
 
 EXAMPLE = Path(__file__).parents[3] / "data/example"
 

@@ -9,10 +9,10 @@ import pytest
 
 from softfinger.artifacts import open_artifact
 from softfinger.artifacts.specs import angles as angles_spec
+from softfinger.artifacts.verdict import Verdict, write_verdict
 from softfinger.config import read_config
 from softfinger.mechanics.effects.model_file import FittedTo, ModelFile
 from softfinger.mismatch.experiment.survivors import OpenModel, OpenModels, write_survivors
-from softfinger.mismatch.verdict.schema import Verdict, write_verdict
 from softfinger.provenance import hash_files
 from softfinger.rig.plan import build_schedule, read_plan
 from softfinger.stages.prepare import prepare_angles

@@ -4,8 +4,8 @@ import sys
 
 import pytest
 
+from softfinger.artifacts.verdict import Verdict, write_verdict
 from softfinger.faults import Fault
-from softfinger.mismatch.verdict.schema import Verdict, write_verdict
 from softfinger.stages.loop import is_settled, list_deviations, record, tell_loop
 
 LOADS = [{"time_s": [0.0, 4.0, 4.0, 8.0], "load": [5.0, 5.0, 1.0, 1.0]}]

@@ -5,6 +5,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.stats import norm
 
+from softfinger.artifacts.verdict import Elpd
 from softfinger.inference.disturbed import locate_disturbances
 from softfinger.inference.mixed_effects import Prior
 from softfinger.inference.mixed_effects_laplace import Fit
@@ -13,7 +14,6 @@ from softfinger.inference.problem import Candidate, Problem, predict_frames
 from softfinger.inference.reduce import whiten_residual
 from softfinger.mechanics import LOG_PARAMETERS, OWN
 from softfinger.mismatch.priors import PRIORS
-from softfinger.mismatch.verdict.schema import Elpd
 
 
 def compute_residual(

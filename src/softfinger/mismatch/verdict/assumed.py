@@ -3,9 +3,9 @@
 import numpy as np
 import xarray as xr
 
+from softfinger.artifacts.verdict import Warned
 from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.unused import explain_unused
-from softfinger.mismatch.verdict.schema import Warned
 
 
 def list_unused(angles: xr.Dataset, used: list[str]) -> list[Warned]:

@@ -3,6 +3,15 @@
 import numpy as np
 import xarray as xr
 
+from softfinger.artifacts.verdict import (
+    FreeFormNote,
+    Location,
+    Remaining,
+    ResidualRms,
+    SetAside,
+    StatedEffect,
+    Verdict,
+)
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mismatch.checks.findings import Findings, weigh_against_shape
 from softfinger.mismatch.checks.free_form import FreeForm
@@ -14,15 +23,6 @@ from softfinger.mismatch.search.settle import Posterior, join_ids
 from softfinger.mismatch.search.stepwise import Search
 from softfinger.mismatch.verdict.estimates import state_effects
 from softfinger.mismatch.verdict.explained import list_explained, list_not_tried
-from softfinger.mismatch.verdict.schema import (
-    FreeFormNote,
-    Location,
-    Remaining,
-    ResidualRms,
-    SetAside,
-    StatedEffect,
-    Verdict,
-)
 from softfinger.mismatch.verdict.sufferings import describe_measurement
 
 NO_FRAME = "too few frames can be used: the others are missing, flagged, repeated or gross errors"

@@ -4,6 +4,13 @@ import numpy as np
 import xarray as xr
 from scipy.stats import norm
 
+from softfinger.artifacts.verdict import (
+    Estimate,
+    Location,
+    StatedEffect,
+    estimate_lognormal,
+    estimate_normal,
+)
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mechanics.effects.model import Entry
 from softfinger.mechanics.effects.spread import CLOCK, take_spreads
@@ -12,13 +19,6 @@ from softfinger.mismatch.checks.locate import find_window
 from softfinger.mismatch.search.settle import Posterior
 from softfinger.mismatch.search.stepwise import Search
 from softfinger.mismatch.verdict.law import state_law
-from softfinger.mismatch.verdict.schema import (
-    Estimate,
-    Location,
-    StatedEffect,
-    estimate_lognormal,
-    estimate_normal,
-)
 from softfinger.mismatch.verdict.statements import state_effect
 
 

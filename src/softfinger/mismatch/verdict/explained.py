@@ -3,13 +3,13 @@
 import numpy as np
 from scipy.stats import norm
 
+from softfinger.artifacts.verdict import Explained, NotTried
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.checks.summary import compute_excess, compute_square_excess
 from softfinger.mismatch.checks.turned import list_turned
 from softfinger.mismatch.search.settle import Posterior
 from softfinger.mismatch.search.stepwise import Search
-from softfinger.mismatch.verdict.schema import Explained, NotTried
 
 
 def list_explained(

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterable
 
+from softfinger.artifacts.verdict import StatedLaw
 from softfinger.inference.problem import Candidate
 from softfinger.mechanics.effects.law_curve import list_laws
-from softfinger.mismatch.verdict.schema import StatedLaw
 
 
 def state_law(candidate: Candidate, number: int, others: Iterable[Candidate]) -> StatedLaw | None:

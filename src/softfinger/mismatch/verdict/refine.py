@@ -2,16 +2,16 @@
 
 from typing import Any, NamedTuple
 
-import arviz as az
+import arviz_stats as az  # ArviZ without its plots, which take long to import
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from softfinger.artifacts.verdict import Estimate, StatedEffect, Verdict
 from softfinger.inference.posterior import prepare_candidate, sample_posterior
 from softfinger.mechanics.effects.model import Entry
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.diagnose import Diagnosis
-from softfinger.mismatch.verdict.schema import Estimate, StatedEffect, Verdict
 from softfinger.mismatch.verdict.statements import state_effect
 
 SAMPLING: dict[str, Any] = {

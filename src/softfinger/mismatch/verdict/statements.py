@@ -3,8 +3,8 @@
 import math
 from collections.abc import Mapping
 
+from softfinger.artifacts.verdict import Estimate
 from softfinger.mechanics.effects.effect import Effect
-from softfinger.mismatch.verdict.schema import Estimate
 
 UNITS = {
     "_nm_per_rad": "N m/rad",

@@ -3,11 +3,11 @@
 import numpy as np
 import xarray as xr
 
+from softfinger.artifacts.verdict import Suffering, Warned
 from softfinger.inference.spreads import is_spread
 from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.words import find_words, list_moved_joints, scale_trials
 from softfinger.mismatch.decisions import DECISIONS
-from softfinger.mismatch.verdict.schema import Suffering, Warned
 
 
 def describe_measurement(measurement: xr.Dataset) -> list[Suffering]:

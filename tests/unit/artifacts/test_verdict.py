@@ -3,8 +3,7 @@ import json
 import pytest
 from pydantic import ValidationError
 
-from softfinger.faults import ArtifactFault
-from softfinger.mismatch.verdict.schema import (
+from softfinger.artifacts.verdict import (
     Location,
     ResidualRms,
     StatedEffect,
@@ -13,6 +12,7 @@ from softfinger.mismatch.verdict.schema import (
     read_verdict,
     write_verdict,
 )
+from softfinger.faults import ArtifactFault
 
 LOCATION = Location(
     level="within_trial", joints={"1": 0.4, "2": 1e-12}, times_s=(1.2, 18.0), trials=None,
