@@ -52,17 +52,14 @@ SIZES: Mapping[str, Array] = {
     "flicker_noise": np.array(PRIORS.flicker_sizes),
 }
 CLOCKS = frozenset({"clock_offset", "clock_rate"})
-DRIFTS = (
+IN_NOISE = (  # in units of the noise
     "drift",
-    "gain_drift",
     "picture_turn",
     LINK_TURN,
     "lasting_noise",
     "flicker_noise",
-)  # wander slowly
-IN_NOISE = frozenset(
-    {"drift", "picture_turn", LINK_TURN, "lasting_noise", "flicker_noise"}
-)  # their unit
+)
+DRIFTS = (*IN_NOISE, "gain_drift")  # wander slowly
 IN_GAPS = frozenset({"step_scatter"})  # as large as the log leaves open
 STEP_SHARE = 0.01  # of a row's load by which the model is moved
 STEP_S = 0.002
