@@ -50,7 +50,8 @@ def measure(angles: xr.Dataset, motion: Array | None = None) -> xr.Dataset:
         frame); noise_factor (trial, joint, frame); frame_interval [s]; noise_sd [rad],
         recorded_noise_sd [rad], which differs where an sd is declared, noise_autocorrelation,
         noise_white, window_count (joint), noise_correlation (joint, other_joint);
-        noise_per_rad; component_size, component_evidence [nats] (component), of what is present.
+        noise_per_rad, noise_per_rate; component_size, component_evidence [nats] (component), of
+        what is present.
 
     Raises
     ------
@@ -76,7 +77,9 @@ def measure(angles: xr.Dataset, motion: Array | None = None) -> xr.Dataset:
     fit = fit_noise(angles, frames)
     found = list_components(scales, fit, frames)
     return _complete(angles, frames, fit, found).assign(
-        noise_per_rad=scales.per_rad, recorded_noise_sd=("joint", _measure_sd(angles, frames, fit))
+        noise_per_rad=scales.per_rad,
+        noise_per_rate=scales.per_rate,
+        recorded_noise_sd=("joint", _measure_sd(angles, frames, fit)),
     )
 
 
@@ -287,6 +290,7 @@ def _complete(
         | {
             "noise_factor": (LAYOUT, factor),
             "noise_per_rad": ((), 0.0),
+            "noise_per_rate": ((), 0.0),
             "component_size": ("component", size),
             "component_evidence": ("component", evidence),
         }

@@ -13,7 +13,7 @@ NEEDED = 0.5
 """Probability from which an effect is drawn as needed."""
 SINCE = np.geomspace(0.05, 100.0, 12)
 """Edges of the time since the last change of load [s]."""
-DEFLECTION = np.linspace(0.0, 1.0, 41)
+DEFLECTION = SPEED = np.linspace(0.0, 1.0, 41)
 """At which the noise is shown [rad]."""
 CHANGE_QUANTILES = (0.05, 0.5, 0.95)
 
@@ -137,19 +137,23 @@ def summarise_measurement(measurement: xr.Dataset) -> xr.Dataset:
     Dataset
         gross_share, repeated_share, saturated_share (trial), of the frames that were seen;
         noise_ratio (trial, joint), sd over the campaign's, NaN where a joint is absent; grown_sd
-        (deflection, joint) [rad], sd of the noise at a deflection [rad] of the coordinate.
+        (deflection, joint) and fast_sd (speed, joint) [rad], sd of the noise at a deflection [rad]
+        and at a speed [rad/s] of the coordinate.
     """
     gross = measurement["outlier_distance"] > 0
     repeated, saturated = (measurement[name] == 1 for name in ("repeated", "saturated"))
     seen = (gross | repeated | saturated | (measurement["used"] == 1)).sum("frame")
     deflection = xr.DataArray(DEFLECTION, {"deflection": DEFLECTION}, "deflection")
-    growth = np.sqrt(1.0 + (measurement["noise_per_rad"] * deflection) ** 2)
+    speed = xr.DataArray(SPEED, {"speed": SPEED}, "speed")
+    grown = measurement["noise_per_rad"] * deflection, measurement["noise_per_rate"] * speed
+    away, fast = (np.sqrt(1.0 + part**2) * measurement["noise_sd"] for part in grown)
     share = {"gross_share": gross, "repeated_share": repeated, "saturated_share": saturated}
     return xr.Dataset(
         {
             **{name: marked.sum("frame") / seen.clip(min=1) for name, marked in share.items()},
             "noise_ratio": measurement["trial_factor"].where(measurement["present"] == 1),
-            "grown_sd": growth * measurement["noise_sd"],
+            "grown_sd": away,
+            "fast_sd": fast,
         }
     )
 

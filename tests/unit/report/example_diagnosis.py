@@ -165,6 +165,7 @@ def make_measurement(angles, attrs):
             "noise_white": ("joint", np.zeros(joints.size)),
             "noise_correlation": (("joint", "other_joint"), np.eye(joints.size)),
             "noise_per_rad": ((), 2.0),
+            "noise_per_rate": ((), 0.0),
             "window_count": ("joint", np.full(joints.size, 12)),
             "component_size": ("component", [0.01]),
             "component_evidence": ("component", [31.0]),

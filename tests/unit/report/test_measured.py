@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from example_artifacts import gather
 
+from softfinger.figures.measurement import draw_measurement
 from softfinger.report.overview.measurement import build_measurement
 from softfinger.report.pictures.measurement import picture_laws, picture_measurement
 from softfinger.report.sections.measured import build_measured
@@ -23,6 +24,18 @@ def test_each_trial_is_summed_up(found):
     np.testing.assert_allclose(noise["noise_ratio"].sel(joint=2), [1, 3, 1, 1, 1])
     last = noise["grown_sd"].isel(deflection=-1)
     np.testing.assert_allclose(last, 0.002 * np.sqrt(5.0))
+
+
+def test_noise_that_grows_with_the_speed_has_a_panel_of_its_own(found):
+    noise = found.find("noise")
+    np.testing.assert_allclose(noise["fast_sd"].isel(speed=-1), 0.002)
+    assert len(draw_measurement(noise, "mrad").axes) == 3
+    faster = noise.assign(fast_sd=noise["fast_sd"] * (1.0 + noise["speed"])).assign_attrs(
+        noise.attrs
+    )
+    axes = draw_measurement(faster, "mrad").axes
+    assert axes[3].get_xlabel() == "speed [rad/s]"
+    np.testing.assert_allclose(axes[3].lines[0].get_ydata()[[0, -1]], [2.0, 4.0])
 
 
 def test_every_finding_has_its_size_and_its_evidence(found):

@@ -50,6 +50,9 @@ SPEC = ArtifactSpec(
         "noise_per_rad": Variable(
             (), "1", "c [1/rad] of the growth √(1 + c² x²) with the deflection x", at_least=0.0
         ),
+        "noise_per_rate": Variable(
+            (), "1", "a [s/rad] of the growth √(1 + a² v²) with the speed v", at_least=0.0
+        ),
         "window_count": Variable(
             ("joint",), "1", "quiet windows that show the noise", "whole number", at_least=0
         ),

@@ -63,6 +63,9 @@ SPEC = ArtifactSpec(
             "grown_sd": Variable(
                 ("deflection", "joint"), "rad", "sd of the noise at a deflection", at_least=0.0
             ),
+            "fast_sd": Variable(
+                ("speed", "joint"), "rad", "sd of the noise at a speed", at_least=0.0
+            ),
         },
         "pictured": {
             "trial": Variable((), "1", "trial that the tracking's figure shows", "text"),

@@ -28,6 +28,7 @@ MEASURED = (
     "noise_white",
     "noise_correlation",
     "noise_per_rad",
+    "noise_per_rate",
     "window_count",
     "component_size",
     "component_evidence",

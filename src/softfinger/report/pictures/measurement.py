@@ -18,9 +18,11 @@ def picture_measurement(material: Material) -> Picture | None:
         "What the recordings suffer from",
         draw_measurement(noise, label_thousandth(material.motion_unit)),
         "Noise of every trial over the campaign's; share of frames that are left out of every "
-        "trial; standard deviation of the noise against the deflection, for each joint.",
+        "trial; standard deviation of the noise of each joint against the deflection, and against "
+        "the speed where it grows with that.",
         "Left: noise of a trial over the campaign's. Middle: frames that are gross errors, or "
-        "repeat the one before. Right: growth of the noise with the deflection. "
+        "repeat the one before. Right: growth of the noise with the deflection, and with the speed "
+        "where the recordings show that. "
         f"n = {say_trials(material)}. Rule diagnose, artifact measurement.",
     )
 
