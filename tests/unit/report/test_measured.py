@@ -30,9 +30,7 @@ def test_noise_that_grows_with_the_speed_has_a_panel_of_its_own(found):
     noise = found.find("noise")
     np.testing.assert_allclose(noise["fast_sd"].isel(speed=-1), 0.002)
     assert len(draw_measurement(noise, "mrad").axes) == 3
-    faster = noise.assign(fast_sd=noise["fast_sd"] * (1.0 + noise["speed"])).assign_attrs(
-        noise.attrs
-    )
+    faster = noise.assign(fast_sd=noise["fast_sd"] * (1.0 + noise["speed"]))
     axes = draw_measurement(faster, "mrad").axes
     assert axes[3].get_xlabel() == "speed [rad/s]"
     np.testing.assert_allclose(axes[3].lines[0].get_ydata()[[0, -1]], [2.0, 4.0])
