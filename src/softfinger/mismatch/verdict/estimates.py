@@ -18,7 +18,7 @@ from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.checks.locate import find_window
 from softfinger.mismatch.search.settle import Posterior
 from softfinger.mismatch.search.stepwise import Search
-from softfinger.mismatch.verdict.law import state_law
+from softfinger.mismatch.verdict.law import state_candidate_curves, state_law
 from softfinger.mismatch.verdict.statements import state_effect
 
 
@@ -63,7 +63,13 @@ def describe(
         parameters=parameters,
         spread=spread,
         statement=state_effect(
-            piece.effect, piece.form.name, piece.joints, probability, parameters, spread
+            piece.effect,
+            piece.form.name,
+            piece.joints,
+            probability,
+            parameters,
+            spread,
+            state_candidate_curves(candidate, number),
         ),
         location=locate_effect(problem, base, candidate, number),
     )

@@ -4,7 +4,15 @@ from collections.abc import Iterable
 
 from softfinger.artifacts.verdict import StatedLaw
 from softfinger.inference.problem import Candidate
-from softfinger.mechanics.effects.law_curve import list_laws
+from softfinger.mechanics.effects.law_curve import compute_law_curves, list_laws
+from softfinger.mismatch.verdict.statements import state_curves
+
+
+def state_candidate_curves(candidate: Candidate, number: int) -> str:
+    """State the free laws of one effect of a fitted model."""
+    fit = candidate.fit
+    laws = compute_law_curves(candidate.model, fit.shared, fit.shared_covariance, places=2)
+    return state_curves(laws, candidate.model.pieces[number].effect.id)
 
 
 def state_law(candidate: Candidate, number: int, others: Iterable[Candidate]) -> StatedLaw | None:

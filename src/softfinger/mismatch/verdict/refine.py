@@ -12,6 +12,7 @@ from softfinger.inference.posterior import prepare_candidate, sample_posterior
 from softfinger.mechanics.effects.model import Entry
 from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.diagnose import Diagnosis
+from softfinger.mismatch.verdict.law import state_candidate_curves
 from softfinger.mismatch.verdict.statements import state_effect
 
 SAMPLING: dict[str, Any] = {
@@ -59,12 +60,12 @@ def refine_verdict(
     for entry, internal in zip(best.model.entries, draws, strict=True):
         estimates = estimate_draws(entry, internal.ravel())
         found.setdefault(best.model.pieces[entry.piece].effect.id, {}).update(estimates)
-    forms = {piece.effect.id: piece for piece in best.model.pieces}
+    pieces = {piece.effect.id: k for k, piece in enumerate(best.model.pieces)}
 
     def refine(effect: StatedEffect) -> StatedEffect:
         if effect.id not in found or set(effect.parameters) != set(found[effect.id]):
             return effect
-        piece = forms[effect.id]
+        piece = best.model.pieces[pieces[effect.id]]
         words = state_effect(
             piece.effect,
             piece.form.name,
@@ -72,6 +73,7 @@ def refine_verdict(
             effect.probability,
             found[effect.id],
             effect.spread,
+            state_candidate_curves(best, pieces[effect.id]),
         )
         return effect.model_copy(update={"parameters": found[effect.id], "statement": words})
 

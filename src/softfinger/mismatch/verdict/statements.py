@@ -3,6 +3,9 @@
 import math
 from collections.abc import Mapping
 
+import numpy as np
+import xarray as xr
+
 from softfinger.artifacts.verdict import Estimate
 from softfinger.mechanics.effects.effect import Effect
 
@@ -13,6 +16,7 @@ UNITS = {
     "_per_rad": "rad⁻¹",
     "_per_m2": "m⁻²",
     "_nm": "N m",
+    "_rad_per_s": "rad/s",
     "_rad": "rad",
     "_s": "s",
 }
@@ -48,10 +52,12 @@ def state_effect(
     probability: float,
     parameters: dict[str, Estimate],
     spread: Mapping[str, float],
+    curve: str = "",
 ) -> str:
     """State one effect: what, where, how large, how sure.
 
-    `spread` is what its parameters differ by from trial to trial, relatively.
+    `spread` is what its parameters differ by from trial to trial, relatively; `curve` states its
+    free law.
     """
     where = f" ({list_joints(joints)})" if joints else ""
     sentence = effect.sentence[0].upper() + effect.sentence[1:]
@@ -67,8 +73,25 @@ def state_effect(
     ]
     return (
         f"{sentence}{where}: {effect.id.replace('_', ' ')} was left out, with probability "
-        f"{sure}. Best form: {best}.{''.join(differs)}"
+        f"{sure}. Best form: {best}.{curve}{''.join(differs)}"
     )
+
+
+def state_curves(laws: xr.Dataset, effect: str) -> str:
+    """State where the free laws of an effect end.
+
+    Empty without one. `laws` are those of `compute_law_curves`.
+    """
+    ends = []
+    for row in np.flatnonzero(laws["effect"].values == effect):
+        here = laws.isel(law=row, place=-1)
+        verb = "adds" if here["kind"] == "sum" else "multiplies by"
+        value, low, high = (f"{float(here[name]):.3g}" for name in ("value", "low", "high"))
+        words, unit = split_unit(str(here["argument_name"].values))
+        at = f"{words} {float(here['argument']):.3g} {unit}".rstrip()
+        where = f" in joint {int(here['joint'])}" if here["joint"] else ""
+        ends.append(f"{verb} {value} ({low} to {high}) at {at}{where}")
+    return f" Its free law {', '.join(ends)}." if ends else ""
 
 
 def split_unit(name: str) -> tuple[str, str]:

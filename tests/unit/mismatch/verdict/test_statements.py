@@ -1,9 +1,11 @@
 """The sentence that states an effect."""
 
+import numpy as np
 import pytest
+import xarray as xr
 
 from softfinger.mechanics.effects import list_effects
-from softfinger.mismatch.verdict.statements import state_effect
+from softfinger.mismatch.verdict.statements import state_curves, state_effect
 
 
 @pytest.mark.parametrize(
@@ -18,3 +20,32 @@ def test_a_parameter_that_differs_between_trials_is_stated():
     effect = next(iter(list_effects().values()))
     words = state_effect(effect, "even", [], 0.9, {}, {"delay_s": 0.143})
     assert words.endswith("From trial to trial the delay differs by 14 %.")
+
+
+def test_a_free_law_is_stated_where_it_ends():
+    shape = ("law", "place")
+    laws = xr.Dataset(
+        {
+            "effect": ("law", np.array(["moment_arm", "softening", "membrane"], object)),
+            "argument_name": (
+                "law",
+                np.array(["angle_rad", "time_in_trial_s", "difference_rad"], object),
+            ),
+            "kind": ("law", np.array(["factor", "exponential", "sum"], object)),
+            "joint": ("law", [0, 2, 1]),
+            "argument": (shape, [[0.0, 0.6], [0.0, 20.0], [0.0, 0.25]]),
+            "value": (shape, [[1.0, 1.25], [1.0, 0.301], [0.0, -0.012]]),
+            "low": (shape, [[1.0, 1.2], [1.0, 0.128], [0.0, -0.02]]),
+            "high": (shape, [[1.0, 1.3], [1.0, 0.71], [0.0, 0.001]]),
+        }
+    )
+    assert state_curves(laws, "moment_arm") == (
+        " Its free law multiplies by 1.25 (1.2 to 1.3) at angle 0.6 rad."
+    )
+    assert state_curves(laws, "softening") == (
+        " Its free law multiplies by 0.301 (0.128 to 0.71) at time in trial 20 s in joint 2."
+    )
+    assert state_curves(laws, "membrane") == (
+        " Its free law adds -0.012 (-0.02 to 0.001) at difference 0.25 rad in joint 1."
+    )
+    assert state_curves(laws, "gravity") == ""
