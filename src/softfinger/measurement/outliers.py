@@ -124,9 +124,10 @@ def find_time_error(residual: Array, passed: Array, used: NDArray[np.bool_]) -> 
     """Find how far times are wrong, as a share of an interval.
 
     Frames are off by what the motion passes in the usual error of their times: of most, not of a
-    few. From frames in which the motion passes much more than their noise, with d the deviation
-    and p the half of what it passes, s² = median(d²/p²)/0.455 − median(noise²/p²); excused is what
-    a normal error of that sd has once in `good_lost`.
+    few. Noise that lasts hides them, so a frame's deviation d is from the mean of those beside it;
+    p² is the square of half of what the motion passes, in the frame and by halves beside it. From
+    frames in which p is much more than their noise, s² = median(d²/p²)/0.455 − median(noise²/p²);
+    excused is what a normal error of that sd has once in `good_lost`.
 
     Parameters
     ----------
@@ -135,9 +136,13 @@ def find_time_error(residual: Array, passed: Array, used: NDArray[np.bool_]) -> 
     used
         (trial, frame).
     """
-    left = np.where(used[:, None], residual, np.nan)
+    seen = np.where(used[:, None], residual, np.nan)
+    left = seen[..., 1:-1] - (seen[..., :-2] + seen[..., 2:]) / 2.0
+    if not np.isfinite(left).any():
+        return 1.0
     noise = np.nanmedian(np.abs(left), axis=(0, 2), keepdims=True) / 0.6745
-    half = (passed[1] - passed[0]) / 2.0
+    square = (passed[1] - passed[0]) ** 2 / 4.0
+    half = np.sqrt(square[..., 1:-1] + (square[..., :-2] + square[..., 2:]) / 4.0)
     fast = np.isfinite(left) & (half > DECISIONS.gross_sd * noise)
     if not fast.any():
         return 1.0
@@ -234,19 +239,21 @@ def _sum_distance(
     """Λ of frame i.
 
     P of its own gain, plus what its share in the next frame's adds. Λ_ii⁻¹ (Λr)_i is how far the
-    frame is from what all others predict.
+    frame is from what all others predict. Of the two beside it, the times may be wrong too.
     """
     count, joints = residual.shape
     distance, judged = np.empty(count), np.empty(count)
     for i in range(count):
         own = precision[-1] if i == 0 else precision[index[i - 1]]
-        gain = residual[i].copy()
+        gain, beside = residual[i].copy(), np.zeros((2, joints))
         if i > 0:
             gain -= kept[index[i - 1]] * residual[i - 1]
+            beside[0] = np.diag(own) * kept[index[i - 1]]
         pull, diagonal = own @ gain, own.copy()
         if i < count - 1:
             share = kept[index[i]]
             after = precision[index[i]]
+            beside[1] = np.diag(after) * share
             lost = after @ (residual[i + 1] - share * residual[i])
             for j in range(joints):
                 pull[j] -= share[j] * lost[j]
@@ -254,7 +261,13 @@ def _sum_distance(
                     diagonal[j, k] += share[j] * share[k] * after[j, k]
         away = np.linalg.solve(diagonal, pull)
         distance[i] = pull @ away
-        left = away - np.minimum(np.maximum(away, low[i]), high[i])
+        least, most = low[i] ** 2, high[i] ** 2
+        for side, other in enumerate((i - 1, i + 1)):
+            if 0 <= other < count:
+                weight = beside[side] / np.diag(diagonal)
+                least += (weight * high[other]) ** 2
+                most += (weight * low[other]) ** 2
+        left = away - np.minimum(np.maximum(away, -np.sqrt(least)), np.sqrt(most))
         judged[i] = min(left @ (diagonal @ left), distance[i])
     return distance, judged
 

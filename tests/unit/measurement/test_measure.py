@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.inference.reduce import reduce_trials
@@ -183,6 +184,23 @@ def test_frames_whose_times_jitter_are_no_outliers(drawn):
     values[2, :, 60] += 0.02
     found = measure(angles.assign(joint_angle=(angles["joint_angle"].dims, values)), motion)
     assert not found["used"].values[2, 60]
+
+
+@pytest.mark.parametrize("sd_s", [0.002, 0.005])
+def test_jitter_gives_no_outliers_beside_noise_that_lasts(drawn, sd_s):
+    """The noise is larger than what the times err by, and far smaller from frame to frame.
+
+    A frame at a step is also judged by those beside it, whose times are as wrong.
+    """
+    angles, motion = drawn()
+    rng, rho = np.random.default_rng(6), 0.98
+    noise = lfilter([np.sqrt(1 - rho**2)], [1, -rho], rng.standard_normal((8, 3, 800)))[..., 300:]
+    values = motion + 0.006 * noise
+    late = sd_s * rng.standard_normal((8, 500))
+    for place in np.ndindex(8, 3):
+        values[place] += np.interp(TIME + late[place[0]], TIME, motion[place]) - motion[place]
+    found = measure(angles.assign(joint_angle=(angles["joint_angle"].dims, values)), motion)
+    assert (found["outlier_distance"] == 0.0).all()
 
 
 def test_where_times_are_right_a_frame_on_its_way_may_be_a_gross_error(drawn):
