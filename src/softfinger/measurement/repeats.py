@@ -20,7 +20,8 @@ from softfinger.measurement.decisions import DECISIONS
 def find_repeated_frames(angles: xr.Dataset, frames: xr.Dataset) -> NDArray[np.bool_]:
     """Find the used frames that repeat the one before.
 
-    Both are used; the result is (trial, frame).
+    Both are used; the result is (trial, frame). What is repeated right after a gap may itself
+    repeat a frame that was lost, so it is marked too.
     """
     angle = angles["joint_angle"].transpose("trial", "joint", "frame").values
     used, present = frames["used"].values, frames["present"].values
@@ -33,6 +34,13 @@ def find_repeated_frames(angles: xr.Dataset, frames: xr.Dataset) -> NDArray[np.b
         chance = np.where(present[:, :, None], _expect_equals(angle, used), 1.0).prod(axis=1)
         held = weigh_held_array(chance[found], int(used.sum()))
         found[found] = held > DECISIONS.least_held
+    time = angles["time"].transpose("trial", "frame").values
+    for trial, seen in enumerate(used):
+        place = np.flatnonzero(seen)
+        since = np.diff(time[trial, place], prepend=np.nan)
+        after_gap = since > 1.5 * float(frames["frame_interval"])
+        repeated = np.append(found[trial, place[1:]], False)
+        found[trial, place[after_gap & repeated]] = True
     return found
 
 

@@ -226,6 +226,18 @@ def test_held_frames_tell_nothing(drawn):
     assert list_found(found) == {"repeated_frames": pytest.approx(held.mean())}
 
 
+def test_what_repeats_a_frame_that_was_lost_is_no_gross_error(drawn):
+    """It is the first of its run to be seen, and older than its time."""
+    angles, motion = drawn()
+    values = angles["joint_angle"].values.copy()
+    frame = int(np.searchsorted(TIME, 4.0)) + 1
+    values[2, :, frame + 1 : frame + 7] = values[2, :, frame, None]
+    values[2, :, frame - 1 : frame + 3] = np.nan
+    found = measure(angles.assign(joint_angle=(angles["joint_angle"].dims, values)), motion)
+    assert found["repeated"].values[2, frame + 3 : frame + 7].all()
+    assert "outliers" not in list_found(found)
+
+
 def test_rounded_angles_err_by_their_rounding(drawn):
     angles, motion = drawn(sd=1e-5)
     step = 0.01
