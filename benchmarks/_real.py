@@ -32,6 +32,7 @@ from softfinger.concealed.added import (
     write_added,
 )
 from softfinger.concealed.blind import diagnose_blind
+from softfinger.faults import Fault
 from softfinger.mechanics.effects import list_effects
 from softfinger.mechanics.effects.effect import Setting
 from softfinger.provenance import PROJECT, code_hash
@@ -107,10 +108,10 @@ def list_cases(folders: list[Path], out: Path) -> Iterator[tuple[Path, Addition]
         plain = _read(out / f"{folder.name}.json")
         try:
             bodies, scale = read_bodies(folder)
-        except ValueError as error:
+            setting = read_plain(out / "diagnoses" / folder.name).problem.setting
+        except (ValueError, Fault) as error:
             print(f"{folder.name}: {error}", flush=True)
             continue
-        setting = read_plain(out / "diagnoses" / folder.name).problem.setting
         taken = {find_place(effect, setting) for effect in plain["claims"]}
         every = draw_additions(folder.name, len(bodies), scale)
         drawn = [

@@ -105,7 +105,8 @@ def _scale_noise(
         if not scales.size:
             break
     growth = scales.per_rate * np.clip(velocity, -scales.fastest, scales.fastest)
-    if scales.per_rate and is_jitter(fit, np.nan_to_num(growth)):
+    late = scales.per_rate * float(fit.noise["noise_sd"].mean())
+    if 0.0 < late < frames["frame_interval"] and is_jitter(fit, np.nan_to_num(growth)):
         scales = scales.rename_rate("jitter")
     return scales, frames
 

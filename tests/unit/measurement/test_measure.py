@@ -102,6 +102,15 @@ def test_fast_frames_that_seemed_gross_are_judged_again_by_their_speed(blurred):
     assert (found["noise_factor"] * found["noise_sd"] > 0.6 * sd).all()
 
 
+@pytest.mark.parametrize(("per_rate", "name"), [(4.0, "frame_jitter"), (20.0, "rate_noise")])
+def test_times_err_by_less_than_an_interval(blurred, per_rate, name):
+    """One joint cannot show whether its times err, but 60 ms at 30 frames a second they do not."""
+    angles, motion, _ = blurred(per_rate)
+    alone = {dim: [0] for dim in ("joint", "other_joint") if dim in angles.dims}
+    found = measure(angles.isel(alone), motion[:, :1])
+    assert name in list_found(found)
+
+
 def test_an_error_of_the_time_of_a_frame_is_no_noise_of_the_markers(blurred):
     """It moves all joints together."""
     angles, motion, _ = blurred(0.0)
