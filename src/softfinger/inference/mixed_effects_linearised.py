@@ -172,8 +172,9 @@ def find_nearest(
     seen = variance > 0.0  # rounding may leave none: such a coordinate takes none along
     size = np.sqrt(np.where(seen, variance, 1.0))
     scaled = np.where(np.outer(seen, seen), covariance / np.outer(size, size), 0.0)
-    np.fill_diagonal(scaled, 1.0 + RIDGE)
-    root = np.linalg.inv(np.linalg.cholesky(scaled))
+    np.fill_diagonal(scaled, 1.0)
+    spread, along = np.linalg.eigh(scaled)  # by rounding, a spread may be less than nothing
+    root = (along / np.sqrt(np.maximum(spread, RIDGE))).T
     edges = low / size, high / size
     found = lsq_linear(root, root @ (mean / size), edges, method="bvls").x
     return np.clip(found * size, low, high)

@@ -44,6 +44,13 @@ def test_a_coordinate_without_variance_takes_no_other_along():
     np.testing.assert_array_equal(found, [0.0, 1.0])
 
 
+def test_a_covariance_that_rounding_spoilt_has_a_nearest_point():
+    """Its two coordinates seem correlated by more than 1."""
+    covariance = np.array([[1.0, 1.0 + 1e-9], [1.0 + 1e-9, 1.0]])
+    found = find_nearest(np.array([-1.0, -1.0]), covariance, np.zeros(2), np.ones(2))
+    np.testing.assert_allclose(found, 0.0, atol=1e-6)
+
+
 def test_own_parameters_and_their_mean_follow_a_held_one():
     """z = η + φ: what φ may not explain, η must."""
     rows = np.array([[1.0, 1.0, 5.0]]) * 100.0
