@@ -69,7 +69,7 @@ def describe(
             probability,
             parameters,
             spread,
-            state_candidate_curves(candidate, number),
+            state_candidate_curves(problem, candidate, number),
         ),
         location=locate_effect(problem, base, candidate, number),
     )

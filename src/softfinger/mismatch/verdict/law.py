@@ -3,13 +3,18 @@
 from collections.abc import Iterable
 
 from softfinger.artifacts.verdict import StatedLaw
-from softfinger.inference.problem import Candidate
+from softfinger.inference.problem import Candidate, Problem
 from softfinger.mechanics.effects.law_curve import compute_law_curves, list_laws
 from softfinger.mismatch.verdict.statements import state_curves
 
 
-def state_candidate_curves(candidate: Candidate, number: int) -> str:
-    """State the free laws of one effect of a fitted model."""
+def state_candidate_curves(problem: Problem, candidate: Candidate, number: int) -> str:
+    """State the free laws of one effect of a fitted model.
+
+    Empty for a specimen: its numbers are not in rad and N m.
+    """
+    if problem.setting.specimen:
+        return ""
     fit = candidate.fit
     laws = compute_law_curves(candidate.model, fit.shared, fit.shared_covariance, places=2)
     return state_curves(laws, candidate.model.pieces[number].effect.id)

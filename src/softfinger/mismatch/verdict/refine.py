@@ -73,7 +73,7 @@ def refine_verdict(
             effect.probability,
             found[effect.id],
             effect.spread,
-            state_candidate_curves(best, pieces[effect.id]),
+            state_candidate_curves(diagnosis.problem, best, pieces[effect.id]),
         )
         return effect.model_copy(update={"parameters": found[effect.id], "statement": words})
 
