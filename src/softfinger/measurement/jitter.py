@@ -25,8 +25,8 @@ def is_jitter(fit: NoiseFit, growth: Array) -> bool:
     Two joints' residuals, in units of their sd, correlate as κ g g' + ρ √(1 − g²) √(1 − g'²). Here
     g is the share of the sd that grows, with the sign of the velocity, and ρ the correlation at
     rest, which each pair has for itself. κ is 1 for errors of time and 0 for noise of each joint;
-    its least-squares estimate is nearer to one of them. A joint alone shows neither; jitter is the
-    commoner.
+    its least-squares estimate is nearer to one of them. A joint alone shows neither: it is taken
+    for jitter.
 
     Parameters
     ----------

@@ -13,7 +13,7 @@ NEEDED = 0.5
 """Probability from which an effect is drawn as needed."""
 SINCE = np.geomspace(0.05, 100.0, 12)
 """Edges of the time since the last change of load [s]."""
-DEFLECTION = SPEED = np.linspace(0.0, 1.0, 41)
+DEFLECTION = SPEED = np.linspace(0.0, 1.0, 41)  # a speed in rad/s
 """At which the noise is shown [rad]."""
 CHANGE_QUANTILES = (0.05, 0.5, 0.95)
 

@@ -42,6 +42,6 @@ def test_what_joints_share_is_an_error_of_time(together, correlation):
     assert is_jitter(fit(values), GROWTH[None]) is together
 
 
-def test_a_joint_alone_shows_neither_and_jitter_is_commoner():
+def test_a_joint_alone_shows_neither_and_is_taken_for_jitter():
     values = np.random.default_rng(4).standard_normal((1, ROWS * LENGTH))
     assert is_jitter(fit(values), GROWTH[None, :1])
