@@ -109,6 +109,7 @@ EFFECTS = {
     "lens_distortion of any place": {
         "lens_radial": 10.0, "lens_fifth": 800.0, "decentring_along": 0.3,
         "decentring_across": -0.2, "slant_along": -0.5, "slant_across": 0.4,
+        "lens_along": 0.01, "lens_across": -0.02,
     },
     "lens_distortion": {
         "lens_radial": 10.0, "angle_cubic": 0.05, "lens_along": 0.01, "lens_across": -0.02,

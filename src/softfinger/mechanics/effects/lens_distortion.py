@@ -6,6 +6,7 @@ Brown (1966), Photogrammetric Eng. 32, 444.
 """
 
 import math
+import re
 
 import numpy as np
 from numpy.typing import NDArray
@@ -234,45 +235,37 @@ def _build_forms(setting: Setting) -> list[Form] | str:
     def bent(values: Values) -> dict:
         return {"angle_cubic": values["angle_cubic_per_rad2"]}
 
-    def lens(values: Values) -> dict:
-        return {"lens_radial": values["lens_radial_per_m2"]}
-
-    def shifted_lens(values: Values) -> dict:
-        place = {"lens_along": values["lens_along_m"], "lens_across": values["lens_across_m"]}
-        return lens(values) | place
-
-    def slanted(values: Values) -> dict:
-        return {f"slant_{k}": values[f"slant_{k}_per_m"] for k in AXES}
-
     reach = float(np.sum(setting.reach))
     law = Law("direction_law", "direction_rad", reach, 0.05, terms=5)
     forms = [Form("cubic", (cubic,), bent), free_form(law, {"direction_reach": reach})]
     if setting.masses:
         centre = [Parameter(f"lens_{k}_m", 0.0, CENTRE_SD_M, starts=(0.0,)) for k in AXES]
-        forms.insert(0, Form("radial", (radial,), lens))
-        forms.insert(1, Form("radial_off_centre", (radial, *centre), shifted_lens))
         slant = [signed(f"slant_{k}_per_m", SLANT_SD_PER_M, floor=5e-3) for k in AXES]
-        forms.insert(2, Form("aslant", tuple(slant), slanted))
-        forms.append(_build_free_place((radial, *slant)))
+        forms = [
+            Form("radial", (radial,), _fill_picture),
+            Form("radial_off_centre", (radial, *centre), _fill_picture),
+            Form("aslant", tuple(slant), _fill_picture),
+            Form("aslant_off_centre", (*slant, *centre), _fill_picture),
+            *forms,
+            _build_free_place((radial, *slant, *centre)),
+        ]
     return forms
 
 
 def _build_free_place(known: tuple[Parameter, ...]) -> Form:
     """Build the free form by place.
 
-    It is all that Brown's lens to fifth order and a plane aslant do.
+    It is all that Brown's lens to fifth order and a plane aslant do, about any optical centre.
     """
     fifth = signed("lens_fifth_per_m4", RADIAL_SD_PER_M2 / EDGE_M**2, floor=0.5, term=True)
     sd = RADIAL_SD_PER_M2 * CENTRE_SD_M
     beside = [signed(f"decentring_{k}_per_m", sd, floor=1e-4, term=True) for k in AXES]
+    return Form(f"{FREE}_of_place", (*known, fifth, *beside), _fill_picture)
 
-    def slots(values: Values) -> dict:
-        shifts = {f"decentring_{k}": values[f"decentring_{k}_per_m"] for k in AXES}
-        slants = {f"slant_{k}": values[f"slant_{k}_per_m"] for k in AXES}
-        radii = {"lens_radial": values[known[0].name], "lens_fifth": values[fifth.name]}
-        return radii | shifts | slants
 
-    return Form(f"{FREE}_of_place", (*known, fifth, *beside), slots)
+def _fill_picture(values: Values) -> dict:
+    """Fill the slot of each parameter, which has its name without the unit."""
+    return {re.sub("(_per)?_m[24]?$", "", name): value for name, value in values.items()}
 
 
 EFFECT = Effect(

@@ -341,3 +341,16 @@ def test_a_law_of_the_load_needs_more_than_one_load(name):
     assert "another viscosity" in effect.list_forms(build_setting(trials=1, levels=False))
     for several in ({"trials": 4, "levels": False}, {"trials": 1, "levels": True}):
         assert not isinstance(effect.list_forms(build_setting(**several)), str)
+
+
+def test_the_free_law_of_place_contains_every_form_of_place():
+    forms = {
+        form.name: form for form in list_effects()["lens_distortion"].build_forms(build_setting())
+    }
+    free = _name_parameters(forms["free_of_place"])
+    for name in ("radial", "radial_off_centre", "aslant", "aslant_off_centre"):
+        assert _name_parameters(forms[name]) <= free
+
+
+def _name_parameters(form):
+    return {parameter.name for parameter in form.parameters}

@@ -42,6 +42,18 @@ def test_a_picture_plane_aslant_is_a_perspective(slant):
     np.testing.assert_allclose(by, seen - look(), rtol=1e-4, atol=1e-8)
 
 
+def test_a_plane_aslant_has_its_own_optical_centre():
+    slant, shift = np.array([2.0, -1.0]), np.array([0.01, -0.015])
+
+    def distort(place):
+        return (place - shift) / (1.0 + (place - shift) @ slant)[..., None]
+
+    about = look(slant_along=2.0, slant_across=-1.0, lens_along=0.01, lens_across=-0.015)
+    by = about - look(slant_along=2.0, slant_across=-1.0)
+    assert np.abs(by).max() > 2e-3
+    np.testing.assert_allclose(about, see(look(), distort), rtol=1e-4, atol=1e-8)
+
+
 def test_a_lens_moves_places_radially():
     seen = see(look(), lambda place: place * (1.0 + 10.0 * (place**2).sum(axis=-1, keepdims=True)))
     by = look(lens_radial=10.0) - look()
