@@ -28,6 +28,10 @@ EFFECTS = {
     "second_retardation in own time": {
         "second_share": 0.1, "second_time": 4.0, "second_own_time": 1.0,
     },
+    "second_retardation of two elements": {
+        "second_share": 0.1, "second_time": 4.0, "second_slow_share": 0.3, "second_slower": 6.0,
+        "second_own_time": 1.0,
+    },
     "fractional_creep in own time": {
         "springpot_elastic_share": 0.1, "springpot_exponent": 0.4, "springpot_own_time": 1.0,
     },

@@ -5,7 +5,8 @@ Rates λ and gains g of x' = −λ x + g D, and their tangents.
 mode 0   Voigt element          λ = k_v/c_v      g = 1/c_v          drive: torque − nonlinear part
 mode 1   dashpot                λ = 0            g = 1/c_p          drive: flow of the torque
 mode 2   free for an effect                                         drive: torque
-mode 3…  ladder                 fixed rates                         drive: torque
+mode 3   another of the same    where it needs two                  drive: torque
+mode 4…  ladder                 fixed rates                         drive: torque
 
 The ladder has 24 rates from 2e-5 to 2e3 per second, even in log λ (step 0.8), one of 0 and a fast
 one: enough for any smooth creep of the fingers' times. Hooks give its modes their gains.
@@ -20,13 +21,13 @@ from softfinger.mechanics.forward.hooks import MODES, call_modes
 from softfinger.mechanics.forward.slot import LOG_C_P, LOG_C_V, LOG_K_V
 from softfinger.mechanics.forward.work import Linear, Model
 
-VOIGT, FLOW, OWN, LADDER = range(4)
+VOIGT, FLOW, OWN, OTHER, LADDER = range(5)
 SPACING = 0.8
 RATES = 2e-5 * np.exp(SPACING * np.arange(24))
 FAST = 4.0 * RATES[-1]
 """The rate of a mode that represents a spring."""
-WITH_OWN, WITH_LADDER = LADDER, LADDER + RATES.size + 2
-"""How many modes a joint has that needs its own one, or the ladder as well."""
+WITH_OWN, WITH_OTHER, WITH_LADDER = OTHER, LADDER, LADDER + RATES.size + 2
+"""How many modes a joint has that needs its own one, two of them, or the ladder as well."""
 
 
 @compiled
