@@ -1,10 +1,11 @@
 """Coverage of μ and σ by condition of the measurement.
 
-``python -m benchmarks.clean_coverage FOLDER N`` fits N clean campaigns of each condition of a proof
-(`make concealed-clean` leaves them in results/concealed_clean/seed_1) by the default configuration,
-and prints the shares. Beside them stand those of the textbook intervals (Student's t, χ²) of
-somebody who knows every trial's true parameters: what falls short of that is the fit's, the rest
-is the luck of the draw. Campaigns of fewer than four trials are left out.
+``python -m benchmarks.clean_coverage FOLDER N [CONDITION …]`` fits N clean campaigns of each
+condition of a proof (`make concealed-clean` leaves them in results/concealed_clean/seed_1), or of
+those that are named, by the default configuration, and prints the shares. Beside them are those of
+the textbook intervals (Student's t, χ²) of somebody who knows every trial's true parameters: what
+falls short of that is the fit's, the rest is the luck of the draw. Campaigns of fewer than four
+trials are left out.
 """
 
 from __future__ import annotations
@@ -29,8 +30,11 @@ PARAMETERS = ("log_k_v", "log_c_v", "log_c_p", "q_ini")
 LEAST_TRIALS = 4
 
 
-def main(folder: Path, each: int) -> None:
-    """Fit so many campaigns of each condition and print the coverage."""
+def main(folder: Path, each: int, conditions: list[str]) -> None:
+    """Fit so many campaigns of each condition, and print the coverage.
+
+    Without `conditions` it is that of all.
+    """
     truths = [json.loads(path.read_text()) for path in sorted((folder / "truth").glob("*.json"))]
     names = [path.stem for path in sorted((folder / "truth").glob("*.json"))]
     chosen: dict[str, list[tuple[str, dict]]] = defaultdict(list)
@@ -39,7 +43,8 @@ def main(folder: Path, each: int) -> None:
         if truth["case"]["effects"] or truth["case"]["trials"] < LEAST_TRIALS:
             continue
         condition = faults[0] if len(faults) == 1 else "several"
-        if len(chosen[condition]) < each:
+        wanted = condition in conditions or not conditions
+        if wanted and len(chosen[condition]) < each:
             chosen[condition].append((name, truth))
     every = []
     for condition, cases in sorted(chosen.items()):
@@ -61,7 +66,7 @@ def tell(condition: str, held: list[np.ndarray]) -> None:
 
 
 def judge(campaign: Path, truth: dict) -> np.ndarray:
-    """Whether each 90 % interval holds the truth.
+    """Whether each 90 % interval contains the truth.
 
     The result is (fit and textbook, μ and σ, number).
     """
@@ -89,7 +94,7 @@ def judge(campaign: Path, truth: dict) -> np.ndarray:
 
 
 def judge_textbook(own: np.ndarray, mean: np.ndarray, sd: np.ndarray) -> np.ndarray:
-    """Whether Student's and the χ² interval of the true parameters hold the truth."""
+    """Whether Student's and the χ² interval of the true parameters contain the truth."""
     n, spread = len(own), own.std(axis=0, ddof=1)
     rank = [
         t.cdf((mean - own.mean(axis=0)) / spread * np.sqrt(n), n - 1),
@@ -99,4 +104,4 @@ def judge_textbook(own: np.ndarray, mean: np.ndarray, sd: np.ndarray) -> np.ndar
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), int(sys.argv[2]))
+    main(Path(sys.argv[1]), int(sys.argv[2]), sys.argv[3:])
