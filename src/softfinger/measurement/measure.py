@@ -141,12 +141,12 @@ def add_components(
 def assume_noise(angles: xr.Dataset, known: xr.Dataset) -> xr.Dataset:
     """Take the noise of all joints from another campaign.
 
-    What that campaign's trials suffer from is left out.
+    What that campaign's trials suffer from is left out. Equal angles are not recorded yet.
     """
-    names = [name for name in known.data_vars if "trial" not in known[name].dims]
-    return _prepare_frames(angles).assign(
-        {name: known[name] for name in names if name not in ("frame_interval",)}
-    )
+    frames = _prepare_frames(angles)
+    used = frames["used"] | frames["repeated"]
+    shared = known.drop_dims("trial").drop_vars("frame_interval")
+    return frames.assign(used=used, repeated=xr.zeros_like(used), **shared.data_vars)
 
 
 def _prepare_frames(angles: xr.Dataset) -> xr.Dataset:

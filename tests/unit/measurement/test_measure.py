@@ -307,6 +307,13 @@ def test_noise_is_carried_over_to_other_trials_without_what_they_suffer_from(dra
     np.testing.assert_array_equal(planned["noise_sd"], known["noise_sd"])
 
 
+def test_frames_that_are_planned_do_not_repeat_each_other(drawn):
+    angles, motion = drawn()
+    planned = angles.copy(deep=True)
+    planned["joint_angle"][:] = 0.0
+    assert assume_noise(planned, measure(angles, motion))["used"].all()
+
+
 def test_a_factor_on_the_noise_divides_rows_and_counts_in_their_measure(drawn):
     angles, motion = drawn()
     known = measure(angles, motion)
