@@ -141,7 +141,8 @@ def add_components(
 def assume_noise(angles: xr.Dataset, known: xr.Dataset) -> xr.Dataset:
     """Take the noise of all joints from another campaign.
 
-    What that campaign's trials suffer from is left out. Equal angles are not recorded yet.
+    What that campaign's trials suffer from is left out. Angles that are not recorded yet may all be
+    equal: they repeat nothing.
     """
     frames = _prepare_frames(angles)
     used = frames["used"] | frames["repeated"]

@@ -53,7 +53,7 @@ def add_element(model: Model, linear: Linear, j: int) -> None:
 
 @compiled
 def split_element(model: Model, linear: Linear, j: int) -> None:
-    """Move a share of that element's compliance to a slower one."""
+    """Move a share of that element's compliance to a slower one, once it is there."""
     value = model.joint[j]
     share, slower = value[_SLOW_SHARE], value[_SLOWER]
     rate, gain = linear.rate[j, OWN], linear.gain[j, OWN]
