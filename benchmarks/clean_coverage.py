@@ -94,7 +94,7 @@ def judge(campaign: Path, truth: dict) -> np.ndarray:
 
 
 def judge_textbook(own: np.ndarray, mean: np.ndarray, sd: np.ndarray) -> np.ndarray:
-    """Whether Student's and the χ² interval of the true parameters contain the truth."""
+    """Whether the textbook intervals contain the truth."""
     n, spread = len(own), own.std(axis=0, ddof=1)
     rank = [
         t.cdf((mean - own.mean(axis=0)) / spread * np.sqrt(n), n - 1),

@@ -264,7 +264,7 @@ def _build_free_place(known: tuple[Parameter, ...]) -> Form:
 
 
 def _fill_picture(values: Values) -> dict:
-    """Fill the slot of each parameter, which has its name without the unit."""
+    """Fill the slots, named as the parameters without units."""
     return {re.sub("(_per)?_m[24]?$", "", name): value for name, value in values.items()}
 
 

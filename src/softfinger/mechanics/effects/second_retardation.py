@@ -53,7 +53,10 @@ def add_element(model: Model, linear: Linear, j: int) -> None:
 
 @compiled
 def split_element(model: Model, linear: Linear, j: int) -> None:
-    """Move a share of that element's compliance to a slower one, once it is there."""
+    """Move a share of that element to a slower one.
+
+    `add_element` has filled its mode before.
+    """
     value = model.joint[j]
     share, slower = value[_SLOW_SHARE], value[_SLOWER]
     rate, gain = linear.rate[j, OWN], linear.gain[j, OWN]
@@ -99,7 +102,7 @@ def _build_forms(setting: Setting) -> list[Form]:
 
 
 def _add_slower(form: Form) -> Form:
-    """Give a form a third, slower element, as a generalised Voigt model has it."""
+    """Give a form a slower element (generalised Voigt model)."""
     slow = Parameter("slow_share", 0.5, 0.2, low=0.05, high=0.95, starts=(0.5,))
     slower = replace(between("slower_by", 2.0, 100.0), starts=(math.log(10.0),))
 
