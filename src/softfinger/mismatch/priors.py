@@ -60,8 +60,10 @@ class DiagnosisPriors:
     """Share of the largest load that a plan pulls at least. Why: less hides in the noise."""
     rest_s: float = 60.0
     """[s] between trials where no clock was logged. Why: the usual one."""
-    load_relaxed: float = 3.0
+    limit_relaxed: int = 3
     """Factor on a limit that may be in the way. Why: what another rig can do."""
+    camera_relaxed: int = 10
+    """The same of the frame rate. Why: a high-speed camera; a lag and a delay differ in ms."""
 
 
 PRIORS = DiagnosisPriors()

@@ -158,6 +158,8 @@ def describe_next(verdict: Verdict) -> list[str]:
     if not proposal:
         return []
     statement = str(proposal["statement"])
-    for name in proposal.get("tells_apart", ()):
+    for name in proposal["expected_gain_nats"]:
         statement = statement.replace(name, spell(name))
+    if not proposal["loads"]:
+        return [statement]
     return [f"{statement} Its load logs lie in the folder next_experiment beside this report."]

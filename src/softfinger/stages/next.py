@@ -178,6 +178,7 @@ def read_limits(asked: Asked, recorded: xr.Dataset, problem: Problem, scale: flo
     return usual._replace(
         load=usual.load if asked.max_load is None else asked.max_load / scale,
         angle=usual.angle if asked.max_angle is None else asked.max_angle / size,
+        recalled=asked.max_angle is None,
         rate=np.inf if asked.max_rate is None else asked.max_rate / scale,
         minutes=minutes,
         rest=rest,

@@ -47,7 +47,7 @@ def make_unlisted(diagnosed):
             free_form={"argument": "rate_rad_per_s", "joints": [2], "artifact": "free_form.nc"},
             measurement=[{"id": f"finding_{k}", **part} for k in range(12)],
             warnings=[{"id": "x", "trials": [], "statement": f"{MANY} {k}"} for k in range(12)],
-            next_experiment={"statement": MANY, "tells_apart": []},
+            next_experiment={"statement": MANY, "expected_gain_nats": {}, "loads": []},
         )
     )
 
@@ -166,7 +166,11 @@ def test_an_effect_that_turned_back_is_said_to_be_none(diagnosed):
 
 
 def test_warnings_come_before_the_verdict_and_a_next_experiment_last(diagnosed):
-    proposal = {"statement": "6 trials would show wire_friction.", "tells_apart": ["wire_friction"]}
+    proposal = {
+        "statement": "6 trials would show wire_friction.",
+        "expected_gain_nats": {"wire_friction": 20.0},
+        "loads": [{"time_s": [0.0], "load": [1.0]}],
+    }
     doubts = xr.Dataset({"statement": ("doubt", ["trial_002 is unlike the others"])})
     material = gather({**change(diagnosed, next_experiment=proposal), "doubts": doubts})
     assert build_verdict(material).blocks[0].text == "Warning: trial_002 is unlike the others."
@@ -174,7 +178,10 @@ def test_warnings_come_before_the_verdict_and_a_next_experiment_last(diagnosed):
         "trial_002 is unlike the others.",
         "1 % of the frames are gross errors, and are left out.",
     )
-    assert build_next(material).blocks[0].items[0].startswith("6 trials would show wire friction.")
+    said = build_next(material).blocks[0].items[0]
+    assert said.startswith("6 trials would show wire friction. Its load logs lie")
+    unseen = gather(change(diagnosed, next_experiment={**proposal, "loads": []}))
+    assert build_next(unseen).blocks[0].items[0] == "6 trials would show wire friction."
 
 
 def test_long_lists_point_to_where_the_rest_is(render):

@@ -9,16 +9,24 @@ from numpy.typing import NDArray
 from softfinger.inference.problem import Problem
 from softfinger.mechanics import OWN
 from softfinger.mismatch.experiment.outlook import PlannedTrials, linearise_motion, plan_trials
-from softfinger.mismatch.experiment.plan import REPEATED, NextExperiment, list_open
-from softfinger.mismatch.experiment.purposes import Question
+from softfinger.mismatch.experiment.plan import (
+    PAIR,
+    REPEATED,
+    NextExperiment,
+    list_open,
+    measure_gains,
+)
 from softfinger.mismatch.experiment.survivors import Survivor
+from softfinger.mismatch.priors import PRIORS
 from softfinger.mismatch.tables.repair import compute_bin_noise
 
 LIMIT_WORDS = {
-    "load": "a larger --max-load",
-    "angle": "a larger --max-angle",
-    "rate": "a faster --max-rate",
-    "minutes": "more --minutes",
+    "trials": f"{PRIORS.limit_relaxed} times as many trials",
+    "minutes": f"trials {PRIORS.limit_relaxed} times as long",
+    "rate": "a load that jumps",
+    "interval": f"a camera {PRIORS.camera_relaxed} times as fast",
+    "load": f"a load {PRIORS.limit_relaxed} times as large",
+    "angle": f"an angle {PRIORS.limit_relaxed} times as large",
 }
 
 
@@ -63,19 +71,6 @@ def describe_plan(plan: NextExperiment, column: str, scale: float) -> dict[str, 
     }
 
 
-def measure_gains(question: Question, ratio: NDArray[np.float64]) -> dict[str, float]:
-    """Expected evidence [nats] for each asked survivor.
-
-    Against the rival that stays nearest.
-    """
-    gains = {}
-    for a, survivor in enumerate(question.survivors):
-        asked = question.weight[a] > 0.0
-        if asked.any():
-            gains[survivor.label] = float(ratio[a, asked].min())
-    return gains
-
-
 def state_plan(plan: NextExperiment) -> str:
     """A plan in plain sentences."""
     first, limits = plan.expected[plan.best.name], plan.limits
@@ -86,9 +81,17 @@ def state_plan(plan: NextExperiment) -> str:
         said.append(f"A sure answer is expected with probability {first.sure:.2f}.")
         if before is not None and np.isfinite(before.sure):
             said[-1] = said[-1][:-1] + f"; with the old protocol it is {before.sure:.2f}."
+    return " ".join([*said, state_obstacles(plan)]).strip()
+
+
+def state_obstacles(plan: NextExperiment) -> str:
+    """State what nothing within the limits shows, and why."""
+    said = []
     for label, limit in plan.hidden.items():
         why = f"{LIMIT_WORDS[limit]} would" if limit else "no single limit is in the way"
-        said.append(f"Nothing within the limits shows {label}: {why}.")
+        apart = label.replace(PAIR, " and ")
+        what = f"shows {label}" if plan.question.supposes else f"tells {apart} apart"
+        said.append(f"Nothing within the limits {what}: {why}.")
     return " ".join(said)
 
 

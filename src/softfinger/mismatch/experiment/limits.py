@@ -30,6 +30,9 @@ class RigLimits(NamedTuple):
         Of the camera's frames [s].
     knots
         Most in a load history.
+    recalled
+        Whether the angle is the largest that was recorded, and none that the rig must keep. Trials
+        drawn anew may then exceed it.
     """
 
     load: float
@@ -40,6 +43,7 @@ class RigLimits(NamedTuple):
     rest: float
     interval: float
     knots: int
+    recalled: bool = False
 
     @property
     def duration(self) -> float:

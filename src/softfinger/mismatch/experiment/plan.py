@@ -24,6 +24,8 @@ from softfinger.mismatch.experiment.shapes import list_generic
 from softfinger.mismatch.priors import PRIORS
 
 REPEATED = "as recorded"
+PAIR = " / "
+"""Between the labels of two survivors that stay alike."""
 
 
 class Expected(NamedTuple):
@@ -83,7 +85,8 @@ def plan_next(
     Parameters
     ----------
     short
-        Try few protocols, improve none, and do not ask which limit is in the way.
+        Try few protocols and improve none. Ask which limit is in the way only where nothing is told
+        apart.
 
     Raises
     ------
@@ -106,8 +109,8 @@ def plan_next(
     tried = choose_best(limits, purpose, reach, short=short)
     ranked = (choice for choice in tried if np.isfinite(choice.worth))
     safe = (_make_safe(problem, question, limits, choice, seed) for choice in ranked)
-    told = ((*one, expect(question, purpose, foresee, one[0].protocol, seed)) for one in safe)
-    found = next((one for one in told if np.isfinite(one[2].worth)), None)
+    tested = ((*one, expect(question, purpose, foresee, one[0].protocol, seed)) for one in safe)
+    found = next((one for one in tested if np.isfinite(one[2].worth)), None)
     if found is None:
         raise Fault(
             "no protocol is within the limits: a larger --max-angle, --max-load or --max-rate, or "
@@ -115,17 +118,17 @@ def plan_next(
         )
     best, largest, first = found
     others = {REPEATED: repeat_protocol(problem, limits.trials)}
-    others |= {} if short else list_generic(limits)
+    others |= {} if short else {f"plain {name}": p for name, p in list_generic(limits).items()}
+    held = {name: hold_angle(protocol, limits, reach) for name, protocol in others.items()}
+    compared = {
+        name: expect(question, purpose, foresee, protocol, seed)
+        for name, protocol in held.items()
+        if protocol is not None
+    }
     expected = {best.name: first}
-    for name, protocol in others.items():
-        held = hold_angle(protocol, limits, reach)
-        label = name if name == REPEATED else f"plain {name}"
-        if held is not None:
-            expected[label] = expect(question, purpose, foresee, held, seed)
-    expected = {name: part for name, part in expected.items() if np.isfinite(part.worth)}
-    hidden = {}
-    if not short:
-        hidden = find_obstacles(problem, question, limits, best, expected[best.name])
+    expected |= {name: part for name, part in compared.items() if np.isfinite(part.worth)}
+    told = any(gain >= question.needed for gain in measure_gains(question, first.ratio).values())
+    hidden = {} if short and told else find_obstacles(problem, question, limits, best, first)
     return NextExperiment(question, limits, best, expected, largest, hidden)
 
 
@@ -164,8 +167,13 @@ def repeat_protocol(problem: Problem, count: int) -> PlannedProtocol:
 def _make_safe(
     problem: Problem, question: Question, limits: RigLimits, best: Choice, seed: int
 ) -> tuple[Choice, float]:
-    """Lower the load until drawn trials keep the angle."""
+    """Lower the load until drawn trials keep the angle.
+
+    A recalled angle is no limit of the rig: there, trials like those recorded keep it already.
+    """
     protocol = best.protocol
+    if limits.recalled:
+        return best, measure_largest_angle(problem, question.survivors, protocol)
     for _ in range(BUDGET.angle_rounds):
         rng = np.random.default_rng(seed)
         largest = max(
@@ -176,6 +184,29 @@ def _make_safe(
             break
         protocol = scale_load(protocol, 0.97 * limits.angle / largest)
     return best._replace(protocol=protocol), largest
+
+
+def measure_gains(question: Question, ratio: NDArray[np.float64]) -> dict[str, float]:
+    """Expected evidence [nats] for each asked survivor.
+
+    Against the rival that stays nearest.
+
+    Parameters
+    ----------
+    ratio
+        (survivor, survivor) of the true one against the other.
+
+    Returns
+    -------
+    dict
+        By label.
+    """
+    gains = {}
+    for a, survivor in enumerate(question.survivors):
+        asked = question.weight[a] > 0.0
+        if asked.any():
+            gains[survivor.label] = float(ratio[a, asked].min())
+    return gains
 
 
 def list_open(question: Question, ratio: NDArray[np.float64]) -> list[tuple[int, int]]:
@@ -207,16 +238,19 @@ def find_obstacles(
 
 def _name_pair(question: Question, a: int, b: int) -> str:
     labels = [question.survivors[k].label for k in (a, b)]
-    return labels[0] if question.supposes else " / ".join(sorted(labels))
+    return labels[0] if question.supposes else PAIR.join(sorted(labels))
 
 
 def _relax(limits: RigLimits) -> dict[str, RigLimits]:
-    more = PRIORS.load_relaxed
+    """One limit wider at a time; what costs a lab least is first."""
+    more = PRIORS.limit_relaxed
     wider = {
+        "trials": limits._replace(trials=more * limits.trials, minutes=more * limits.minutes),
+        "minutes": limits._replace(minutes=more * limits.minutes),
+        "rate": limits._replace(rate=np.inf),
+        "interval": limits._replace(interval=limits.interval / PRIORS.camera_relaxed),
         "load": limits._replace(load=more * limits.load),
         "angle": limits._replace(angle=more * limits.angle),
-        "rate": limits._replace(rate=np.inf),
-        "minutes": limits._replace(minutes=more * limits.minutes),
     }
     return {name: value for name, value in wider.items() if np.isfinite(getattr(limits, name))}
 

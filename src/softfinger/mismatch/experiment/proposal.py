@@ -12,7 +12,7 @@ from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.candidates.rank import list_pieces
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.diagnose import Diagnosis
-from softfinger.mismatch.experiment.account import describe_plan
+from softfinger.mismatch.experiment.account import describe_plan, state_obstacles
 from softfinger.mismatch.experiment.limits import RigLimits
 from softfinger.mismatch.experiment.plan import plan_next
 from softfinger.mismatch.experiment.purposes import Question, ask_whether, ask_which
@@ -36,7 +36,8 @@ def propose_experiment(
     Returns
     -------
     dict
-        As of `describe_plan`; None where nothing is open, or no protocol would help.
+        As of `describe_plan`; without loads where only another limit would help. None where nothing
+        is open, or nothing would help.
     """
     wanted = list_open_questions(found)
     if not wanted:
@@ -52,7 +53,11 @@ def propose_experiment(
     except Fault:
         return None
     said = describe_plan(plan, *choose_column(angles.sel(trial=found.problem.trials.name)))
-    return said if said["tells_apart"] else None
+    if said["tells_apart"]:
+        return said
+    in_the_way = {label: limit for label, limit in plan.hidden.items() if limit}
+    statement = state_obstacles(plan._replace(hidden=in_the_way))
+    return said | {"loads": [], "statement": statement} if in_the_way else None
 
 
 def pose_open_question(
@@ -91,6 +96,7 @@ def recall_limits(problem: Problem, angles: xr.Dataset, trials: int) -> RigLimit
         rest=rest,
         interval=problem.trials.interval,
         knots=BUDGET.knots,
+        recalled=True,
     )
 
 

@@ -85,6 +85,22 @@ def test_a_plan_keeps_the_angle_under_every_survivor(posed, planned):
     assert measure_largest_angle(problem, survivors, planned.best.protocol) <= planned.limits.angle
 
 
+def test_an_angle_that_is_recalled_binds_trials_like_those_recorded_alone(posed, late):
+    """Hundreds of drawn trials go further than the recorded ones: the load fell to 6 %."""
+    problem, _ = posed
+    reached = measure_largest_angle(problem, late, repeat_protocol(problem, 2))
+    limits = set_limits(problem, trials=2, minutes=1.0, angle=0.9 * reached)
+    drawn, recalled = (
+        plan_next(problem, ask_which(late), asked, np.random.default_rng(1), short=True)
+        for asked in (limits, limits._replace(recalled=True))
+    )
+    assert drawn.largest_angle <= limits.angle
+    seen = measure_largest_angle(problem, late, recalled.best.protocol)
+    assert recalled.largest_angle == seen <= limits.angle
+    loads = [plan.best.protocol.load_torque.max() for plan in (drawn, recalled)]
+    assert loads[0] < 0.95 * loads[1]
+
+
 def test_a_plan_is_told_in_a_sentence_and_drawn(posed, planned):
     said = describe_plan(planned, "torque_nm", 1.0)
     assert "actuator_lag and camera_delay apart" in said["statement"]
