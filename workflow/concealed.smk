@@ -47,7 +47,9 @@ CASES = {
     for k in range(COUNT)
 }
 SHUFFLED = random.Random(config["seed"]).sample(list(CASES), len(CASES))
-SAMPLED, COMPARED = SHUFFLED[: config["sampled"]], SHUFFLED[: config["rivals"]]
+SAMPLED, COMPARED, LIMITED = (
+    SHUFFLED[: config[key]] for key in ("sampled", "rivals", "limits")
+)
 REAL = Path(config["measured"]["folder"])
 KNOWN = {
     n: known for n, known in config["measured"]["known"].items() if (REAL / n).is_dir()

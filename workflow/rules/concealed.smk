@@ -105,7 +105,7 @@ rule score:
             ]
             for part in (*TEXTS, "truth", "answer")
         },
-        limits=[OUT / f"limit/{case}.json" for case in CASES],
+        limits=[OUT / f"limit/{case}.json" for case in LIMITED],
         rivals=[OUT / f"rivals/{case}.json" for case in COMPARED],
         measured=[OUT / f"measured/{name}.json" for name in KNOWN],
         diagnoses=[OUT / f"diagnosis/{case}" for case in CASES],

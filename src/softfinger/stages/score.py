@@ -43,10 +43,10 @@ def score(
 
     Parameters
     ----------
-    truth, salt, seal, answer, digest, limits, diagnoses
+    truth, salt, seal, answer, digest, diagnoses
         Files and folders of every campaign, in one order.
-    rivals
-        Answers of two rivals, to all campaigns or some.
+    rivals, limits
+        Answers of two rivals, and what the oracle could name, of all campaigns or some.
     measured
         Answers to the real recordings that are there.
     score, table, figures
@@ -59,7 +59,8 @@ def score(
     answers = [read_answer(Path(p), d) for p, d in zip(answer, digests, strict=True)]
     truths = [open_seal(Path(t), Path(s), d) for t, s, d in zip(truth, salt, seals, strict=True)]
     verdicts = [found["verdict"] for found in answers]
-    weighed = [_read_json(path) for path in limits]
+    asked = {Path(path).stem: _read_json(path) for path in limits}
+    weighed = [asked.get(name, {}) for name in names]
     curves = [_read_curves(Path(path) / "laws.nc") for path in diagnoses]
     scored = _score(verdicts, truths, weighed, answers, curves, seed)
     cases = tabulate_cases(names, truths, answers, weighed)
