@@ -17,12 +17,13 @@ def _plan(folder, **settings):
 
 
 def test_every_campaign_is_sealed_diagnosed_and_scored(tmp_path):
-    status, said = _plan(tmp_path, campaigns=3, clean=2, twins=1, foreign=1, seed=7)
+    status, said = _plan(tmp_path, campaigns=3, clean=2, twins=1, foreign=1, seed=7, limits=4)
     assert status == 0, said
     table = dict(re.findall(r"^(\w+) +(\d+)$", said.split("Job stats:")[1], re.MULTILINE))
-    assert {table[rule] for rule in ("conceal", "diagnose_blind", "limit", "rivals")} == {
+    assert {table[rule] for rule in ("conceal", "diagnose_blind", "rivals")} == {
         "10"
     }  # three, two clean ones, a pair, a foreign law, and the paper's own case, twice
+    assert table["limit"] == "4"
     assert table["score"] == "1"
     names = set(re.findall(r"seal/(\w+)\.txt", said))
     assert len(names) == 10

@@ -139,8 +139,8 @@ def _tell_score(proof: Proof) -> list[Section]:
             draw_right_by_evidence(score),
             "Share of right answers rising with the oracle's evidence, beside the oracle's limit.",
             "Campaigns with one or two effects of the catalogue. The limit: the probability that "
-            "the oracle itself gives the truth against the base model and what comes closest in the "
-            "catalogue (below 15 nats, or where it was not asked: against the base model only). "
+            "the oracle itself gives the truth against the base model and what comes closest in "
+            "the catalogue (below 15 nats, and where it was not asked: against the base model). "
             "95 % Clopper–Pearson intervals; rule score.",
         ),
         Picture(
