@@ -14,7 +14,7 @@ from softfinger.provenance import find_modules
 from softfinger.stages.keys import KEYS
 
 PACKAGE = Path(softfinger.__file__).parent
-EVERYWHERE = {"compiled", "faults", "gate", "progress", "settings"}
+EVERYWHERE = {"compiled", "faults", "gate", "progress", "settings", "units"}
 GROUND = EVERYWHERE | {
     "campaign",
     "artifacts",
@@ -28,6 +28,7 @@ STAGES = ("tracking", "estimation", "propagation", "mismatch", "virtual_rig", "s
 ALLOWED = {
     "compiled": set(),
     "faults": set(),
+    "units": set(),
     "gate": {"faults"},
     "processes": set(),
     "progress": set(),
@@ -50,8 +51,8 @@ ALLOWED = {
 }
 ALLOWED["rig"] = EVERYWHERE | {"campaign", "mechanics", "virtual_rig"}
 ALLOWED["schema"] = EVERYWHERE | set(STAGES)
-ALLOWED["figures"] = set()
-ALLOWED["report"] = {"faults", "figures"}
+ALLOWED["figures"] = {"units"}
+ALLOWED["report"] = {"faults", "figures", "units"}
 COMPUTING = {"arviz", "numba", "pymc", "scipy", "sklearn", "statistics", "statsmodels"}
 """Libraries that compute."""
 STATISTICS = {

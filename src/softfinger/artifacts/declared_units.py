@@ -11,6 +11,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from softfinger.artifacts.verdict import Estimate, StatedEffect, Verdict
+from softfinger.units import Units, split_unit
+
 POWER = {"rad": 1, "rad2": 2, "rad-1": -1, "N m/rad": -1, "N m s/rad": -1}
 OWN_SCALE = (
     "estimate", "estimate_sd", "centre", "centre_sd", "centre_quantile", "rival_centre",
@@ -53,7 +56,7 @@ def state_in_declared_units(artifacts: Mapping[str, Any]) -> dict[str, Any]:
         elif isinstance(artifact, xr.Dataset):
             stated[name] = _state(artifact, size, stamp)
         elif name == "verdict" and artifact is not None:
-            stated[name] = _state_verdict(artifact, size, stamp)
+            stated[name] = _state_residuals(artifact, size)
         else:
             stated[name] = artifact
     return stated
@@ -65,6 +68,10 @@ def _state(dataset: xr.Dataset, size: float, stamp: Mapping[str, str]) -> xr.Dat
         power = POWER.get(str(array.attrs.get("units")), 0)
         if power:
             changed[name] = (array * size**power).assign_attrs(array.attrs)
+        elif name == "argument" and "argument_name" in dataset:
+            names = dataset["argument_name"].astype(str)
+            factor = [split_unit(one, Units(size=size))[2] for one in names.values]
+            changed[name] = (array * names.copy(data=factor)).assign_attrs(array.attrs)
         elif "parameter" in array.dims and array.dtype.kind == "f":
             changed[name] = _state_parameter(str(name), array, size)
     return dataset.assign(changed).assign_attrs(stamp)
@@ -89,28 +96,45 @@ def _state_parameter(name: str, array: xr.DataArray, size: float) -> xr.DataArra
     return (stated + shift).transpose(*array.dims)
 
 
-def state_key(key: str, motion_unit: str, load_unit: str) -> tuple[str, int]:
+def _state_residuals(verdict: Mapping[str, Any], size: float) -> dict[str, Any]:
+    rms = {k: v if v is None else v * size for k, v in verdict["residual_rms_rad"].items()}
+    return {**verdict, "residual_rms_rad": rms}
+
+
+def state_key(key: str, units: Units) -> tuple[str, int]:
     """Parameter name in declared units, with radian's power.
 
-    >>> state_key("stop_angle_rad_1", "mm", "N"), state_key("stiffening_per_rad2_1", "mm", "N")
+    >>> mm = Units("mm", "N")
+    >>> state_key("stop_angle_rad_1", mm), state_key("stiffening_per_rad2_1", mm)
     (('stop_angle_mm_1', 1), ('stiffening_per_mm2_1', -2))
+    >>> state_key("stop_stiffness_nm_per_rad_1", Units("1", "Pa"))
+    ('stop_stiffness_Pa_1', -1)
     """
     power = sum(
         (-1 if found["per"] else 1) * int(found["power"] or 1) for found in IN_KEY.finditer(key)
     )
-    named = IN_KEY.sub(lambda m: f"{m['per'] or ''}{motion_unit}{m['power']}", key)
-    return re.sub(r"(?<=_)nm(?=_|$)", load_unit, named), power
+    motion, load = ("" if name == "1" else name for name in (units.motion, units.load))
+    named = IN_KEY.sub(lambda m: f"{m['per'] or ''}{motion}{m['power']}" if motion else "", key)
+    named = re.sub(r"(?<=_)nm(?=_|$)", load, named)
+    return re.sub("__+", "_", named).strip("_"), power
 
 
-def _state_verdict(
-    verdict: Mapping[str, Any], size: float, stamp: Mapping[str, str]
-) -> dict[str, Any]:
-    rms = {k: v if v is None else v * size for k, v in verdict["residual_rms_rad"].items()}
-    effects = []
-    for effect in verdict["effects"]:
-        parameters = {}
-        for key, value in effect["parameters"].items():
-            name, power = state_key(key, stamp["motion_unit"], stamp["load_unit"])
-            parameters[name] = {k: v if v is None else v * size**power for k, v in value.items()}
-        effects.append({**effect, "parameters": parameters})
-    return {**verdict, "residual_rms_rad": rms, "effects": effects}
+def state_sizes(verdict: Verdict, units: Units) -> Verdict:
+    """State the sizes of effects in declared units.
+
+    Those of a finger are in them.
+    """
+    if not units.specimen:
+        return verdict
+    return verdict.model_copy(
+        update={"effects": [_state_effect(e, units) for e in verdict.effects]}
+    )
+
+
+def _state_effect(effect: StatedEffect, units: Units) -> StatedEffect:
+    parameters = {}
+    for key, value in effect.parameters.items():
+        name, power = state_key(key, units)
+        parameters[name] = Estimate(**{k: v * units.size**power for k, v in value})
+    spread = {state_key(key, units)[0]: value for key, value in effect.spread.items()}
+    return effect.model_copy(update={"parameters": parameters, "spread": spread})

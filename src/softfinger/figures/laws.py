@@ -15,6 +15,7 @@ from softfinger.figures.style import (
     new_figure,
     styled,
 )
+from softfinger.units import FINGER, Units, read_units, split_unit
 
 STYLES = ((BLUE, "-"), (RED, "--"), (GREEN, "-."), (ORANGE, ":"))
 NULL = {"factor": 1.0, "exponential": 1.0, "sum": 0.0}
@@ -27,7 +28,7 @@ def draw_laws(laws: xr.Dataset) -> Figure:
     width = DOUBLE_COLUMN if len(effects) > 1 else SINGLE_COLUMN
     figure = new_figure(get_source(laws), 2.4, width)
     axes = dict(zip(effects, figure.subplots(1, len(effects), squeeze=False)[0], strict=True))
-    drawn = dict.fromkeys(effects, 0)
+    drawn, units = dict.fromkeys(effects, 0), read_units(laws.attrs)
     for row in range(laws.sizes["law"]):
         here = laws.isel(law=row)
         name, joint = str(here["effect"].values), int(here["joint"])
@@ -40,16 +41,16 @@ def draw_laws(laws: xr.Dataset) -> Figure:
         axes[name].axhline(NULL[str(here["kind"].values)], color=GREY, lw=0.6, label="_")
         axes[name].set(
             title=name.replace("_", " "),
-            xlabel=label_argument(str(here["argument_name"].values)),
+            xlabel=label_argument(str(here["argument_name"].values), units),
             ylabel="sum [1]" if str(here["kind"].values) == "sum" else "factor [1]",
             xlim=(place[0], place[-1]),
         )
-    for ax in axes.values():
+    for ax in axes.values() if not units.specimen else ():
         ax.legend()
     return figure
 
 
-def label_argument(name: str) -> str:
+def label_argument(name: str, units: Units = FINGER) -> str:
     """Label an argument whose name ends in its unit.
 
     >>> label_argument("angle_rad"), label_argument("torque_nm"), label_argument("trial_number")
@@ -57,8 +58,5 @@ def label_argument(name: str) -> str:
     >>> label_argument("damper_rate_rad_per_s")
     'damper rate [rad/s]'
     """
-    units = {"rad_per_s": "rad/s", "rad": "rad", "nm": "N m", "s": "s", "n": "N"}
-    for suffix, unit in units.items():
-        if name.endswith(f"_{suffix}"):
-            return f"{name.removesuffix(f'_{suffix}').replace('_', ' ')} [{unit}]"
-    return f"{name.replace('_', ' ')} [1]"
+    words, unit, _ = split_unit(name, units)
+    return f"{words} [{unit or 1}]"

@@ -15,11 +15,11 @@ from softfinger.figures.style import (
     get_motion_unit,
     get_source,
     label_motion,
-    label_thousandth,
     measure_joint_rows,
     new_figure,
     styled,
 )
+from softfinger.units import label_thousandth
 
 WIDEST_BAND = 0.8
 """How far a band is drawn beyond the recordings, over their range."""

@@ -13,10 +13,10 @@ from softfinger.figures.style import (
     RED,
     get_motion_unit,
     get_source,
-    label_thousandth,
     new_figure,
     styled,
 )
+from softfinger.units import label_thousandth
 
 EARLY = 1.0
 """End of the early look [s]."""

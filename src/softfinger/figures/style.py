@@ -109,15 +109,6 @@ def get_motion_unit(dataset: xr.Dataset) -> str:
     return str(dataset.attrs.get("motion_unit", "rad"))
 
 
-def label_thousandth(unit: str) -> str:
-    """Label a thousandth of a unit.
-
-    >>> label_thousandth("rad"), label_thousandth("mm")
-    ('mrad', '10⁻³ mm')
-    """
-    return "mrad" if unit == "rad" else f"10⁻³ {unit}"
-
-
 def label_parameter_unit(parameter: str, load_unit: str, motion_unit: str = "rad") -> str:
     """Unit of a parameter.
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from softfinger.faults import Fault
 from softfinger.measurement.decisions import DECISIONS
+from softfinger.units import select_units
 
 
 def select_frames(angles: xr.Dataset) -> xr.Dataset:
@@ -33,6 +34,7 @@ def select_frames(angles: xr.Dataset) -> xr.Dataset:
     Dataset
         present (trial, joint); used (trial, frame), times of used frames strictly increasing;
         frame_scale (trial, frame) [1]; frame_interval () [s], the median over used frames.
+        Its attributes are a specimen's units.
 
     Raises
     ------
@@ -62,6 +64,7 @@ def select_frames(angles: xr.Dataset) -> xr.Dataset:
             "frame_interval": ((), compute_frame_interval_array(time.values, used)),
         },
         coords={name: angles[name] for name in ("trial", "joint") if name in angles.coords},
+        attrs=select_units(angles.attrs),
     )
 
 

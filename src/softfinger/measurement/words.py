@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from softfinger.mechanics.effects.measurement_file import LINK_TURN
+from softfinger.units import Units, read_units, split_unit
 
 
 class Words(NamedTuple):
@@ -55,8 +56,28 @@ def scale_trials(measurement: xr.Dataset) -> xr.DataArray:
     return np.exp(np.log(measurement["trial_factor"]).mean("joint"))
 
 
+def write_time(seconds: float) -> str:
+    """Write a time with two digits.
+
+    >>> write_time(2.04), write_time(0.00034)
+    ('2000 ms', '0.34 ms')
+    """
+    return f"{float(f'{1e3 * seconds:.2g}'):g} ms"
+
+
+def write_motion(angle: float, units: Units) -> str:
+    """Write a small angle with two digits.
+
+    >>> write_motion(0.00234, Units()), write_motion(0.00234, Units("mm", "N", 20.0, True))
+    ('2.3 mrad', '0.047 mm')
+    """
+    if not units.specimen:
+        return f"{float(f'{1e3 * angle:.2g}'):g} mrad"
+    return f"{angle * units.size:.2g} {'' if units.motion == '1' else units.motion}".rstrip()
+
+
 def _say_jitter(size: float, _: xr.Dataset) -> str:
-    return f"The times of the frames jitter by {1e3 * size:.2g} ms."
+    return f"The times of the frames jitter by {write_time(size)}."
 
 
 def _say_uneven(size: float, measurement: xr.Dataset) -> str:
@@ -68,13 +89,15 @@ def _say_uneven(size: float, measurement: xr.Dataset) -> str:
     )
 
 
-def _say_growth(cause: str, place: str) -> Callable[[float, xr.Dataset], str]:
+def _say_growth(cause: str, by: str) -> Callable[[float, xr.Dataset], str]:
     def say(size: float, measurement: xr.Dataset) -> str:
-        sd = 1e3 * float(np.sqrt((measurement["noise_sd"] ** 2).mean()))
-        grown = sd * np.sqrt(1.0 + size**2)
+        units = read_units(measurement.attrs)
+        sd = float(np.sqrt((measurement["noise_sd"] ** 2).mean()))
+        least, grown = (write_motion(one, units) for one in (sd, sd * np.sqrt(1.0 + size**2)))
+        _, unit, one = split_unit(by, units)
         return (
-            f"The noise grows with the {cause}: from {sd:.2g} mrad at rest to {grown:.2g} mrad "
-            f"at {place}."
+            f"The noise grows with the {cause}: from {least} at rest to {grown} at "
+            f"{one:.3g} {unit}.".replace(" .", ".")
         )
 
     return say
@@ -83,7 +106,13 @@ def _say_growth(cause: str, place: str) -> Callable[[float, xr.Dataset], str]:
 def _say_hum(size: float, measurement: xr.Dataset) -> str:
     tones = list(dict.fromkeys(f"{f:.3g}" for f in measurement["hum_frequency"].values))
     listed = " and ".join([", ".join(tones[:-1]), tones[-1]] if len(tones) > 1 else tones)
-    return f"The angles hum at {listed} Hz with {1e3 * size:.2g} mrad, whatever the load does."
+    units = read_units(measurement.attrs)
+    what = "motion hums" if units.specimen else "angles hum"
+    return f"The {what} at {listed} Hz with {write_motion(size, units)}, whatever the load does."
+
+
+def _name_motion(measurement: xr.Dataset) -> str:
+    return "The motion drifts" if read_units(measurement.attrs).specimen else "The angles drift"
 
 
 TURNS = "Link {link} seems to turn within a trial by {size:.2g} times the noise: its markers drift."
@@ -110,8 +139,8 @@ WORDS = {
     ),
     "lost_frames": Words("share", lambda s, _: f"{100 * s:.2g} % of the frames are missing."),
     "uneven_noise": Words("log_sd", _say_uneven),
-    "signal_noise": Words("per_rad", _say_growth("deflection", "1 rad")),
-    "rate_noise": Words("per_rad_s", _say_growth("speed", "1 rad/s"), "signal_noise"),
+    "signal_noise": Words("per_rad", _say_growth("deflection", "one_rad")),
+    "rate_noise": Words("per_rad_s", _say_growth("speed", "one_rad_per_s"), "signal_noise"),
     "noisy_load": Words(
         "relative_sd",
         lambda s, _: f"The load log scatters by {100 * s:.2g} %: {10 * s:.2g} N at 10 N.",
@@ -129,12 +158,13 @@ WORDS = {
     "timing_jitter": Words("sd_s", _say_jitter),
     "frame_jitter": Words("sd_s", _say_jitter, "timing_jitter"),
     "clock_offset": Words(
-        "sd_s", lambda s, _: f"Camera and load log are apart by {1e3 * s:.2g} ms, trial by trial."
+        "sd_s",
+        lambda s, _: f"Camera and load log are apart by {write_time(s)}, trial by trial.",
     ),
     "step_time": Words(
         "sd_s",
         lambda s, _: (
-            f"Steps of the load come {1e3 * s:.2g} ms before the rows of the log that state them."
+            f"Steps of the load come {write_time(s)} before the rows of the log that state them."
         ),
         "clock_offset",
     ),
@@ -142,7 +172,7 @@ WORDS = {
         "sd_s",
         lambda s, _: (
             "The load log reads too seldom to show when its steps came: by the motion "
-            f"{1e3 * s:.2g} ms before its rows on average, each at a moment of its own."
+            f"{write_time(s)} before its rows on average, each at a moment of its own."
         ),
         "clock_offset",
     ),
@@ -160,11 +190,11 @@ WORDS = {
     ),
     "drift": Words(
         "noise_sd",
-        lambda s, _: f"The angles drift within a trial by {s:.2g} times the noise.",
+        lambda s, m: f"{_name_motion(m)} within a trial by {s:.2g} times the noise.",
     ),
     "gain_drift": Words(
         "relative_sd",
-        lambda s, _: f"The gain of the angles' sensor drifts within a trial by {100 * s:.2g} %.",
+        lambda s, _: f"The gain of the motion's sensor drifts within a trial by {100 * s:.2g} %.",
         "drift",
     ),
     "picture_turn": Words(

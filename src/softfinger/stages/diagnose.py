@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from softfinger.artifacts import open_artifact, save_artifact, write_atomically
+from softfinger.artifacts.declared_units import state_sizes
 from softfinger.artifacts.specs import angles as angles_spec
 from softfinger.artifacts.specs import free_form as free_form_spec
 from softfinger.artifacts.specs import laws as laws_spec
@@ -38,6 +39,7 @@ from softfinger.mismatch.verdict.assumed import list_assumed, list_unused
 from softfinger.mismatch.verdict.sufferings import doubt_declared, doubt_patience
 from softfinger.provenance import derive_seed, describe_run
 from softfinger.stages.linear_algebra import on_one_thread
+from softfinger.units import read_units
 
 SPECS = {
     spec.SPEC.name: spec.SPEC
@@ -112,6 +114,7 @@ def diagnose(
     proposal = propose_experiment(found, recorded, stream)
     warnings = list_warnings(found, recorded)
     warnings += doubt_patience(found.cut_short, config["longest_search_s"])
+    said = state_sizes(said, read_units(recorded.attrs))
     said = said.model_copy(update={"next_experiment": proposal, "warnings": warnings})
     write_load_files(proposal, Path(next_experiment))  # Snakemake gives a str
     with write_atomically(verdict) as temporary:

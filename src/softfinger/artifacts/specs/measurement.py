@@ -1,6 +1,7 @@
 """Which frames count, and how large their noise is."""
 
 from softfinger.artifacts.spec import ArtifactSpec, Variable
+from softfinger.units import UNIT_ATTRS
 
 _FRAME = ("trial", "frame")
 
@@ -9,6 +10,7 @@ SPEC = ArtifactSpec(
     title="What the recordings suffer from",
     rule="diagnose",
     attrs=("campaign", "source"),
+    optional_attrs=UNIT_ATTRS,
     coords={
         "trial": Variable(("trial",), "1", "name of the trial", "text"),
         "joint": Variable(("joint",), "1", "number of the joint, base to tip", "whole number"),

@@ -6,6 +6,8 @@ import xarray as xr
 from softfinger.artifacts.verdict import Warned
 from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.unused import explain_unused
+from softfinger.measurement.words import write_motion
+from softfinger.units import read_units
 
 
 def list_unused(angles: xr.Dataset, used: list[str]) -> list[Warned]:
@@ -28,12 +30,14 @@ def list_assumed(measurement: xr.Dataset, *, load_known: bool) -> list[Warned]:
     said = []
     blind = measurement["joint"].values[measurement["window_count"].values == 0]
     if blind.size:
-        sd = 1e3 * float(np.median(measurement["noise_sd"].sel(joint=blind)))
+        units = read_units(measurement.attrs)
+        sd = write_motion(float(np.median(measurement["noise_sd"].sel(joint=blind))), units)
         joints = ", ".join(str(joint) for joint in blind)
+        whose = "the motion" if units.specimen else f"joint {joints}"
+        others = "" if units.specimen else " or of the other joints"
         said.append(
-            f"No quiet stretch shows the noise of joint {joints}: it is assumed to be white, with "
-            f"the sd {sd:.2g} mrad of its second differences or of the other joints; record a "
-            "few seconds at rest."
+            f"No quiet stretch shows the noise of {whose}: it is assumed to be white, with "
+            f"the sd {sd} of its second differences{others}; record a few seconds at rest."
         )
     if not load_known:
         said.append(

@@ -116,7 +116,8 @@ def describe_remaining(problem: Problem, candidate: Candidate, findings: Finding
     where = "nowhere more than by chance"
     if float(worst) < DECISIONS.false_discoveries:
         joint, phase, since = worst["cell"].item()
-        where = f"joint {joint}, {phase}, from {since:g} s after a change of load"
+        where = f"{phase}, from {since:g} s after a change of load"
+        where = where if problem.setting.specimen else f"joint {joint}, {where}"
     rms = float(np.sqrt(max(1.0 + findings.excess, 0.0)))
     return Remaining(rms_over_noise=rms, p_value=findings.p_value, where=where)
 

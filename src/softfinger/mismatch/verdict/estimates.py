@@ -20,6 +20,7 @@ from softfinger.mismatch.search.settle import Posterior
 from softfinger.mismatch.search.stepwise import Search
 from softfinger.mismatch.verdict.law import state_candidate_curves, state_law
 from softfinger.mismatch.verdict.statements import state_effect
+from softfinger.units import read_units
 
 
 def state_effects(
@@ -70,6 +71,7 @@ def describe(
             parameters,
             spread,
             state_candidate_curves(problem, candidate, number),
+            read_units(problem.noise.attrs),
         ),
         location=locate_effect(problem, base, candidate, number),
     )

@@ -6,18 +6,15 @@ from softfinger.artifacts.verdict import StatedLaw
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.mechanics.effects.law_curve import compute_law_curves, list_laws
 from softfinger.mismatch.verdict.statements import state_curves
+from softfinger.units import read_units
 
 
 def state_candidate_curves(problem: Problem, candidate: Candidate, number: int) -> str:
-    """State the free laws of one effect of a fitted model.
-
-    Empty for a specimen: its numbers are not in rad and N m.
-    """
-    if problem.setting.specimen:
-        return ""
+    """State the free laws of one effect of a fitted model."""
     fit = candidate.fit
     laws = compute_law_curves(candidate.model, fit.shared, fit.shared_covariance, places=2)
-    return state_curves(laws, candidate.model.pieces[number].effect.id)
+    units = read_units(problem.noise.attrs)
+    return state_curves(laws, candidate.model.pieces[number].effect.id, units)
 
 
 def state_law(candidate: Candidate, number: int, others: Iterable[Candidate]) -> StatedLaw | None:

@@ -14,6 +14,7 @@ from softfinger.mismatch.budget import BUDGET
 from softfinger.mismatch.diagnose import Diagnosis
 from softfinger.mismatch.verdict.law import state_candidate_curves
 from softfinger.mismatch.verdict.statements import state_effect
+from softfinger.units import read_units
 
 SAMPLING: dict[str, Any] = {
     "sampler": "nuts",
@@ -74,6 +75,7 @@ def refine_verdict(
             found[effect.id],
             effect.spread,
             state_candidate_curves(diagnosis.problem, best, pieces[effect.id]),
+            read_units(diagnosis.problem.noise.attrs),
         )
         return effect.model_copy(update={"parameters": found[effect.id], "statement": words})
 

@@ -8,18 +8,7 @@ import xarray as xr
 
 from softfinger.artifacts.verdict import Estimate
 from softfinger.mechanics.effects.effect import Effect
-
-UNITS = {
-    "_nm_per_rad": "N m/rad",
-    "_per_nm2": "(N m)⁻²",
-    "_per_rad2": "rad⁻²",
-    "_per_rad": "rad⁻¹",
-    "_per_m2": "m⁻²",
-    "_nm": "N m",
-    "_rad_per_s": "rad/s",
-    "_rad": "rad",
-    "_s": "s",
-}
+from softfinger.units import FINGER, Units, split_unit
 
 
 def format_estimate(mean: float, sd: float) -> str:
@@ -53,18 +42,21 @@ def state_effect(
     parameters: dict[str, Estimate],
     spread: Mapping[str, float],
     curve: str = "",
+    units: Units = FINGER,
 ) -> str:
     """State one effect: what, where, how large, how sure.
 
     `spread` is what its parameters differ by from trial to trial, relatively; `curve` states its
-    free law.
+    free law. A specimen has no joints.
     """
-    where = f" ({list_joints(joints)})" if joints else ""
+    where = f" ({list_joints(joints)})" if joints and not units.specimen else ""
     sentence = effect.sentence[0].upper() + effect.sentence[1:]
+    sentence = sentence.replace("joint", "specimen") if units.specimen else sentence
     sizes = []
     for name, value in parameters.items():
-        words, unit = split_unit(name)
-        sizes.append(f"{words} {format_estimate(value.mean, value.sd)} {unit}".rstrip())
+        words, unit, size = split_unit(name, units)
+        known = format_estimate(size * value.mean, size * value.sd)
+        sizes.append(f"{words} {known} {unit}".rstrip())
     sure = f"{probability:.3g}" if probability < 0.9995 else "above 0.999"  # none is 1
     best = "; ".join(filter(None, [form.replace("_", " "), ", ".join(sizes)]))
     differs = [
@@ -77,7 +69,7 @@ def state_effect(
     )
 
 
-def state_curves(laws: xr.Dataset, effect: str) -> str:
+def state_curves(laws: xr.Dataset, effect: str, units: Units = FINGER) -> str:
     """State where the free laws of an effect end.
 
     Empty without one. `laws` are those of `compute_law_curves`.
@@ -87,20 +79,8 @@ def state_curves(laws: xr.Dataset, effect: str) -> str:
         here = laws.isel(law=row, place=-1)
         verb = "adds" if here["kind"] == "sum" else "multiplies by"
         value, low, high = (f"{float(here[name]):.3g}" for name in ("value", "low", "high"))
-        words, unit = split_unit(str(here["argument_name"].values))
-        at = f"{words} {float(here['argument']):.3g} {unit}".rstrip()
-        where = f" in joint {int(here['joint'])}" if here["joint"] else ""
+        words, unit, size = split_unit(str(here["argument_name"].values), units)
+        at = f"{words} {size * float(here['argument']):.3g} {unit}".rstrip()
+        where = f" in joint {int(here['joint'])}" if here["joint"] and not units.specimen else ""
         ends.append(f"{verb} {value} ({low} to {high}) at {at}{where}")
     return f" Its free law {', '.join(ends)}." if ends else ""
-
-
-def split_unit(name: str) -> tuple[str, str]:
-    """Split a parameter's name into words and its unit.
-
-    >>> split_unit("lag_s"), split_unit("play_rad_2")
-    (('lag', 's'), ('play 2', 'rad'))
-    """
-    quantity = name.rstrip("_0123456789")
-    suffix = next((suffix for suffix in UNITS if quantity.endswith(suffix)), "")
-    words = (quantity.removesuffix(suffix) + name.removeprefix(quantity)).replace("_", " ")
-    return words, UNITS.get(suffix, "")

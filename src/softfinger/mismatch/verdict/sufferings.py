@@ -8,6 +8,7 @@ from softfinger.inference.spreads import is_spread
 from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.words import find_words, list_moved_joints, scale_trials
 from softfinger.mismatch.decisions import DECISIONS
+from softfinger.units import read_units
 
 
 def describe_measurement(measurement: xr.Dataset) -> list[Suffering]:
@@ -44,8 +45,11 @@ def doubt_declared(measurement: xr.Dataset) -> list[Warned]:
     ratio = float(np.exp(np.nanmean(np.log(shown / declared)))) if (shown > 0).any() else 1.0
     if DECISIONS.contradicts**-1 <= ratio <= DECISIONS.contradicts:
         return []
+    units = read_units(measurement.attrs)
+    key = "specimen.motion.noise_sd" if units.specimen else "noise_sd_rad"
+    sd = f"{declared[0] * units.size:g} {'' if units.motion == '1' else units.motion}".rstrip()
     statement = (
-        f"campaign.yaml, noise_sd_rad: {declared[0]:g} rad is declared and used, but the "
+        f"campaign.yaml, {key}: {sd} is declared and used, but the "
         f"recordings show {ratio:.2g} times that; check the number, or leave it out."
     )
     return [Warned(id="declared_noise", trials=[], statement=statement)]

@@ -1,12 +1,12 @@
 """The recordings beside the model, base and repaired."""
 
-from softfinger.figures.style import label_thousandth
 from softfinger.report.blocks import Paragraph, Section, keep_blocks
 from softfinger.report.checks import FIT, combine_checks, list_checks, list_rings
 from softfinger.report.formatting import count_things, format_number, format_percent, join_words
 from softfinger.report.material import Material
 from softfinger.report.pictures.fit import picture_bands
 from softfinger.report.pictures.repair import picture_repair
+from softfinger.units import label_thousandth
 
 FITTED = (("predictive", "bands and residuals of the fit"), ("calibration", "calibration"))
 

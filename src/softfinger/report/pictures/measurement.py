@@ -2,10 +2,10 @@
 
 from softfinger.figures.laws import draw_laws
 from softfinger.figures.measurement import draw_measurement
-from softfinger.figures.style import label_thousandth
 from softfinger.report.blocks import Picture
 from softfinger.report.material import Material
 from softfinger.report.pictures.repair import say_trials
+from softfinger.units import label_thousandth
 
 
 def picture_measurement(material: Material) -> Picture | None:

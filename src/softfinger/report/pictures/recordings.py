@@ -46,7 +46,7 @@ def picture_recordings(material: Material) -> Picture:
         draw_recordings(angles),
         f"Joint angle over time of every trial, one panel for each of {angles['joint'].size} "
         "joints, with the load below.",
-        f"Every trial's joint angles and load; masked frames leave gaps. "
+        f"Every trial's motion and load; masked frames leave gaps. "
         f"n = {count_things(angles['trial'].size, 'trial')}. {capital(material.cite('angles'))}.",
     )
 

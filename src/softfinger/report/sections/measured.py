@@ -1,10 +1,10 @@
 """Each component of the measurement, with its figure."""
 
-from softfinger.figures.style import label_thousandth
 from softfinger.report.blocks import Block, Paragraph, Section, Table, keep_blocks, number, text
 from softfinger.report.formatting import count_things, format_number
 from softfinger.report.material import Material
 from softfinger.report.pictures.measurement import picture_measurement
+from softfinger.units import label_thousandth
 
 TITLE = "The measurement in numbers"
 

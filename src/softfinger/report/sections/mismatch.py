@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from typing import Any
 
-from softfinger.figures.style import label_thousandth
 from softfinger.report.blocks import (
     Block,
     Paragraph,
@@ -32,6 +31,7 @@ from softfinger.report.verdict import (
     state_power,
     state_verdict,
 )
+from softfinger.units import label_thousandth
 
 
 def build_mismatch(material: Material) -> Section:

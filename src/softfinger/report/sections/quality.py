@@ -5,7 +5,6 @@ It covers computation, calibration and fit to the recordings.
 
 import numpy as np
 
-from softfinger.figures.style import label_thousandth
 from softfinger.report.blocks import (
     Block,
     Checks,
@@ -26,6 +25,7 @@ from softfinger.report.formatting import (
 from softfinger.report.granted import show_loo_pit
 from softfinger.report.material import Material
 from softfinger.report.pictures.fit import picture_bands, picture_residuals, picture_sampling
+from softfinger.units import label_thousandth
 
 
 def build_computation(material: Material) -> Section:

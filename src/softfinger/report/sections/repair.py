@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from softfinger.figures.style import get_motion_unit, label_thousandth
+from softfinger.figures.style import get_motion_unit
 from softfinger.report.blocks import Block, Table, number, text
 from softfinger.report.formatting import (
     format_measure,
@@ -11,6 +11,7 @@ from softfinger.report.formatting import (
     format_percent,
     format_shares,
 )
+from softfinger.units import label_thousandth
 
 
 def build_repair_tables(repair: xr.Dataset) -> list[Block]:
@@ -31,10 +32,10 @@ def build_repair_tables(repair: xr.Dataset) -> list[Block]:
             )  # fmt: skip
     columns = ("joint", "parameter", "base model", "repaired model", "bias", "spread explained")
     caption = (
-        "Population means ± sd by the base and the repaired model (logarithms, q_ini in rad); the "
-        "bias of a logarithm is about the relative error that the omission caused. Spread "
-        "explained: share of the variance between trials that was physics; negative where the "
-        "base model hid spread. Rule diagnose, artifact repair."
+        "Population means ± sd by the base and the repaired model (logarithms, q_ini in "
+        f"{get_motion_unit(repair)}); the bias of a logarithm is about the relative error that the "
+        "omission caused. Spread explained: share of the variance between trials that was physics; "
+        "negative where the base model hid spread. Rule diagnose, artifact repair."
     )
     title = "What the omission did to the parameters"
     return [

@@ -7,7 +7,6 @@ thing must not contradict each other: the sharper one decides.
 import math
 from dataclasses import replace
 
-from softfinger.figures.style import label_thousandth
 from softfinger.report.blocks import Check, Tile
 from softfinger.report.checks import (
     CALIBRATION,
@@ -27,6 +26,7 @@ from softfinger.report.material import Material
 from softfinger.report.overview.measurement import list_warnings
 from softfinger.report.sections.mismatch import judge_mismatch
 from softfinger.report.verdict import state_left
+from softfinger.units import label_thousandth
 
 
 def judge_tiles(material: Material) -> tuple[Tile, ...]:

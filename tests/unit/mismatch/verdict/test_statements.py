@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from softfinger.artifacts.verdict import Estimate
 from softfinger.mechanics.effects import list_effects
 from softfinger.mismatch.verdict.statements import state_curves, state_effect
+from softfinger.units import Units
 
 
 @pytest.mark.parametrize(
@@ -49,3 +51,23 @@ def test_a_free_law_is_stated_where_it_ends():
         " Its free law adds -0.012 (-0.02 to 0.001) at difference 0.25 rad in joint 1."
     )
     assert state_curves(laws, "gravity") == ""
+
+
+def test_an_effect_of_a_specimen_is_stated_in_its_units():
+    effect, units = list_effects()["contact_stop"], Units("mm", "N", 20.0, specimen=True)
+    size = {"stop_angle_rad_1": Estimate(mean=0.4, sd=0.1, q05=0.2, q95=0.6)}
+    words = state_effect(effect, "hard", [1], 0.9, size, {}, units=units)
+    assert words.startswith("The specimen meets a stop: contact stop was left out")
+    assert "Best form: hard; stop angle 1 8.0 ± 2.0 mm." in words
+    shape = ("law", "place")
+    laws = xr.Dataset(
+        {
+            "effect": ("law", ["moment_arm"]),
+            "argument_name": ("law", ["angle_rad"]),
+            "kind": ("law", ["factor"]),
+            "joint": ("law", [1]),
+            "argument": (shape, [[0.0, 0.6]]),
+            **{name: (shape, [[1.0, 1.25]]) for name in ("value", "low", "high")},
+        }
+    )
+    assert state_curves(laws, "moment_arm", units).endswith("(1.25 to 1.25) at angle 12 mm.")
