@@ -73,7 +73,7 @@ class InferencePriors:
     lasting_sizes: tuple[float, ...] = (0.5, 1.0, 2.0, 4.0)
     """The same of noise that lasts longer: 1 is twice as long. Why: windows show it to that."""
     flicker_sizes: tuple[float, ...] = (0.25, 0.5, 1.0, 2.0, 4.0)
-    """The same of noise with equal power in each octave. Why: as of drifts; half of it is usual."""
+    """The same of noise with equal power in each octave. Why: as of drifts."""
     gain_drift_sizes: tuple[float, ...] = (0.003, 0.01, 0.03)
     """The same of the gain of the angles' own sensor. Why: as of a load cell's."""
     largest_share: float = 0.05

@@ -138,18 +138,6 @@ def add_components(
     return measurement.drop_dims("component").merge(both)
 
 
-def assume_noise(angles: xr.Dataset, known: xr.Dataset) -> xr.Dataset:
-    """Take the noise of all joints from another campaign.
-
-    What that campaign's trials suffer from is left out. Angles that are not recorded yet may all be
-    equal: they repeat nothing.
-    """
-    frames = _prepare_frames(angles)
-    used = frames["used"] | frames["repeated"]
-    shared = known.drop_dims("trial").drop_vars("frame_interval")
-    return frames.assign(used=used, repeated=xr.zeros_like(used), **shared.data_vars)
-
-
 def _prepare_frames(angles: xr.Dataset) -> xr.Dataset:
     """Frames of one noise, before outliers are sought."""
     saturated = find_saturated_frames(angles)

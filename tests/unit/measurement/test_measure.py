@@ -6,7 +6,8 @@ from scipy.signal import lfilter
 
 from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.inference.reduce import reduce_trials
-from softfinger.measurement.measure import assume_noise, measure
+from softfinger.measurement.measure import measure
+from softfinger.measurement.planned import assume_noise
 from softfinger.measurement.trials import prepare_trials
 from softfinger.mismatch.candidates.columns import collect_columns
 from softfinger.mismatch.candidates.rank import list_pieces, rank_pieces

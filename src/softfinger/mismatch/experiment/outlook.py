@@ -14,7 +14,7 @@ from softfinger.inference.budget import BUDGET as INFERENCE
 from softfinger.inference.problem import Problem
 from softfinger.inference.reduce import reduce_trials
 from softfinger.inference.simulate import build_recording
-from softfinger.measurement.measure import assume_noise
+from softfinger.measurement.planned import assume_noise
 from softfinger.measurement.trials import Trials, prepare_trials
 from softfinger.mechanics import OWN
 from softfinger.mechanics.forward.simulate import simulate_joint_angle_array

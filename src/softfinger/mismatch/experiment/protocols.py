@@ -12,7 +12,7 @@ from softfinger.inference.mixed_effects_laplace import Fit
 from softfinger.inference.problem import Problem
 from softfinger.inference.setting import build_setting
 from softfinger.inference.simulate import build_recording
-from softfinger.measurement.measure import assume_noise
+from softfinger.measurement.planned import assume_noise
 from softfinger.measurement.trials import prepare_trials
 from softfinger.mismatch.candidates.columns import collect_columns
 from softfinger.mismatch.candidates.rank import Candidate, list_pieces
