@@ -71,8 +71,10 @@ NOTHING = SimpleNamespace(gain=0.0, trials=[], joints=[])
 def test_a_misfit_is_located_where_false_discoveries_are_few(monkeypatch, q_value, times):
     locate(monkeypatch, q_value)
     findings = SimpleNamespace(excess=0.5, p_value=0.01, slips=NOTHING, free=None, left=0.0)
-    where = describe_remaining(None, None, findings).where
-    assert where.startswith("joint 2" if times else "nowhere")
+    for specimen, word in ((False, "joint 2, holding"), (True, "holding")):
+        whose = SimpleNamespace(setting=SimpleNamespace(specimen=specimen))
+        where = describe_remaining(whose, None, findings).where
+        assert where.startswith(word if times else "nowhere")
     problem = SimpleNamespace(setting=SimpleNamespace(duration=30.0))
     assert locate_misfit(problem, None, findings).times_s == times
 

@@ -14,8 +14,8 @@ from softfinger.mismatch.experiment.plan import (
     REPEATED,
     NextExperiment,
     list_open,
-    measure_gains,
 )
+from softfinger.mismatch.experiment.purposes import Question
 from softfinger.mismatch.experiment.survivors import Survivor
 from softfinger.mismatch.priors import PRIORS
 from softfinger.mismatch.tables.repair import compute_bin_noise
@@ -69,6 +69,29 @@ def describe_plan(plan: NextExperiment, column: str, scale: float) -> dict[str, 
         ],
         "statement": state_plan(plan),
     }
+
+
+def measure_gains(question: Question, ratio: NDArray[np.float64]) -> dict[str, float]:
+    """Expected evidence [nats] for each asked survivor.
+
+    Against the rival that stays nearest.
+
+    Parameters
+    ----------
+    ratio
+        (survivor, survivor) of the true one against the other.
+
+    Returns
+    -------
+    dict
+        By label.
+    """
+    gains = {}
+    for a, survivor in enumerate(question.survivors):
+        asked = question.weight[a] > 0.0
+        if asked.any():
+            gains[survivor.label] = float(ratio[a, asked].min())
+    return gains
 
 
 def state_plan(plan: NextExperiment) -> str:

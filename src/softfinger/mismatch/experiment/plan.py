@@ -85,8 +85,7 @@ def plan_next(
     Parameters
     ----------
     short
-        Try few protocols and improve none. Ask which limit is in the way only where nothing is told
-        apart.
+        Try few protocols, improve none, and do not ask which limit is in the way.
 
     Raises
     ------
@@ -127,8 +126,7 @@ def plan_next(
     }
     expected = {best.name: first}
     expected |= {name: part for name, part in compared.items() if np.isfinite(part.worth)}
-    told = any(gain >= question.needed for gain in measure_gains(question, first.ratio).values())
-    hidden = {} if short and told else find_obstacles(problem, question, limits, best, first)
+    hidden = {} if short else find_obstacles(problem, question, limits, best, first)
     return NextExperiment(question, limits, best, expected, largest, hidden)
 
 
@@ -184,29 +182,6 @@ def _make_safe(
             break
         protocol = scale_load(protocol, 0.97 * limits.angle / largest)
     return best._replace(protocol=protocol), largest
-
-
-def measure_gains(question: Question, ratio: NDArray[np.float64]) -> dict[str, float]:
-    """Expected evidence [nats] for each asked survivor.
-
-    Against the rival that stays nearest.
-
-    Parameters
-    ----------
-    ratio
-        (survivor, survivor) of the true one against the other.
-
-    Returns
-    -------
-    dict
-        By label.
-    """
-    gains = {}
-    for a, survivor in enumerate(question.survivors):
-        asked = question.weight[a] > 0.0
-        if asked.any():
-            gains[survivor.label] = float(ratio[a, asked].min())
-    return gains
 
 
 def list_open(question: Question, ratio: NDArray[np.float64]) -> list[tuple[int, int]]:

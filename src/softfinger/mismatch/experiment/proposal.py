@@ -48,13 +48,16 @@ def propose_experiment(
         return None
     limits = recall_limits(found.problem, angles, DECISIONS.design_trials)
     rng = np.random.default_rng(seed)
-    try:
-        plan = plan_next(found.problem, question, limits, rng, short=True)
-    except Fault:
-        return None
-    said = describe_plan(plan, *choose_column(angles.sel(trial=found.problem.trials.name)))
-    if said["tells_apart"]:
-        return said
+    column = choose_column(angles.sel(trial=found.problem.trials.name))
+    # what is open is worth the full search; what is only hidden is not
+    for short in (True,) if question.supposes else (True, False):
+        try:
+            plan = plan_next(found.problem, question, limits, rng, short=short)
+        except Fault:
+            return None
+        said = describe_plan(plan, *column)
+        if said["tells_apart"]:
+            return said
     in_the_way = {label: limit for label, limit in plan.hidden.items() if limit}
     statement = state_obstacles(plan._replace(hidden=in_the_way))
     return said | {"loads": [], "statement": statement} if in_the_way else None

@@ -1,18 +1,23 @@
 """The next experiment: lag and delay part under a plan that the old protocol did not show."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+import xarray as xr
 
 from softfinger.faults import Fault, ListedFault
 from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.mechanics.effects.model_file import FittedTo
 from softfinger.mismatch.candidates.rank import list_pieces
 from softfinger.mismatch.experiment import plan as planning
+from softfinger.mismatch.experiment import proposal
 from softfinger.mismatch.experiment.account import describe_plan, tabulate_plan
 from softfinger.mismatch.experiment.choice import assess
 from softfinger.mismatch.experiment.limits import RigLimits
 from softfinger.mismatch.experiment.outlook import measure_largest_angle
 from softfinger.mismatch.experiment.plan import REPEATED, plan_next, repeat_protocol
+from softfinger.mismatch.experiment.proposal import propose_experiment
 from softfinger.mismatch.experiment.purposes import (
     ask_how_much,
     ask_whether,
@@ -121,6 +126,34 @@ def test_what_no_protocol_within_the_limits_shows_is_named_with_the_limit(posed)
     assert set(found.hidden) == {"stress_nonlinear_flow"}
     said = describe_plan(found, "torque_nm", 1.0)
     assert "Nothing within the limits shows stress_nonlinear_flow" in said["statement"]
+
+
+@pytest.mark.parametrize(("load", "told"), [(0.04, ["actuator_lag", "camera_delay"]), (0.0005, [])])
+def test_an_ambiguous_verdict_proposes_a_plan_or_states_the_limit_in_the_way(
+    posed, late, monkeypatch, load, told
+):
+    """It proposed nothing and gave no reason where few protocols tried told nothing apart."""
+    problem, _ = posed
+    found = SimpleNamespace(
+        problem=problem,
+        posterior=SimpleNamespace(equivalent=[("actuator_lag",), ("camera_delay",)]),
+        verdict=SimpleNamespace(decision="ambiguous", not_testable=[]),
+    )
+    names = problem.trials.name
+    angles = xr.Dataset(
+        {"load_kind": ("trial", np.full(len(names), "torque_nm"))}, {"trial": names}
+    )
+    limits = set_limits(problem, load=load, trials=2, minutes=1.0, recalled=True)
+    monkeypatch.setattr(proposal, "list_survivors", lambda *_: late)
+    monkeypatch.setattr(proposal, "recall_limits", lambda *_: limits)
+    said = propose_experiment(found, angles)
+    assert said["tells_apart"] == told
+    assert bool(said["loads"]) == bool(told)
+    if not told:
+        assert said["statement"] == (
+            "Nothing within the limits tells actuator_lag and camera_delay apart: a camera 10 "
+            "times as fast would."
+        )
 
 
 def test_sizes_are_narrowed_and_an_unknown_one_is_refused(posed):

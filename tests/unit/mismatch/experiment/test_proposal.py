@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from softfinger.mismatch.experiment import proposal
 from softfinger.mismatch.experiment.proposal import list_open_questions, propose_experiment
 from softfinger.mismatch.experiment.protocols import choose_protocol
 
@@ -55,21 +54,6 @@ def test_a_proposal_keeps_within_what_was_recorded(clean, told):
         assert 0 < max(load["load"]) <= 0.04 + 1e-12
         assert 0 < load["time_s"][-1] <= float(told["time"].max()) + 1e-9
         assert (np.diff(load["time_s"]) >= 0).all()
-
-
-def test_where_no_protocol_would_show_it_the_limit_in_the_way_is_stated(clean, told, monkeypatch):
-    """An ambiguous verdict proposed nothing and gave no reason."""
-    unsure = clean._replace(
-        verdict=clean.verdict.model_copy(update={"not_testable": ["yield_threshold"]})
-    )
-    limits = proposal.recall_limits(clean.problem, told, 1)._replace(load=0.02)
-    monkeypatch.setattr(proposal, "recall_limits", lambda *_: limits)
-    found = propose_experiment(unsure, told)
-    assert found["loads"] == []
-    assert found["cannot_show"] == {"yield_threshold": "trials"}
-    assert found["statement"] == (
-        "Nothing within the limits shows yield_threshold: 3 times as many trials would."
-    )
 
 
 def test_where_nothing_is_open_nothing_is_proposed(clean, told):
