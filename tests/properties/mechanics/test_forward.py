@@ -65,7 +65,9 @@ EFFECTS = {
     "softening": {"log_k_v": 0.1, "log_c_v": 0.2, "log_c_p": -0.2, "q_ini": 0.01},
     "preload_memory": {"initial_angle": 0.05},
     "preload_memory at the start": {"initial_torque": 0.01},
-    "contact_stop": {"stop_angle": 0.3, "stop_stiffness": 0.5, "stop_width": 0.02},
+    "contact_stop": {
+        "stop_angle": 0.3, "stop_stiffness": 0.5, "stop_width": 0.02, "stop_power": 1.5,
+    },
     "yield_threshold": {"yield_torque": 0.02, "yield_width": 0.004},
     "yield_with_a_jump": {"yield_torque": 0.02, "yield_width": 0.004, "yield_jump": 1.0},
     "stress_nonlinear_flow": {"flow_sinh": 30.0, "flow_power": 0.5, "flow_reference": 0.03},

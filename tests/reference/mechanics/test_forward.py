@@ -201,6 +201,7 @@ def integrate(parameters, slots, load):
         "couple": 0.0, "couple_law": 0.0, "lag": 0.0, "second": 0.0, "friction": 0.0, "held": 0.0,
         "friction_own": 0.5,
         "spring_law": 0.0, "arm_law": 0.0, "flow_law": 0.0, "stop_law": 0.0, "friction_law": 0.0,
+        "stop_power": 1.0,
         "damper": 0.0, "damper_law": 0.0, "softer": 0.0, "thinner": 0.0, "play": 0.0,
         "membrane": 0.0, "share": 0.0, "saturation": 0.0, "load_law": 0.0, "payload": 0.0,
         "slow": 0.0, "membrane_law": 0.0, "response": 0.0, "softer_law": 0.0, "thinner_law": 0.0,
@@ -245,6 +246,7 @@ def integrate(parameters, slots, load):
         torque = force * np.exp((1 - get["friction_own"]) * lost - np.cumsum(lost)) * arm
         depth = softplus(q - 0.3, 0.02)
         harder = 1 + (evaluate_bumpy(depth / 1.0) if get["stop_law"] else 0.0)
+        harder *= depth ** (get["stop_power"] - 1.0)
         torque -= get["stop"] * depth * harder
         direction = np.cumsum(q)
         weight = (
@@ -339,6 +341,10 @@ def follow_late(angle, middle, gap):
 PHYSICS = {
     "stiffening": ({"stiffening_square": 2.0}, {"stiff": 2.0}),
     "stop": ({"stop_angle": 0.3, "stop_stiffness": 0.5, "stop_width": 0.02}, {"stop": 0.5}),
+    "hertzian stop": (
+        {"stop_angle": 0.3, "stop_stiffness": 0.5, "stop_width": 0.02, "stop_power": 1.5},
+        {"stop": 0.5, "stop_power": 1.5},
+    ),
     "flow": ({"flow_sinh": 40.0}, {"sinh": 40.0}),
     "moment_arm": ({"arm_scale": 1.0}, {"arm": 1.0}),
     "gravity": ({"tilt_along": 0.2, "tilt_across": -0.3}, {"along": 0.2, "across": -0.3}),

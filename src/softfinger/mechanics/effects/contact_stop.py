@@ -1,4 +1,4 @@
-"""A stop beyond an angle: hard, soft or hardening."""
+"""A stop beyond an angle: hard, soft, Hertzian or free."""
 
 import numpy as np
 
@@ -11,14 +11,24 @@ from softfinger.mechanics.forward.ramp import softplus
 from softfinger.mechanics.forward.slot import Slot, declare
 from softfinger.mechanics.forward.work import Balance, Model, Nodes
 
-WIDTHS_RAD = {"hard": 0.01, "soft": 0.05}
+WIDTHS_RAD = {"hard": 0.01, "soft": 0.05, "hertzian": 0.002}
+LAW_SHARE = 0.8  # of the reach, to which a law of the depth goes: a stop may come early
+HERTZ = 1.5  # torque against depth, of a sphere on a plane (Hertz 1881)
 
 
-_ANGLE, _STIFFNESS, _WIDTH, _LAW, _REACH = declare(
+_ANGLE, _STIFFNESS, _WIDTH, _POWER, _LAW, _REACH = declare(
     stop_angle=Slot("joint", "rad", 1.0, "joint angle at which a stop is met"),
     stop_stiffness=Slot("joint", "N m/rad", 0.0, "stiffness of the stop", "nonnegative"),
     stop_width=Slot(
         "joint", "rad", 1e-3, "angle over which the contact sets in", "positive", constant=True
+    ),
+    stop_power=Slot(
+        "joint",
+        "1",
+        1.0,
+        "power of the depth that the torque grows with",
+        "positive",
+        constant=True,
     ),
     stop_law=Slot("law", "1", 0.0, "stiffness of the stop (1 + law), a law of the depth"),
     stop_reach=Slot("joint", "rad", 1.0, "depth at which that law ends", "positive", constant=True),
@@ -29,22 +39,25 @@ _ANGLE, _STIFFNESS, _WIDTH, _LAW, _REACH = declare(
 def add_stop(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: bool) -> None:
     """The stop's torque.
 
-    It is −K depth (1 + law of the depth).
+    It is −K depth (depth/reach)^(power − 1) (1 + law of the depth).
 
-    The depth is the angle beyond the stop, softly rectified.
+    The depth is the angle beyond the stop, softly rectified; K is the stiffness at the reach.
     """
     for j in range(model.joint.shape[0]):
         stiffness = model.joint[j, _STIFFNESS]
         beyond = nodes.angle[i, j] - model.joint[j, _ANGLE]
         depth, touch = softplus(beyond, model.joint[j, _WIDTH])
         reach, law = model.joint[j, _REACH], model.law[j, _LAW]
-        harder = 1.0 + combine(law, weigh_value(depth / reach))
-        steep = harder + depth * combine(law, weigh_slope(depth / reach)) / reach
+        power = model.joint[j, _POWER]
+        grown = 1.0 if power == 1.0 else (depth / reach) ** (power - 1.0)
+        value = 1.0 + combine(law, weigh_value(depth / reach))
+        slope = combine(law, weigh_slope(depth / reach)) / reach
+        harder, steep = grown * value, grown * (power * value + depth * slope)
         balance.torque[i, j] -= stiffness * depth * harder
         balance.by_angle[i, j, j] -= stiffness * touch * steep
         if tangents:
             for c in model.columns[j]:
-                by_law = combine(model.d_law[c, j, _LAW], weigh_value(depth / reach))
+                by_law = grown * combine(model.d_law[c, j, _LAW], weigh_value(depth / reach))
                 balance.tangent[i, j, c] += (
                     stiffness * touch * steep * model.d_joint[c, j, _ANGLE]
                     - depth * harder * model.d_joint[c, j, _STIFFNESS]
@@ -62,12 +75,12 @@ def _build_form(kind: str, setting: Setting) -> Form:
     )
     place = Parameter(
         "stop_share_of_reach",
-        0.8,
-        0.15,
+        0.6,
+        0.3,
         per="joint",
         low=0.05,
         high=1.0,
-        starts=(0.6, 0.8, 0.92),
+        starts=(0.3, 0.6, 0.8, 0.92),
         report={"stop_angle_rad": lambda share, joint: share * setting.reach[joint]},
     )
 
@@ -76,6 +89,8 @@ def _build_form(kind: str, setting: Setting) -> Form:
             "stop_stiffness": values["stop_stiffness_nm_per_rad"],
             "stop_angle": values["stop_share_of_reach"] * setting.reach,
             "stop_width": WIDTHS_RAD[kind],
+            "stop_power": HERTZ if kind == "hertzian" else 1.0,
+            "stop_reach": LAW_SHARE * setting.reach,
         }
 
     return Form(kind, (spring, place), slots)
@@ -83,8 +98,8 @@ def _build_form(kind: str, setting: Setting) -> Form:
 
 def _build_forms(setting: Setting) -> list[Form]:
     forms = {kind: _build_form(kind, setting) for kind in WIDTHS_RAD}
-    reach = 0.4 * setting.reach
-    law = Law("stop_law", "depth_rad", reach, 0.7, terms=3, per="joint")
+    reach = LAW_SHARE * setting.reach
+    law = Law("stop_law", "depth_rad", reach, 0.7, terms=6, per="joint")
     return [*forms.values(), free_form(law, {"stop_reach": reach}, forms["soft"])]
 
 
