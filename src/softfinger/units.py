@@ -73,21 +73,23 @@ def split_unit(name: str, units: Units = FINGER) -> tuple[str, str, float]:
     if suffix not in IN_NAME:
         return words, FIXED.get(suffix, ""), 1.0
     powers = IN_NAME[suffix]
-    unit = write_unit(dict(zip((units.motion, units.load, "s"), powers, strict=True)))
+    unit = write_unit(*zip((units.motion, units.load, "s"), powers, strict=True))
     return words, unit, units.size ** powers[0]
 
 
-def write_unit(powers: Mapping[str, int]) -> str:
+def write_unit(*powers: tuple[str, int]) -> str:
     """Write a product of units; "1" is none.
 
-    >>> write_unit({"N m": 1, "rad": -1}), write_unit({"N m": -2}), write_unit({"1": 1, "s": -1})
-    ('N m/rad', '(N m)⁻²', 's⁻¹')
+    >>> write_unit(("N m", 1), ("rad", -1)), write_unit(("N m", -2))
+    ('N m/rad', '(N m)⁻²')
+    >>> write_unit(("1", 1), ("s", -1)), write_unit(("V", 1), ("V", -1))
+    ('s⁻¹', 'V/V')
     """
-    known = {name: power for name, power in powers.items() if power and name != "1"}
-    up = [_raise(name, power) for name, power in known.items() if power > 0]
+    known = [(name, power) for name, power in powers if power and name != "1"]
+    up = [_raise(name, power) for name, power in known if power > 0]
     if not up:
-        return " ".join(_raise(name, power) for name, power in known.items())
-    down = [_raise(name, -power) for name, power in known.items() if power < 0]
+        return " ".join(_raise(name, power) for name, power in known)
+    down = [_raise(name, -power) for name, power in known if power < 0]
     return "/".join([" ".join(up), *down])
 
 

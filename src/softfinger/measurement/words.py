@@ -95,10 +95,8 @@ def _say_growth(cause: str, by: str) -> Callable[[float, xr.Dataset], str]:
         sd = float(np.sqrt((measurement["noise_sd"] ** 2).mean()))
         least, grown = (write_motion(one, units) for one in (sd, sd * np.sqrt(1.0 + size**2)))
         _, unit, one = split_unit(by, units)
-        return (
-            f"The noise grows with the {cause}: from {least} at rest to {grown} at "
-            f"{one:.3g} {unit}.".replace(" .", ".")
-        )
+        place = f"{one:.3g} {unit}".rstrip()
+        return f"The noise grows with the {cause}: from {least} at rest to {grown} at {place}."
 
     return say
 

@@ -52,6 +52,16 @@ def test_a_hum_is_told_with_its_frequencies_as_a_drift():
     assert told[0].statement == expected
 
 
+def test_noise_of_a_specimen_is_told_in_its_units():
+    names = {"hum": (0.0008, 20.0), "rate_noise": (2.0, 20.0)}
+    units = {"motion_unit": "mm", "motion_per_rad": 20.0, "load_unit": "N"}
+    told = describe_measurement(build_measurement(names).assign_attrs(units))
+    assert {one.statement for one in told} == {
+        "The motion hums at 7.1 and 14.2 Hz with 0.016 mm, whatever the load does.",
+        "The noise grows with the speed: from 0.06 mm at rest to 0.13 mm at 20 mm/s.",
+    }
+
+
 def test_a_link_whose_markers_drift_names_the_joints_beside_it():
     told = describe_measurement(build_measurement({"link_turn_1": (1.5, 20.0)}))
     assert [(one.id, one.joints) for one in told] == [("drift", [1, 2])]
