@@ -113,7 +113,7 @@ def state_obstacles(plan: NextExperiment) -> str:
     for label, limit in plan.hidden.items():
         why = f"{LIMIT_WORDS[limit]} would" if limit else "no single limit is in the way"
         apart = label.replace(PAIR, " and ")
-        what = f"shows {label}" if plan.question.supposes else f"tells {apart} apart"
+        what = f"shows {label}" if plan.question.supposes else f"separates {apart}"
         said.append(f"Nothing within the limits {what}: {why}.")
     return " ".join(said)
 

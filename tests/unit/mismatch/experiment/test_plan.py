@@ -151,7 +151,7 @@ def test_an_ambiguous_verdict_proposes_a_plan_or_states_the_limit_in_the_way(
     assert bool(said["loads"]) == bool(told)
     if not told:
         assert said["statement"] == (
-            "Nothing within the limits tells actuator_lag and camera_delay apart: a camera 10 "
+            "Nothing within the limits separates actuator_lag and camera_delay: a camera 10 "
             "times as fast would."
         )
 
