@@ -40,13 +40,13 @@ class Units(NamedTuple):
     specimen: bool = False
 
 
-FINGER = Units()
+RADIANS = Units()
 
 
 def read_units(attrs: Mapping[str, Any]) -> Units:
     """Read units from the attributes of a Dataset."""
     if "motion_unit" not in attrs:
-        return FINGER
+        return RADIANS
     size = float(attrs.get("motion_per_rad", 1.0))
     return Units(str(attrs["motion_unit"]), str(attrs["load_unit"]), size, specimen=True)
 
@@ -56,7 +56,7 @@ def select_units(attrs: Mapping[str, Any]) -> dict[str, Any]:
     return {key: attrs[key] for key in UNIT_ATTRS if key in attrs}
 
 
-def split_unit(name: str, units: Units = FINGER) -> tuple[str, str, float]:
+def split_unit(name: str, units: Units = RADIANS) -> tuple[str, str, float]:
     """Split a name into words, unit, and factor.
 
     The factor turns a value in radians into that unit.

@@ -15,7 +15,7 @@ from softfinger.figures.style import (
     new_figure,
     styled,
 )
-from softfinger.units import FINGER, Units, read_units, split_unit
+from softfinger.units import RADIANS, Units, read_units, split_unit
 
 STYLES = ((BLUE, "-"), (RED, "--"), (GREEN, "-."), (ORANGE, ":"))
 NULL = {"factor": 1.0, "exponential": 1.0, "sum": 0.0}
@@ -50,7 +50,7 @@ def draw_laws(laws: xr.Dataset) -> Figure:
     return figure
 
 
-def label_argument(name: str, units: Units = FINGER) -> str:
+def label_argument(name: str, units: Units = RADIANS) -> str:
     """Label an argument whose name ends in its unit.
 
     >>> label_argument("angle_rad"), label_argument("torque_nm"), label_argument("trial_number")

@@ -41,7 +41,8 @@ def add_stop(model: Model, nodes: Nodes, balance: Balance, i: int, tangents: boo
 
     It is −K depth (depth/reach)^(power − 1) (1 + law of the depth).
 
-    The depth is the angle beyond the stop, softly rectified; K is the stiffness at the reach.
+    The depth is the angle beyond the stop, softly rectified. K is the secant stiffness at a
+    depth of `stop_reach`.
     """
     for j in range(model.joint.shape[0]):
         stiffness = model.joint[j, _STIFFNESS]
@@ -98,9 +99,8 @@ def _build_form(kind: str, setting: Setting) -> Form:
 
 def _build_forms(setting: Setting) -> list[Form]:
     forms = {kind: _build_form(kind, setting) for kind in WIDTHS_RAD}
-    reach = LAW_SHARE * setting.reach
-    law = Law("stop_law", "depth_rad", reach, 0.7, terms=6, per="joint")
-    return [*forms.values(), free_form(law, {"stop_reach": reach}, forms["soft"])]
+    law = Law("stop_law", "depth_rad", LAW_SHARE * setting.reach, 0.7, terms=6, per="joint")
+    return [*forms.values(), free_form(law, {}, forms["soft"])]
 
 
 EFFECT = Effect(

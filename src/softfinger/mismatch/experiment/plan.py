@@ -217,7 +217,7 @@ def _name_pair(question: Question, a: int, b: int) -> str:
 
 
 def _relax(limits: RigLimits) -> dict[str, RigLimits]:
-    """One limit wider at a time; what costs a lab least is first."""
+    """One limit wider at a time, the cheapest first."""
     more = PRIORS.limit_relaxed
     wider = {
         "trials": limits._replace(trials=more * limits.trials, minutes=more * limits.minutes),

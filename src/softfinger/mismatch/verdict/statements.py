@@ -8,7 +8,7 @@ import xarray as xr
 
 from softfinger.artifacts.verdict import Estimate
 from softfinger.mechanics.effects.effect import Effect
-from softfinger.units import FINGER, Units, split_unit
+from softfinger.units import RADIANS, Units, split_unit
 
 
 def format_estimate(mean: float, sd: float) -> str:
@@ -42,7 +42,7 @@ def state_effect(
     parameters: dict[str, Estimate],
     spread: Mapping[str, float],
     curve: str = "",
-    units: Units = FINGER,
+    units: Units = RADIANS,
 ) -> str:
     """State one effect: what, where, how large, how sure.
 
@@ -69,7 +69,7 @@ def state_effect(
     )
 
 
-def state_curves(laws: xr.Dataset, effect: str, units: Units = FINGER) -> str:
+def state_curves(laws: xr.Dataset, effect: str, units: Units = RADIANS) -> str:
     """State where the free laws of an effect end.
 
     Empty without one. `laws` are those of `compute_law_curves`.

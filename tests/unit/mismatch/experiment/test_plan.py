@@ -91,7 +91,7 @@ def test_a_plan_keeps_the_angle_under_every_survivor(posed, planned):
 
 
 def test_an_angle_that_is_recalled_binds_trials_like_those_recorded_alone(posed, late):
-    """Hundreds of drawn trials go further than the recorded ones: the load fell to 6 %."""
+    """Hundreds of drawn trials go further than those recorded."""
     problem, _ = posed
     reached = measure_largest_angle(problem, late, repeat_protocol(problem, 2))
     limits = set_limits(problem, trials=2, minutes=1.0, angle=0.9 * reached)
@@ -132,7 +132,7 @@ def test_what_no_protocol_within_the_limits_shows_is_named_with_the_limit(posed)
 def test_an_ambiguous_verdict_proposes_a_plan_or_states_the_limit_in_the_way(
     posed, late, monkeypatch, load, told
 ):
-    """It proposed nothing and gave no reason where few protocols tried told nothing apart."""
+    """Few protocols tried may show nothing; it proposed nothing then."""
     problem, _ = posed
     found = SimpleNamespace(
         problem=problem,
