@@ -12,7 +12,6 @@ from softfinger.mechanics.forward.slot import Slot, declare
 from softfinger.mechanics.forward.work import Balance, Model, Nodes
 
 WIDTHS_RAD = {"hard": 0.01, "soft": 0.05, "hertzian": 0.002}
-LAW_SHARE = 0.8  # of the reach, to which a law of the depth goes: a stop may come early
 HERTZ = 1.5  # torque against depth, of a sphere on a plane (Hertz 1881)
 
 
@@ -91,7 +90,7 @@ def _build_form(kind: str, setting: Setting) -> Form:
             "stop_angle": values["stop_share_of_reach"] * setting.reach,
             "stop_width": WIDTHS_RAD[kind],
             "stop_power": HERTZ if kind == "hertzian" else 1.0,
-            "stop_reach": LAW_SHARE * setting.reach,
+            "stop_reach": setting.reach,
         }
 
     return Form(kind, (spring, place), slots)
@@ -99,7 +98,7 @@ def _build_form(kind: str, setting: Setting) -> Form:
 
 def _build_forms(setting: Setting) -> list[Form]:
     forms = {kind: _build_form(kind, setting) for kind in WIDTHS_RAD}
-    law = Law("stop_law", "depth_rad", LAW_SHARE * setting.reach, 0.7, terms=6, per="joint")
+    law = Law("stop_law", "depth_rad", setting.reach, 0.7, terms=6, per="joint")
     return [*forms.values(), free_form(law, {}, forms["soft"])]
 
 

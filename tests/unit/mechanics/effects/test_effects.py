@@ -358,10 +358,8 @@ def _name_parameters(form):
 
 def test_an_early_stop_is_about_as_likely_as_a_late_one():
     """Under one step an early one was a false moment arm."""
-    forms = {
-        form.name: form for form in list_effects()["contact_stop"].build_forms(build_setting())
-    }
-    for form in forms.values():
+    forms = list_effects()["contact_stop"].build_forms(build_setting())
+    for form in forms:
         place = next(p for p in form.parameters if p.name == "stop_share_of_reach")
         early, late = (-0.5 * ((share - place.mean) / place.sd) ** 2 for share in (0.3, 0.85))
         assert abs(early - late) < 1.0
