@@ -58,7 +58,8 @@ EFFECTS = {
         "load_fade": 0.2, "load_sag": 0.3, "load_fade_reference": 0.05, "load_fade_time": 8.0,
     },
     "actuator_lag": {"lag": 0.2},
-    "actuator_lag of two stages": {"lag": 0.2, "lag_second_share": 0.3},
+    "actuator_lag of two stages": {"lag": 0.2, "lag_product": 0.21},
+    "actuator_lag that rings": {"lag": 0.2, "lag_product": 1.5},
     "actuator_lag by a response": {
         "response": np.r_[0.1, 0.2, 0.0, 0.3, np.zeros(KNOTS - 4)], "response_unit": 0.1,
     },

@@ -206,7 +206,7 @@ def integrate(parameters, slots, load):
         "membrane": 0.0, "share": 0.0, "saturation": 0.0, "load_law": 0.0, "payload": 0.0,
         "slow": 0.0, "membrane_law": 0.0, "response": 0.0, "softer_law": 0.0, "thinner_law": 0.0,
         "thin_both": 0.0, "by_rate": 0.0, "taken": 0.0,
-        "placed": 0.0, "backlash": 0.0, "narrow": 0.0, "fade": 0.0, "sag": 0.0,
+        "placed": 0.0, "ring": 0.0, "backlash": 0.0, "narrow": 0.0, "fade": 0.0, "sag": 0.0,
         **slots,
     }  # fmt: skip
     moment = 0.005 * np.array([0.0125 + 0.05, 0.0125 + 0.025, 0.0125])
@@ -293,6 +293,9 @@ def integrate(parameters, slots, load):
         before = state[7] if get["second"] else log(t)  # of the last stage
         slow = (before - acting) / (get["second"] or get["lag"]) if get["lag"] else 0.0
         first = (log(t) - state[7]) / (get["lag"] - get["second"]) if get["second"] else 0.0
+        if get["ring"]:  # as position and speed of a drive
+            slow = state[7]
+            first = (log(t) - acting - get["lag"] * slow) / (get["ring"] * get["lag"] ** 2)
         return np.r_[moves[0], moves[1], slow, first, (wire - abs(wire) * way) / 0.05]
 
     state, angles = np.r_[q_rest + get["held"] / k_v, np.zeros(8)], []
@@ -363,7 +366,9 @@ PHYSICS = {
         {"response": np.r_[RESPONSE, np.zeros(KNOTS - 4)], "response_unit": 0.1},
         {"response": 1.0},
     ),
-    "two_lags": ({"lag": 0.3, "lag_second_share": 0.2}, {"lag": 0.3, "second": 0.06}),
+    "two_lags": ({"lag": 0.3, "lag_product": 0.16}, {"lag": 0.3, "second": 0.06}),
+    "critical_lag": ({"lag": 0.3, "lag_product": 0.25}, {"lag": 0.3, "ring": 0.25}),
+    "ringing_lag": ({"lag": 0.1, "lag_product": 1.5}, {"lag": 0.1, "ring": 1.5}),
     "friction": ({"friction_bend": 0.4, "friction_width": 0.05}, {"friction": 0.4}),
     "spring_law": ({"spring_law": BUMPY, "spring_reach": 1.5}, {"spring_law": 1.0}),
     "arm_law": ({"arm_law": BUMPY, "arm_reach": 2.0}, {"arm_law": 1.0}),
