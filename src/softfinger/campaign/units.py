@@ -22,6 +22,7 @@ SPELLINGS = {
     "Nmm": "N*mm",
     "mNm": "mN*m",
     "Ncm": "N*cm",
+    "Sec": "s",
     "secs": "s",
     "hrs": "h",
     "hr": "h",
@@ -36,6 +37,10 @@ SPELLINGS = {
     "µstrain": "microstrain",
     "ustrain": "microstrain",
     "°/s": "deg/s",
+    "Grad": "deg",
+    "度": "deg",
+    "秒": "s",
+    "gf": "gram_force",
     "counts": "count",
 }
 

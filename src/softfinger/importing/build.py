@@ -16,6 +16,7 @@ from softfinger.importing.motion import find_last, read_motion
 from softfinger.importing.table import RawTable
 from softfinger.importing.trials import LEAST_ROWS, Run
 
+MOST_REPEATED = 0.3  # of the rows have the time of the row before
 NO_CLOCK = (
     "no column is a clock, and the frame rate is not stated; type clock: {frames_per_second: 30} "
     "in import.yaml or --fps 30, with your camera's rate"
@@ -97,14 +98,14 @@ def _read_clock(
         column = name if name in table.cells else None
         if column is None and len(run.tables) == 1:
             run.find(asked.column)
+    timed = [c for c, kind in list_clocks(table) if kind == "time"]
     if column is None and (rate is None or len(run.tables) > 1):
-        clocks = [c for c, kind in list_clocks(table) if kind == "time"]
-        column = clocks[0] if clocks else None
+        column = timed[0] if timed else None
     if column is None:
         if rate is None:
             raise ImportFault(f"{table.place}: {NO_CLOCK}")
         return np.arange(len(table.row)) / rate, None, 0
-    if rate is not None:
+    if rate is not None and not (column in timed and len(run.tables) > 1):
         time = table.read(column, what="the number of a frame") / rate
         return time, None, int((~np.isfinite(time)).sum())
     times = read_times(table, column, asked.unit)
@@ -121,6 +122,15 @@ def _check_times(run: Run, table: RawTable, time: np.ndarray) -> None:
         raise ImportFault(
             f"{table.place}, row {table.row[at]}: time runs backwards in trial {run.name}; are "
             "there several trials in it? Type trials: {by: clock}, or sort the rows"
+        )
+    same = np.diff(time[seen]) == 0
+    if same.sum() > MOST_REPEATED * len(seen):
+        at, each = table.row[seen[np.argmax(same) + 1]], len(seen) / (len(seen) - same.sum())
+        step = np.median(np.diff(np.unique(time[seen]))) / each
+        raise ImportFault(
+            f"{table.place}, row {at}: trial {run.name} has {each:.2g} rows at each time. Is the "
+            f"clock too coarse? Then type clock: {{interval_s: {step:.3g}}}, without its column. "
+            "Are there several signals in it? Then give each a column of its own"
         )
 
 
@@ -139,7 +149,8 @@ def _read_load(
         if not seen.any():
             raise ImportFault(f"{table.place}, column '{name}': it contains no load")
         order = np.argsort(time[seen], kind="stable")
-        return time[seen][order] - origin, value[seen][order]
+        time, value = time[seen][order] - origin, value[seen][order]
+        return hold_load(time, value) if asked.between == "held" else (time, value)
     if asked.value is not None:
         value = asked.value
     elif asked.stated is not None:
@@ -148,6 +159,17 @@ def _read_load(
         raise ImportFault("load: name its column, a key that is stated, a value, or none: true")
     begin = asked.from_s if asked.from_s is not None else first - origin
     return np.array([begin]), np.array([sign * value])
+
+
+def hold_load(time: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Let each row's load stay until the next row.
+
+    >>> hold_load(np.array([0.0, 2.0, 8.0]), np.array([0.0, 20.0, 20.0]))
+    (array([0., 2., 2., 8.]), array([ 0.,  0., 20., 20.]))
+    """
+    changed = np.flatnonzero(np.diff(value)) + 1
+    order = np.argsort(np.r_[2 * np.arange(len(time)), 2 * changed - 1], kind="stable")
+    return np.r_[time, time[changed]][order], np.r_[value, value[changed - 1]][order]
 
 
 def read_stated(run: Run, key: str, unit: str = "") -> float:

@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from softfinger.campaign.units import find_factor
+from softfinger.campaign.units import find_factor, is_unit
+from softfinger.faults import Fault
 from softfinger.importing.cells import MOMENT, MOMENTS, NUMBER, classify
 from softfinger.importing.faults import ImportFault
 from softfinger.importing.table import RawTable
@@ -16,6 +17,12 @@ from softfinger.importing.vocabulary import CLOCK, score_words
 EXCEL_DAY_0 = dt.datetime(1899, 12, 30, tzinfo=dt.UTC)
 EXCEL_DAYS = (2e4, 8e4)  # dates from 1954 to 2119
 EPOCH_UNITS = ((1e17, "ns"), (1e14, "us"), (1e11, "ms"), (9e8, "s"))  # since 1970, by size
+
+
+ARDUINO = {"millis": "ms", "micros": "us"}  # its clocks, and their units
+
+
+MOSTLY = 0.8  # of the cells are moments; a summary below them is none
 
 
 class Times(NamedTuple):
@@ -46,7 +53,7 @@ def read_times(table: RawTable, column: str, unit: str | None = None) -> Times:
     cells = table.cells[column]
     if _holds_moments(cells):
         return _read_moments(table, column)
-    unit = unit or table.unit.get(column)
+    unit = unit or table.unit.get(column) or ARDUINO.get(column.lower())
     values = table.read(column, unit or "", "a time")
     seen = values[np.isfinite(values)]
     if not seen.size:
@@ -80,7 +87,7 @@ def _read_stamps(values: np.ndarray, typical: float, column: str) -> Times:
 
 def _holds_moments(cells: pd.Series) -> bool:
     filled = [cell for cell in cells.head(50) if classify(cell)]
-    return bool(filled) and all(_is_moment(cell) for cell in filled)
+    return sum(_is_moment(cell) for cell in filled) > MOSTLY * len(filled)
 
 
 def _is_moment(cell: object) -> bool:
@@ -94,13 +101,14 @@ def _read_moments(table: RawTable, column: str) -> Times:
     cells = table.cells[column]
     seconds, dated = np.full(len(cells), np.nan), False
     for row, cell in enumerate(cells):
-        if classify(cell) == "":
+        if classify(cell) == "" or str(cell).strip() in table.missing:
             continue
         value = _to_seconds(cell)
         if value is None:
             raise ImportFault(
                 f"{table.place}, row {table.row[row]}, column '{column}': is '{cell}'; expected a "
-                "date or a time of day as in the rows above"
+                "date or a time of day as in the rows above; correct it, or type tables: "
+                f"{{missing: ['{cell}']}} in import.yaml if the row has no time"
             )
         seconds[row], dated = value
     if dated:
@@ -145,7 +153,10 @@ def list_clocks(table: RawTable) -> tuple[tuple[str, str], ...]:
     found = []
     for place, column in enumerate(table.columns):
         scores = {kind: score_words(column, words) for kind, words in CLOCK.items()}
-        timed = _is_time_unit(table.unit.get(column, ""))
+        unit = table.unit.get(column, "")
+        timed = _is_time_unit(unit)
+        if unit and not timed and is_unit(unit) and not _is_plain(unit):
+            continue  # T [°C] is no time
         kind = "frame" if scores["frame"] > scores["time"] and not timed else "time"
         score = max(scores.values()) + 1.5 * timed
         moments = _holds_moments(table.cells[column])
@@ -177,6 +188,14 @@ def _is_time_unit(unit: str) -> bool:
     try:
         find_factor(unit, "s")
     except Exception:
+        return False
+    return True
+
+
+def _is_plain(unit: str) -> bool:
+    try:
+        find_factor(unit, "1")
+    except Fault:
         return False
     return True
 

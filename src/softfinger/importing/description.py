@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, field_validator, model_validator
 from ruamel.yaml import YAML
 
 from softfinger.campaign import DeclaredFinger
@@ -21,6 +21,7 @@ from softfinger.gate import read_document, read_value
 from softfinger.importing.faults import ImportFault, ImportFaults
 
 FILE_NAME = "import.yaml"
+DELIMITER_NAMES = {r"\t": "\t", "tab": "\t", "space": " "}
 By = Literal["file", "folder", "sheet", "block", "column", "columns", "group", "clock", "all"]
 PointsAs = Literal["markers", "bending", "direction", "displacement"]
 
@@ -38,16 +39,25 @@ class Tables(DeclaredSection):
         Numbers of the heading rows, from 1.
     missing
         Words that are gaps.
+    delimiter
+        A character; ``tab`` and ``space`` are known by name.
     """
 
     files: tuple[str, ...] | None = None
     sheets: tuple[str, ...] | None = None
     hidden_sheets: bool = False
-    delimiter: str | None = Field(default=None, min_length=1, max_length=3)
+    delimiter: str | None = None
     decimal: Literal[".", ","] | None = None
     encoding: str | None = None
     headings: tuple[int, ...] = ()
     missing: tuple[str, ...] = ()
+
+    @field_validator("delimiter")
+    @classmethod
+    def _one_character(cls, value: str | None) -> str | None:
+        if value is not None and len(value) != 1 and value not in DELIMITER_NAMES:
+            raise ValueError("expected one character, or tab or space")
+        return value
 
 
 class TrialRows(DeclaredSection):
@@ -121,7 +131,8 @@ class LoadColumns(DeclaredSection):
 
     It is a column, a key stated above the table, a number, or none that is known.
 
-    A load that is stated or a number acts from `from_s` on.
+    A load that is stated or a number acts from `from_s` on. `between` the rows of its column it
+    is a straight line, or held until the next row.
     """
 
     column: str | None = None
@@ -132,6 +143,7 @@ class LoadColumns(DeclaredSection):
     unit: Unit | None = None
     sign: Literal[1, -1] | None = None
     from_s: float | None = None
+    between: Literal["line", "held"] | None = None
 
     @model_validator(mode="after")
     def _one_source(self) -> LoadColumns:

@@ -93,7 +93,9 @@ def _guess_clock(run: Run, guesses: Guesses) -> None:
             column, kind = best[0]
             others = [c for clocks in found.values() for c, _ in clocks[1:]]
             why = f"not {', '.join(dict.fromkeys(others))}" if others else "the only clock"
-            if kind == "time" or guesses.get("clock.frames_per_second"):
+            rated = guesses.get("clock.frames_per_second") or guesses.get("clock.interval_s")
+            counted = kind == "time" if len(found) > 1 or not rated else kind == "frame"
+            if counted:  # a rate that is declared takes the place of a clock
                 guesses.put("clock.column", column, why)
     column = guesses.get("clock.column")
     rated = guesses.get("clock.frames_per_second") or guesses.get("clock.interval_s")

@@ -10,13 +10,17 @@ import numpy as np
 
 from softfinger.importing.build import read_stated
 from softfinger.importing.cells import classify
+from softfinger.importing.clock import list_clocks, read_times
 from softfinger.importing.faults import ImportFault
-from softfinger.importing.guess_motion import list_candidates
+from softfinger.importing.guess_motion import list_candidates, note_relabelled
 from softfinger.importing.trials import Run
 from softfinger.importing.vocabulary import APPLIED, ENVIRONMENT, LOAD, find_quantity, score_words
 
 if TYPE_CHECKING:
     from softfinger.importing.guess import Guesses
+
+
+EVENTS = 0.1  # rows of a load per row of the motion, below which they may be events
 
 
 def guess_load(runs: Sequence[Run], guesses: Guesses) -> None:
@@ -26,6 +30,8 @@ def guess_load(runs: Sequence[Run], guesses: Guesses) -> None:
     if all(value is None for value in asked) and not guesses.get("load.none"):
         taken = [*(guesses.get("motion.columns") or ()), guesses.get("clock.column")]
         candidates = [c for c in list_candidates(run, LOAD, taken) if c.score >= 1.4]
+        if guesses.get("motion.quantity") in ("strain", "compliance"):
+            candidates.sort(key=lambda c: c.quantity != "stress")
         stated = _find_stated_load(runs, str(guesses.get("motion.unit")))
         if candidates:
             others = [c.column for c in candidates[1:4]]
@@ -60,10 +66,25 @@ def _complete_load(run: Run, guesses: Guesses) -> None:
         name, quantity = "compliance", "stress"
     guesses.put("load.quantity", quantity or "load", f"from the name '{name}'")
     known = own not in ("", "-")
+    note_relabelled("load", own, guesses)
     guesses.put("load.unit", own if known else "1", "as its heading states" if known else
                 "none is stated")  # fmt: skip
+    if column is not None and _is_of_events(run, column):
+        guesses.put("load.between", "held", "few rows at uneven times, as events are logged")
     if column is None:
         guesses.put("load.from_s", 0.0, "a constant load acts from time 0 on")
+
+
+def _is_of_events(run: Run, column: str) -> bool:
+    """Whether a load has a row where it is changed, and no others."""
+    table, name = run.find(column)
+    clocks = [c for c, kind in list_clocks(table) if kind == "time"]
+    longest = max(len(other.row) for other in run.tables.values())
+    if not clocks or len(table.row) > EVENTS * longest:
+        return False
+    gaps = np.diff(read_times(table, clocks[0]).seconds)
+    changed = np.diff(table.read_leniently(name)) != 0
+    return bool(np.ptp(gaps) > 0.1 * np.max(gaps) and changed.mean() >= 0.5)
 
 
 def _find_stated_load(runs: Sequence[Run], motion_unit: str) -> list[str]:

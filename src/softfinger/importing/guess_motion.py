@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from softfinger.campaign.units import parse_unit
 from softfinger.importing.clock import list_clocks
 from softfinger.importing.faults import ImportFault
 from softfinger.importing.points import Point, choose_camera, find_points, list_point_columns
@@ -16,6 +17,7 @@ from softfinger.importing.vocabulary import (
     LOAD,
     MOTION,
     find_quantity,
+    is_angle,
     list_tokens,
     score_words,
 )
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
     from softfinger.importing.guess import Guesses
 
 LIKELY = 0.6  # the least likelihood at which DeepLabCut's own plots show a point
+ALIKE = 0.1  # of a score, which the order of words decides
 UNITS = {
     "angle": "rad", "strain": "1", "compliance": "1", "position": "1", "displacement": "1",
     "curvature": "1", "sensor": "1",
@@ -37,6 +40,7 @@ class SignalColumn(NamedTuple):
     quantity: str
     score: float
     unit: str
+    reach: float  # from its least number to its largest
 
 
 def list_candidates(
@@ -67,7 +71,7 @@ def list_candidates(
                 moving += 0.3  # it begins at rest
             if moving < 0 and role is MOTION:
                 continue
-            found.append(SignalColumn(whole, quantity, score + moving, unit))
+            found.append(SignalColumn(whole, quantity, score + moving, unit, float(np.ptp(seen))))
     return sorted(found, key=lambda candidate: -candidate.score)
 
 
@@ -98,12 +102,37 @@ def guess_motion(runs: Sequence[Run], guesses: Guesses) -> None:
         table, name = run.find(column)
         own = table.unit.get(name, "")
         quantity = find_quantity(name, own, MOTION)[0] or "motion"
+        declared = guesses.get("motion.unit")
+        if quantity == "motion" and declared and is_angle(declared):
+            quantity = "angle"
         guesses.put("motion.quantity", quantity, f"from the name '{name}'")
         quantity = str(guesses.get("motion.quantity"))
         unit = own if own not in ("", "-") else _find_usual_unit(run, column, quantity)
         why = "as its heading states" if own not in ("", "-") else "none is stated"
+        note_relabelled("motion", own, guesses)
         guesses.put("motion.unit", unit, why)
+        _refuse_several(guesses)
     guesses.put("motion.start", *_find_start(runs, guesses))
+
+
+def note_relabelled(kind: str, own: str, guesses: Guesses) -> None:
+    """State that a declared unit is not the heading's."""
+    declared = guesses.get(f"{kind}.unit")
+    if declared is not None and own not in ("", "-") and parse_unit(own) != parse_unit(declared):
+        guesses.said.append(
+            f"{kind}.unit: {declared}, as declared; the heading states {own}, and no number is "
+            "converted"
+        )
+
+
+def _refuse_several(guesses: Guesses) -> None:
+    """Refuse several columns of a specimen."""
+    columns, quantity = guesses.get("motion.columns"), guesses.get("motion.quantity")
+    if len(columns) > 1 and quantity != "angle":
+        raise ImportFault(
+            f"motion.columns: {len(columns)} columns of the quantity '{quantity}'; a specimen has "
+            "one; for the joints of a finger type motion: {quantity: angle, unit: rad}"
+        )
 
 
 def _find_usual_unit(run: Run, column: str, quantity: str) -> str:
@@ -177,8 +206,13 @@ def _is_zero_at_times(x: np.ndarray, y: np.ndarray) -> bool:
 
 
 def _choose_columns(candidates: Sequence[SignalColumn], guesses: Guesses) -> None:
-    """Choose the best column, or all numbered angles."""
-    best = candidates[0]
+    """Choose the best column, or all numbered angles.
+
+    Of columns that fit alike, as roll and pitch do, it is the one that moves most.
+    """
+    first = candidates[0]
+    alike = [c for c in candidates if (c.quantity, c.unit) == (first.quantity, first.unit)]
+    best = max((c for c in alike if c.score >= first.score - ALIKE), key=lambda c: c.reach)
     rivals = [c.column for c in candidates[1:] if c.score >= best.score - 0.6]
     columns = [best.column]
     if best.quantity == "angle":
@@ -215,7 +249,8 @@ def _choose_only_column(run: Run, guesses: Guesses) -> None:
     if not moving:
         raise ImportFault(
             f"trial {run.name}: no column looks like a motion; there are {', '.join(run.columns)}; "
-            "type motion: {columns: [NAME], unit: UNIT} in import.yaml"
+            "type motion: {columns: [NAME], unit: UNIT} in import.yaml, or trials: {by: folder} if "
+            "its motion is in another file"
         )
     why = "the only column that moves" if len(moving) == 1 else f"not {', '.join(moving[1:4])}"
     guesses.put("motion.columns", moving[:1], why)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
@@ -10,9 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from softfinger.campaign.units import find_factor
+from softfinger.faults import Fault
 from softfinger.importing.clock import list_clocks, read_times
 from softfinger.importing.faults import ImportFault
-from softfinger.importing.points import NAMELESS, find_points
+from softfinger.importing.points import NAMELESS, find_points, list_point_columns
 from softfinger.importing.side_by_side import (
     list_groups,
     list_single_columns,
@@ -24,7 +26,7 @@ from softfinger.importing.trials import (
     find_role,
     group_topics,
 )
-from softfinger.importing.vocabulary import LOAD, MOTION, TRIAL, find_quantity, pick
+from softfinger.importing.vocabulary import CLOCK, LOAD, MOTION, TRIAL, find_quantity, pick
 
 if TYPE_CHECKING:
     from softfinger.importing.guess import Guesses
@@ -92,7 +94,8 @@ def _find_table_role(table: RawTable) -> str | None:
 
 
 def _has(table: RawTable, role: dict[str, str]) -> bool:
-    return any(find_quantity(c, table.unit.get(c, ""), role)[1] >= 1.5 for c in table.columns)
+    columns = set(table.columns) - list_point_columns(table.columns)  # p1 x is no pressure
+    return any(find_quantity(c, table.unit.get(c, ""), role)[1] >= 1.5 for c in columns)
 
 
 def _has_both(table: RawTable) -> bool:
@@ -104,8 +107,8 @@ def _overlap(tables: Sequence[RawTable]) -> bool:
     spans = []
     for table in tables:
         clocks = [column for column, kind in list_clocks(table) if kind == "time"]
-        if not clocks:
-            return False
+        if not clocks:  # it counts frames, and its rate is declared
+            continue
         seconds = read_times(table, clocks[0]).seconds
         spans.append((np.nanmin(seconds), np.nanmax(seconds)))
     begin, end = np.array(spans).T
@@ -183,12 +186,35 @@ def _find_cut(table: RawTable, tables: Sequence[RawTable]) -> tuple[str, str | N
         by = "sheet"
     if len({(t.file, t.sheet) for t in tables}) < len(tables):
         by = "block"
+        going = _find_going(tables)
+        if going:
+            return going, None, "the clock goes on from block to block"
     words = {"file": "each file", "sheet": "each sheet", "block": "each block under a heading"}
     return (
         by,
         None,
         f"{words[by]} has the same columns" if len(tables) > 1 else "there is one table",
     )
+
+
+def _find_going(tables: Sequence[RawTable]) -> str | None:
+    """How blocks are cut whose clock goes on; else None."""
+    files: dict[tuple[str, str], list[RawTable]] = {}
+    for table in tables:
+        files.setdefault((str(table.file), table.sheet), []).append(table)
+    steps = []
+    for blocks in files.values():
+        clocks = [column for column, kind in list_clocks(blocks[0]) if kind == "time"]
+        if not clocks:
+            return None
+        seconds = [
+            read_times(table, clocks[0]).seconds for table in blocks if clocks[0] in table.cells
+        ]
+        pairs = itertools.pairwise(seconds)
+        steps += [float(np.nanmin(later) - np.nanmax(sooner)) for sooner, later in pairs]
+    if not steps or np.mean(np.array(steps) > 0.0) < 0.5:
+        return None
+    return "file" if min(steps) > 0.0 else "clock"
 
 
 def _find_trial_column(table: RawTable) -> str | None:
@@ -222,7 +248,7 @@ def _is_grouped(table: RawTable) -> bool:
     if len(groups) < 2:
         return False
     own = list(next(iter(groups.values())))
-    if any(pick([name], "time t zeit frame") for name in own):
+    if any(pick([name], " ".join(CLOCK.values())) for name in own):
         return True
     points = find_points(own)
     if points:  # without a name of their own they are points of one trial
@@ -240,7 +266,7 @@ def _restarts(table: RawTable) -> bool:
     for column in [*pick(table.columns, "time t zeit timestamp elapsed frame"), *table.columns[:1]]:
         try:
             seconds = read_times(table, column).seconds
-        except ImportFault:
+        except Fault:
             continue
         if not np.isfinite(seconds).all():
             continue

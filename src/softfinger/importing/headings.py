@@ -12,7 +12,8 @@ from softfinger.importing.cells import classify
 
 Row = Sequence[Any]
 MOSTLY = 0.8  # of the rows below the first one are data
-BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[(](?P<unit>[^\[\]()]*)[\])]\s*$")
+MOST_UNITS = 0.6  # of a row of units are known ones; a logger also counts segments
+BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[(（](?P<unit>[^\[\]()（）]*)[\])）]\s*$")
 AFTER = re.compile(r"^(?P<name>.*?\S)\s*(?:/|,|:| in )\s*(?P<unit>\S+)$")
 SUFFIX = re.compile(r"^(?P<name>.*[^\W_].*?)[_ ](?P<unit>[^\W_]+|%|°C?)$")
 SUFFIX_UNITS = {
@@ -120,11 +121,15 @@ def _is_heading(kinds: np.ndarray, numeric: np.ndarray) -> bool:
 
 def _is_unit_row(row: Row) -> bool:
     texts = [_strip_brackets(str(cell)) for cell in row if str(cell).strip()]
-    return bool(texts) and all(is_unit(text) for text in texts)
+    known = [text for text in texts if is_unit(text)]
+    if len(known) == len(texts):
+        return bool(texts)
+    sure = sum(len(text) > 1 or text in "%°" for text in known)  # one letter may be a name
+    return sure >= 2 and len(known) >= MOST_UNITS * len(texts)
 
 
 def _strip_brackets(text: str) -> str:
-    return text.strip().strip("[]()").strip()
+    return text.strip().strip("[]()（）").strip()
 
 
 def _is_upper_heading(

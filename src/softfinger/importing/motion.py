@@ -1,5 +1,7 @@
 """A run's motion: columns, or points of pictures."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from softfinger.campaign.units import find_factor
@@ -56,7 +58,9 @@ def _read_points(run: Run, asked: Points) -> tuple[RawTable, np.ndarray, tuple[s
         raise ImportFault(
             f"trial {run.name}: there is no point '{unknown[0]}'; there are {', '.join(by_name)}"
         )
-    place = np.stack([read_point(table, by_name[name], asked) for name in names], axis=1)
+    points = [by_name[name] for name in names]
+    axes = choose_plane(table, points)
+    place = np.stack([read_point(table, point, asked, axes) for point in points], axis=1)
     if asked.up == "y":
         place = place * np.array([1.0, -1.0])
     if asked.read_as == "markers":
@@ -65,9 +69,24 @@ def _read_points(run: Run, asked: Points) -> tuple[RawTable, np.ndarray, tuple[s
     return table, read(place)[:, None], ()
 
 
-def read_point(table: RawTable, point: Point, asked: Points) -> np.ndarray:
+def choose_plane(table: RawTable, points: Sequence[Point]) -> str:
+    """Axes of the plane in which points move.
+
+    It is ``xy`` unless a third coordinate varies more than one of these: it takes that one's place.
+    """
+    if not all(point.z for point in points):
+        return "xy"
+    spread = {
+        axis: max(np.nanstd(table.read_leniently(getattr(point, axis))) for point in points)
+        for axis in "xyz"
+    }
+    least = min(spread, key=lambda axis: spread[axis])
+    return "xy" if least == "z" or spread["z"] <= spread[least] else "xyz".replace(least, "")
+
+
+def read_point(table: RawTable, point: Point, asked: Points, axes: str = "xy") -> np.ndarray:
     """Places (row, 2) of a point, NaN if lost."""
-    place = np.column_stack([table.read(point.x), table.read(point.y)])
+    place = np.column_stack([table.read(getattr(point, axis)) for axis in axes])
     lost = ~np.isfinite(place).all(axis=1)
     if asked.lost == "zero":
         lost |= (place == 0.0).all(axis=1)

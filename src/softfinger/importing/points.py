@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from softfinger.importing.vocabulary import score_words
 
 PATTERNS = (
-    re.compile(r"(?P<p>.*?)[ _.:/-]*(?:position|pos|center|centre)?[ _.]*(?P<a>[xyz])$"),
+    re.compile(
+        r"(?P<p>.*?)[ _.:/-]*(?:position|pos|center|centre|tvec|translation)?[ _.]*(?P<a>[xyz])$"
+    ),
     re.compile(r"(?P<p>.*?)[ _.:/-]*c(?P<a>[xy])$"),
     re.compile(r"(?P<p>[^\W\d_]*\d*[ _]?[A-Za-z]?)(?P<a>[xyz])(?P<q>\d+)$"),
     re.compile(r"(?P<p>.*?)[ _.:-](?P<a>[xyz])[ _.:-](?P<q>.+)$"),
@@ -20,7 +22,7 @@ TRUST = re.compile(
 NAMELESS = "point"
 NOT_PLACES = (
     "force torque moment vel velocity speed acc accel acceleration gyro imu orientation angular "
-    "mag gravity quaternion std sd error uv"
+    "mag gravity quaternion rotation rvec rotvec std sd error uv"
 )
 LEFT, RIGHT = ("l", "left", "cam1", "camera1"), ("r", "right", "cam2", "camera2")
 

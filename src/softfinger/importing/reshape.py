@@ -6,25 +6,46 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
+from softfinger.faults import Fault
+from softfinger.importing.clock import read_times
 from softfinger.importing.headings import split_heading
 from softfinger.importing.table import RawTable
-from softfinger.importing.vocabulary import CLOCK, POINT, SIGNAL, VALUE, pick
+from softfinger.importing.vocabulary import CLOCK, JOINT, POINT, SIGNAL, TRIAL, VALUE, pick
 
+ARRAY = re.compile(r"[\[(]\s*([-+0-9.eE]+(?:\s*,\s*[-+0-9.eE]+)*)\s*,?\s*[\])]")
 CORNER = re.compile(r"(?:corner|c|p|pt)?[ _]?(?:([xy])[ _]?\d|\d[ _]?([xy]))")
-MOST_POINTS, MOST_SIGNALS = 200, 60
+MOST_POINTS, MOST_SIGNALS, MOST_JOINTS = 200, 60, 20
 
 
 def widen(table: RawTable) -> RawTable:
     """Give every point or signal its own columns.
 
     A table of points has an id and coordinates, and several ids at one time; a table of signals
-    has a name and a value. Any other table stays as it is, but for stamps in two columns (seconds
-    and nanoseconds), which become one.
+    has a name and a value; one of joints has a joint in each row. Any other table stays as it is,
+    but for stamps in two columns (seconds and nanoseconds), which become one, and for rows that run
+    backwards in time, which are turned round.
     """
-    table = _join_stamps(table)
-    for widened in (_widen_points(table), _widen_signals(table)):
+    table = _turn_round(_join_stamps(_spread_arrays(table)))
+    for widened in (_widen_points(table), _widen_signals(table), _widen_joints(table)):
         if widened is not None:
             return widened
+    return table
+
+
+def _spread_arrays(table: RawTable) -> RawTable:
+    """Give each number of an array in a cell its own column, as ``(0.1, 0.2)``."""
+    for column in table.columns:
+        found = [ARRAY.fullmatch(str(cell).strip()) for cell in table.cells[column]]
+        rows = [[part.strip() for part in match[1].split(",")] if match else [] for match in found]
+        width = max(map(len, rows), default=0)
+        if width < 2 or sum(len(row) == width for row in rows) < 0.9 * len(rows):
+            continue
+        rows = [row if len(row) == width else [""] * width for row in rows]
+        names = [f"{column} {k + 1}" for k in range(width)]
+        parts = pd.DataFrame(rows, columns=names, index=table.cells.index, dtype=object)
+        cells = pd.concat([table.cells.drop(columns=[column]), parts], axis=1)
+        unit = {n: table.unit[column] for n in names if column in table.unit}
+        table = replace(table, cells=cells, unit=table.unit | unit)
     return table
 
 
@@ -41,6 +62,25 @@ def _join_stamps(table: RawTable) -> RawTable:
             cells = table.cells.drop(columns=[column, fine[0]])
             cells.insert(0, f"{found[1]}stamp", whole)
             return replace(table, cells=cells)
+    return table
+
+
+def _turn_round(table: RawTable) -> RawTable:
+    """Put the newest row last."""
+    for column in pick(table.columns, CLOCK["time"]):
+        try:
+            seconds = read_times(table, column).seconds
+        except Fault:
+            continue
+        steps = np.diff(seconds[np.isfinite(seconds)])
+        if steps.size and (steps <= 0.0).all() and (steps < 0.0).any():
+            said = f"column '{column}' runs backwards: the rows are read from the last to the first"
+            turned = table.take(np.arange(len(table.row))[::-1])
+            return replace(
+                turned,
+                cells=turned.cells.reset_index(drop=True),
+                dropped=(*table.dropped, said),
+            )
     return table
 
 
@@ -104,6 +144,41 @@ def _widen_signals(table: RawTable) -> RawTable | None:
         columns |= {c: c for c, label in columns.items() if list(columns.values()).count(label) > 1}
     cells = wide.cells.rename(columns=columns)
     return replace(wide, cells=cells, unit={columns.get(c, c): u for c, u in unit.items()})
+
+
+def _widen_joints(table: RawTable) -> RawTable | None:
+    """Give every joint its own columns; what all joints share has one."""
+    moment = _find_moment(table)
+    joints = pick(table.columns, JOINT)
+    if moment is None or not joints:
+        return None
+    joint = joints[0]
+    runs = [c for c in pick(table.columns, TRIAL) if c not in (moment, joint)]
+    key = table.cells[joint].map(_to_label)
+    index = [*runs, moment]
+    labels = _sort_labels(key.unique().tolist())
+    cells = table.cells.assign(**{joint: key})
+    if not 2 <= len(labels) <= MOST_JOINTS or cells.duplicated([*index, joint]).any():
+        return None
+    rows = cells.groupby(index, sort=False, dropna=False)
+    if rows.size().median() < 2:
+        return None
+    first = ~cells.duplicated(index)
+    wide, unit = cells.loc[first, index].reset_index(drop=True), {}
+    for column in [c for c in cells if c not in (*index, joint)]:
+        if rows[column].nunique().max() <= 1:
+            wide[column] = cells.loc[first, column].to_numpy(dtype=object)
+            unit |= {column: table.unit[column]} if column in table.unit else {}
+            continue
+        spread = cells.set_index([*index, joint])[column].unstack(joint)
+        spread = spread.reindex(pd.MultiIndex.from_frame(wide[index]) if runs else wide[moment])
+        for label in labels:
+            name = f"{column} {label}"
+            wide[name] = spread[label].fillna("").to_numpy(dtype=object)
+            unit |= {name: table.unit[column]} if column in table.unit else {}
+    unit |= {c: table.unit[c] for c in index if c in table.unit}
+    row = table.row[first.to_numpy()]
+    return replace(table, cells=wide, row=row, unit=unit, group={})
 
 
 def _pivot(table: RawTable, moment: str, key: pd.Series) -> RawTable:

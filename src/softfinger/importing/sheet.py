@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from softfinger.campaign.units import is_unit
 from softfinger.importing.cells import classify, find_cell_unit, find_sentinels, read_numbers
 from softfinger.importing.faults import ImportFault
 from softfinger.importing.headings import (
@@ -80,7 +81,8 @@ def _cut_blocks(
     same = sheet.cells.iloc[:, at].astype(str).str.strip().to_numpy() == heading[at]
     repeats = [r for r in np.flatnonzero(same) if r > layout.first and _matches(sheet, r, heading)]
     starts = [layout.first, *(r + layout.first - lowest for r in repeats)]
-    ends = [*(_find_end(sheet, r) for r in repeats), end]
+    usual = _count_numbers(sheet, layout.first)
+    ends = [*(_find_end(sheet, r, usual) for r in repeats), end]
     titles = [None, *(_find_title(sheet, r) for r in repeats)]
     if len(repeats):
         titles[0] = _find_title(sheet, layout.headings[0])
@@ -91,11 +93,21 @@ def _matches(sheet: Sheet, row: int, heading: list[str]) -> bool:
     return [str(cell).strip() for cell in sheet.cells.iloc[row]][: len(heading)] == heading
 
 
-def _find_end(sheet: Sheet, row: int) -> int:
-    """End of a block: blank and text rows aside."""
-    while row > 0 and "n" not in [classify(cell) for cell in sheet.cells.iloc[row - 1]]:
+def _find_end(sheet: Sheet, row: int, usual: int) -> int:
+    """End of a block: rows of words, and of few numbers with words, aside.
+
+    `usual` is how many numbers its first row has.
+    """
+    while row > 0:
+        kinds = [classify(cell) for cell in sheet.cells.iloc[row - 1]]
+        if kinds.count("n") > (0.5 * usual if "t" in kinds else 0):
+            break
         row -= 1
     return int(row)
+
+
+def _count_numbers(sheet: Sheet, row: int) -> int:
+    return [classify(cell) for cell in sheet.cells.iloc[row]].count("n")
 
 
 def _find_title(sheet: Sheet, row: int) -> str:
@@ -123,7 +135,8 @@ def _build_table(
     names, groups = join_levels(levels) if levels else ([""] * width, [""] * width)
     units = [""] * width
     if layout.units is not None:
-        units = [str(c).strip().strip("[]()") for c in grid[layout.units]]
+        stated = [str(c).strip().strip("[]()（）") for c in grid[layout.units]]
+        units = [unit if is_unit(unit) else "" for unit in stated]
     split = [split_heading(name) for name in names]
     unique = make_unique([name for name, _ in split], groups)
     if frames:

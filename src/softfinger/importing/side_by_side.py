@@ -9,11 +9,13 @@ from softfinger.importing.faults import ImportFault
 from softfinger.importing.table import RawTable
 from softfinger.importing.vocabulary import TRIAL
 
+REPEATED = re.compile(r"(.+) \((\d+)\)")
 NUMBERED = re.compile(
     rf"(?<![^\W_])({'|'.join(word for word in TRIAL.split() if word not in ('file', 'finger'))})"
     r"[ _.#-]*(\d+)(?![\d])",
     re.IGNORECASE,
 )
+
 """A trial's number in a heading; several files or fingers may be in one trial."""
 
 
@@ -31,6 +33,7 @@ def list_groups(table: RawTable) -> dict[str, dict[str, str]]:
             given.setdefault(group, {})[column.removeprefix(group).strip()] = column
     for groups in (
         given,
+        _split_repeats(table),
         split_trial_names(table),
         _split_names(table, 0),
         _split_names(table, -1),
@@ -40,6 +43,18 @@ def list_groups(table: RawTable) -> dict[str, dict[str, str]]:
         if len(sizes) > 1 and all(size == sizes[0] for size in sizes) and not numbered:
             return groups
     return {}
+
+
+def _split_repeats(table: RawTable) -> dict[str, dict[str, str]]:
+    """Columns whose names repeat, as ``Force`` and ``Force (2)``."""
+    found = {column: REPEATED.fullmatch(column) for column in table.columns}
+    names = {match[1] for match in found.values() if match}
+    groups: dict[str, dict[str, str]] = {}
+    for column, match in found.items():
+        if match or column in names:
+            own, number = (match[1], match[2]) if match else (column, "1")
+            groups.setdefault(number, {})[own] = column
+    return groups
 
 
 def split_trial_names(table: RawTable) -> dict[str, dict[str, str]]:

@@ -10,12 +10,17 @@ import numpy as np
 import pandas as pd
 
 from softfinger.importing.cells import classify, find_decimal
+from softfinger.importing.description import DELIMITER_NAMES
 from softfinger.importing.faults import ImportFault
 from softfinger.importing.sheet import Sheet
+from softfinger.importing.vocabulary import list_foreign_words
 
 HEAD = 400  # lines that are looked at to find the layout
 DELIMITERS = ("\t", ";", ",", "|", " ")
 SPACES = r"\s+"
+EASTERN = ("shift_jis", "gb18030", "euc_kr", "big5")
+PAIR = re.compile(r"([^\W\d][\w.]*)\s*[=:]\s*([^=:,;\t]*[^=:,;\t\s])\s*(?:[,;\t]|$)")
+"""A name with its value, as a microcontroller prints them: ``F=1.2 N``."""
 
 
 def read_sheet(
@@ -35,14 +40,15 @@ def read_sheet(
     ImportFault
         It is empty, cannot be decoded, or a row has more fields than any near the beginning.
     """
-    text = _decode(path.read_bytes(), name, encoding)
+    text = _decode(path.read_bytes(), name, encoding).replace("\N{MINUS SIGN}", "-")
+    text = spread_pairs(text)
     lines = text[:4_000_000].splitlines()[:HEAD]
     skip = 0
     if lines and (found := re.fullmatch(r"sep=(.)", lines[0].strip().strip('"'))):
         delimiter, skip = delimiter or found[1], 1
     if not any(line.strip() for line in lines):
         raise ImportFault(f"{name}: the file is empty")
-    delimiter = delimiter or find_delimiter(lines[skip:])
+    delimiter = DELIMITER_NAMES.get(delimiter or "", delimiter) or find_delimiter(lines[skip:])
     rows = split_lines(lines[skip:], delimiter)
     width = max(len(row) for row in rows)
     cells = _read_rows(text, name, delimiter, width, skip)
@@ -59,12 +65,44 @@ def _decode(content: bytes, name: Path, encoding: str | None) -> str:
         raise ImportFault(
             f"{name}: it is not text; expected delimited text, .xlsx, .xls, .h5 or .nc"
         )
-    for code in [encoding] if encoding else [*marked, "utf-8", "cp1252", "latin-1"]:
+    eastern = (code for code in EASTERN if _is_eastern(content, code))
+    for code in [encoding] if encoding else [*marked, "utf-8", *eastern, "cp1252", "latin-1"]:
         try:
             return content.decode(code)
         except (UnicodeDecodeError, LookupError):
             continue
     raise ImportFault(f"{name}: it is not text in {encoding}; type tables: {{encoding: utf-8}}")
+
+
+def _is_eastern(content: bytes, code: str) -> bool:
+    """Whether bytes so read contain a known word."""
+    try:
+        text = content[:20_000].decode(code, errors="ignore").lower()
+        content.decode(code)
+    except UnicodeDecodeError:
+        return False
+    return any(word in text for word in list_foreign_words())
+
+
+def spread_pairs(text: str) -> str:
+    r"""Make a table of lines of names with values.
+
+    Any other text stays as it is.
+
+    >>> spread_pairs("# run 1\nt=0 ms, F=0.1 N\nt=5 ms, F=0.2 N\nt=9 ms, F=0.2 N\n")
+    't;F\n0 ms;0.1 N\n5 ms;0.2 N\n9 ms;0.2 N\n'
+    """
+    lines = text.splitlines()
+    rows = [dict(PAIR.findall(line)) for line in lines[:HEAD]]
+    names = [tuple(row) for row in rows if len(row) > 1]
+    usual = max(names, key=names.count, default=())
+    first = next((k for k, row in enumerate(rows) if tuple(row) == usual), len(rows))
+    filled = sum(bool(line.strip()) for line in lines[first:HEAD])
+    if names.count(usual) < max(3, 0.8 * filled):
+        return text
+    rows += [dict(PAIR.findall(line)) for line in lines[HEAD:]]
+    cells = [";".join(row.get(name, "") for name in usual) for row in rows[first:]]
+    return "\n".join([""] * (first - 1) + [";".join(usual), *cells]) + "\n"
 
 
 def split_lines(lines: Sequence[str], delimiter: str) -> list[list[str]]:
@@ -83,8 +121,10 @@ def find_delimiter(lines: Sequence[str]) -> str:
     (';', ' ')
     """
     later = [line for line in lines[len(lines) // 2 :] if line.strip()] or list(lines)
-    scores = [_score_delimiter(later, delimiter) for delimiter in DELIMITERS]
-    return DELIMITERS[int(np.argmax(scores))]
+    tabbed = sum("\t" in line for line in later) > 0.5 * len(later)
+    tried = DELIMITERS[:-1] if tabbed else DELIMITERS  # blanks are within the cells
+    scores = [_score_delimiter(later, delimiter) for delimiter in tried]
+    return tried[int(np.argmax(scores))]
 
 
 def _score_delimiter(lines: Sequence[str], delimiter: str) -> float:

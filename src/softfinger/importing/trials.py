@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pandas as pd
 
 from softfinger.importing.clock import list_clocks, read_times
 from softfinger.importing.description import ImportDescription
@@ -68,6 +69,8 @@ def split_trials(
         The column that names the trials is missing.
     """
     by, column = description.trials.by, description.trials.column
+    if by in ("file", "folder", "all", "clock"):
+        tables = stack_blocks(tables)
     if by == "all":
         runs = [Run(name, _name_topics(tables))]
     elif by == "folder":
@@ -90,6 +93,24 @@ def split_trials(
     if not kept:
         raise ImportFault(f"{name}: no trial is left; see trials.leave_out")
     return kept
+
+
+def stack_blocks(tables: Sequence[RawTable]) -> list[RawTable]:
+    """Put the blocks of a file under one another."""
+    joined: list[RawTable] = []
+    for table in tables:
+        last = joined[-1] if joined else None
+        if last is None or (last.file, last.sheet, last.columns) != (
+            table.file,
+            table.sheet,
+            table.columns,
+        ):
+            joined.append(table)
+            continue
+        cells = pd.concat([last.cells, table.cells], ignore_index=True)
+        stated = {key: value for key, value in last.stated.items() if key != "title"}
+        joined[-1] = replace(last, cells=cells, row=np.r_[last.row, table.row], stated=stated)
+    return joined
 
 
 def name_tables(tables: Sequence[RawTable]) -> list[str]:
@@ -217,7 +238,8 @@ def _group_by_stem(tables: Sequence[RawTable]) -> dict[str, list[RawTable]]:
 
 
 def _strip_roles(stem: str) -> list[str]:
-    return [t for t in list_tokens(stem) if find_role(t) is None]
+    plain = re.sub(r"DLC[_-].*", "", stem)  # the network of DeepLabCut
+    return [t for t in list_tokens(plain) if find_role(t) is None]
 
 
 def find_role(name: str) -> str | None:
@@ -237,11 +259,20 @@ def find_role(name: str) -> str | None:
     return best if scores[best] >= 1.5 else None
 
 
+def _drop_prefix(stems: list[str]) -> list[str]:
+    """Drop what stems begin with alike, as ``video1`` of ``video1_force, video1DLC``."""
+    pairs = itertools.takewhile(lambda letters: len(set(letters)) == 1, zip(*stems, strict=False))
+    length = sum(1 for _ in pairs)
+    rest = [stem[length:] for stem in stems]
+    whole = all(re.match(r"[ _.\-A-Z]", part) for part in rest)
+    return [part.strip(" _.-") for part in rest] if length and whole else stems
+
+
 def _name_topics(tables: Sequence[RawTable]) -> dict[str, RawTable]:
     """Tables by topic, without what all share."""
     if len({t.file.stem for t in tables}) == 1 and len({t.file.parent for t in tables}) > 1:
         return {t.file.parent.name: t for t in tables}
-    stems = [" ".join(filter(None, [t.file.stem, t.sheet])) for t in tables]
+    stems = _drop_prefix([" ".join(filter(None, [t.file.stem, t.sheet])) for t in tables])
     tokens = [re.split(r"[ _.-]+", stem) for stem in stems]
     shared = set.intersection(*map(set, tokens)) if len(tokens) > 1 else set()
     names = ["_".join(t for t in own if t not in shared) or stem

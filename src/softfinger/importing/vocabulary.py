@@ -10,11 +10,13 @@ from softfinger.faults import Fault
 # Role → quantity → words, the most telling quantity first; of several languages.
 CLOCK = {
     "time": "time zeit prüfzeit testzeit laufzeit temps tiempo tempo timestamp stamp t elapsed "
-    "xvalue seconds secs sec uhrzeit date datetime datum 時間 时间 시간 tijd czas время ts",
+    "xvalue seconds secs sec millis micros "
+    "uhrzeit date datetime datum 時間 时间 시간 tijd czas время ts",
     "frame": "frame frames frameid frameidx bild image img 帧 フレーム",
 }
 MOTION = {
-    "angle": "angle angles theta winkel angolo kulma q phi bend bending bendangle flexion rotation "
+    "angle": "angle angles theta winkel angolo kulma q th phi bend bending bendangle flexion "
+    "rotation "
     "joint 角度 関節 kink orientation pitch yaw roll curl",
     "strain": "strain dehnung déformation deformation eps epsilon ε verformung stauchung "
     "kriechdehnung ひずみ 歪 应变",
@@ -50,6 +52,7 @@ POINT = (
     "id tag marker point pointid markerid tagid keypoint label track bodypart node aruco apriltag "
     "dot feature target object"
 )
+JOINT = "joint link segment gelenk glied 関節 关节"
 SIGNAL = "signal variable channel quantity name topic field sensor parameter kanal measurement"
 VALUE = "value val wert reading data messwert"
 # Words that make a column less likely to be what the rest of its name means.
@@ -87,6 +90,15 @@ def score_words(name: str, words: str) -> float:
     return float(any(len(word) > 3 and word in joined for word in known))
 
 
+@cache
+def list_foreign_words() -> tuple[str, ...]:
+    """Words that are not in Latin letters."""
+    words = " ".join(
+        [*CLOCK.values(), *MOTION.values(), *LOAD.values(), *ENVIRONMENT.values(), TRIAL]
+    )
+    return tuple(word for word in words.split() if len(word) > 1 and ord(word[0]) > 0x2FFF)
+
+
 def is_derived(name: str) -> bool:
     """Whether a name means a limit, rate or alike."""
     return score_words(name, DERIVED) == 2.0
@@ -117,13 +129,21 @@ def find_quantity(name: str, unit: str, role: Mapping[str, str]) -> tuple[str, f
             score -= 0.01 * place
         if score > best:
             best, found = score, quantity
-    return found if best > 0 else "", best - 1.5 * is_derived(name)
+    best -= 1.5 * is_derived(name)
+    if found == "position" and role is MOTION and find_quantity(name, unit, LOAD)[1] >= best:
+        best = 0.0  # the z of a force is no place
+    return found if best > 0 else "", best
 
 
 def _is_counted(unit: str, quantity: str) -> bool:
     """Whether a unit of counts fits a quantity."""
     plain = not is_unit(unit) or _is_alike(unit, "1") or _is_alike(unit, "pixel")
     return plain and quantity not in ("time", "torque", "stress")
+
+
+def is_angle(unit: str) -> bool:
+    """Whether a unit is one of angles."""
+    return _is_alike(unit, "rad")
 
 
 @cache
