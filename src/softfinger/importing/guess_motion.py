@@ -212,7 +212,9 @@ def _choose_columns(candidates: Sequence[SignalColumn], guesses: Guesses) -> Non
     """
     first = candidates[0]
     alike = [c for c in candidates if (c.quantity, c.unit) == (first.quantity, first.unit)]
-    best = max((c for c in alike if c.score >= first.score - ALIKE), key=lambda c: c.reach)
+    others = [c for c in alike if _stem(c.column) != _stem(first.column)]
+    near = [first, *(c for c in others if c.score >= first.score - ALIKE)]
+    best = max(near, key=lambda c: c.reach)
     rivals = [c.column for c in candidates[1:] if c.score >= best.score - 0.6]
     columns = [best.column]
     if best.quantity == "angle":

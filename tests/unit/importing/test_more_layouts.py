@@ -244,3 +244,9 @@ def test_a_summary_below_dates_may_be_named_as_a_gap(write, read):
     with pytest.raises(ImportFault, match=r"missing: \['Average'\]"):
         read(path)
     check(read(path, "tables.missing=[Average]").trials[0])
+
+
+def test_of_numbered_columns_the_first_is_read_with_the_first_load(write, read):
+    text = "Time,F1 (N),F2 (N),d1 (mm),d2 (mm)\n"
+    text += rows("{},{},{},{},{}", TIME, LOAD, 2 * LOAD, MOTION, 2 * MOTION)
+    check(read(write("a.csv", text), "trials.by=file").trials[0])
