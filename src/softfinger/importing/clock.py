@@ -17,11 +17,7 @@ from softfinger.importing.vocabulary import CLOCK, score_words
 EXCEL_DAY_0 = dt.datetime(1899, 12, 30, tzinfo=dt.UTC)
 EXCEL_DAYS = (2e4, 8e4)  # dates from 1954 to 2119
 EPOCH_UNITS = ((1e17, "ns"), (1e14, "us"), (1e11, "ms"), (9e8, "s"))  # since 1970, by size
-
-
 ARDUINO = {"millis": "ms", "micros": "us"}  # its clocks, and their units
-
-
 MOSTLY = 0.8  # of the cells are moments; a summary below them is none
 
 
