@@ -98,7 +98,9 @@ def _read_clock(
         column = name if name in table.cells else None
         if column is None and len(run.tables) == 1:
             run.find(asked.column)
-    timed = [c for c, kind in list_clocks(table) if kind == "time"]
+    timed = []
+    if column is None or rate is not None:
+        timed = [c for c, kind in list_clocks(table) if kind == "time"]
     if column is None and (rate is None or len(run.tables) > 1):
         column = timed[0] if timed else None
     if column is None:

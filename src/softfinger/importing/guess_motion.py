@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from softfinger.campaign.units import parse_unit
+from softfinger.campaign.units import is_unit, parse_unit
 from softfinger.importing.clock import list_clocks
 from softfinger.importing.faults import ImportFault
 from softfinger.importing.points import Point, choose_camera, find_points, list_point_columns
@@ -118,7 +118,8 @@ def guess_motion(runs: Sequence[Run], guesses: Guesses) -> None:
 def note_relabelled(kind: str, own: str, guesses: Guesses) -> None:
     """State that a declared unit is not the heading's."""
     declared = guesses.get(f"{kind}.unit")
-    if declared is not None and own not in ("", "-") and parse_unit(own) != parse_unit(declared):
+    stated = own not in ("", "-") and is_unit(own)
+    if declared is not None and stated and parse_unit(own) != parse_unit(declared):
         guesses.said.append(
             f"{kind}.unit: {declared}, as declared; the heading states {own}, and no number is "
             "converted"

@@ -14,6 +14,7 @@ from softfinger.importing.vocabulary import CLOCK, JOINT, POINT, SIGNAL, TRIAL, 
 
 ARRAY = re.compile(r"[\[(]\s*([-+0-9.eE]+(?:\s*,\s*[-+0-9.eE]+)*)\s*,?\s*[\])]")
 CORNER = re.compile(r"(?:corner|c|p|pt)?[ _]?(?:([xy])[ _]?\d|\d[ _]?([xy]))")
+GLIMPSE = 8  # rows that are looked at first, for there may be millions
 MOST_POINTS, MOST_SIGNALS, MOST_JOINTS = 200, 60, 20
 
 
@@ -35,6 +36,8 @@ def widen(table: RawTable) -> RawTable:
 def _spread_arrays(table: RawTable) -> RawTable:
     """Give each number of an array in a cell its own column, as ``(0.1, 0.2)``."""
     for column in table.columns:
+        if not any(ARRAY.fullmatch(str(cell).strip()) for cell in table.cells[column].head(3)):
+            continue
         found = [ARRAY.fullmatch(str(cell).strip()) for cell in table.cells[column]]
         rows = [[part.strip() for part in match[1].split(",")] if match else [] for match in found]
         width = max(map(len, rows), default=0)
@@ -67,21 +70,28 @@ def _join_stamps(table: RawTable) -> RawTable:
 
 def _turn_round(table: RawTable) -> RawTable:
     """Put the newest row last."""
+    count = len(table.row)
+    ends = table.take(np.unique(np.linspace(0, count - 1, min(count, GLIMPSE)).astype(int)))
     for column in pick(table.columns, CLOCK["time"]):
-        try:
-            seconds = read_times(table, column).seconds
-        except Fault:
-            continue
-        steps = np.diff(seconds[np.isfinite(seconds)])
-        if steps.size and (steps <= 0.0).all() and (steps < 0.0).any():
+        if _falls(ends, column) and _falls(table, column):
             said = f"column '{column}' runs backwards: the rows are read from the last to the first"
-            turned = table.take(np.arange(len(table.row))[::-1])
+            turned = table.take(np.arange(count)[::-1])
             return replace(
                 turned,
                 cells=turned.cells.reset_index(drop=True),
                 dropped=(*table.dropped, said),
             )
     return table
+
+
+def _falls(table: RawTable, column: str) -> bool:
+    """Whether times fall from row to row."""
+    try:
+        seconds = read_times(table, column).seconds
+    except Fault:
+        return False
+    steps = np.diff(seconds[np.isfinite(seconds)])
+    return bool(steps.size and (steps <= 0.0).all() and (steps < 0.0).any())
 
 
 def _find_moment(table: RawTable) -> str | None:

@@ -76,12 +76,14 @@ def _decode(content: bytes, name: Path, encoding: str | None) -> str:
 
 def _is_eastern(content: bytes, code: str) -> bool:
     """Whether bytes so read contain a known word."""
+    text = content[:20_000].decode(code, errors="ignore").lower()
+    if not any(word in text for word in list_foreign_words()):
+        return False
     try:
-        text = content[:20_000].decode(code, errors="ignore").lower()
         content.decode(code)
     except UnicodeDecodeError:
         return False
-    return any(word in text for word in list_foreign_words())
+    return True
 
 
 def spread_pairs(text: str) -> str:
@@ -92,15 +94,15 @@ def spread_pairs(text: str) -> str:
     >>> spread_pairs("# run 1\nt=0 ms, F=0.1 N\nt=5 ms, F=0.2 N\nt=9 ms, F=0.2 N\n")
     't;F\n0 ms;0.1 N\n5 ms;0.2 N\n9 ms;0.2 N\n'
     """
-    lines = text.splitlines()
-    rows = [dict(PAIR.findall(line)) for line in lines[:HEAD]]
+    lines = text[:4_000_000].splitlines()[:HEAD]
+    rows = [dict(PAIR.findall(line)) for line in lines]
     names = [tuple(row) for row in rows if len(row) > 1]
     usual = max(names, key=names.count, default=())
     first = next((k for k, row in enumerate(rows) if tuple(row) == usual), len(rows))
-    filled = sum(bool(line.strip()) for line in lines[first:HEAD])
+    filled = sum(bool(line.strip()) for line in lines[first:])
     if names.count(usual) < max(3, 0.8 * filled):
         return text
-    rows += [dict(PAIR.findall(line)) for line in lines[HEAD:]]
+    rows += [dict(PAIR.findall(line)) for line in text.splitlines()[HEAD:]]
     cells = [";".join(row.get(name, "") for name in usual) for row in rows[first:]]
     return "\n".join([""] * (first - 1) + [";".join(usual), *cells]) + "\n"
 
