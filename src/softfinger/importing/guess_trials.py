@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from softfinger.importing.guess import Guesses
 
 LEAST_ROWS = 4  # of a trial
+MOSTLY = 0.9  # of the rows have a time, where a clock cuts trials
 
 
 def guess_trials(tables: Sequence[RawTable], guesses: Guesses) -> tuple[list[RawTable], list[str]]:
@@ -268,9 +269,10 @@ def _restarts(table: RawTable) -> bool:
             seconds = read_times(table, column).seconds
         except Fault:
             continue
-        if not np.isfinite(seconds).all():
+        if np.isfinite(seconds).mean() < MOSTLY:
             continue
         edges = [0, *find_restarts(seconds), len(seconds)]
         if len(edges) > 2:
-            return bool(np.diff(edges).min() >= LEAST_ROWS and (np.diff(seconds) < 0).mean() < 0.2)
+            falls = np.diff(seconds[np.isfinite(seconds)]) < 0
+            return bool(np.diff(edges).min() >= LEAST_ROWS and falls.mean() < 0.2)
     return False

@@ -158,16 +158,17 @@ def _split_by_column(table: RawTable, column: str, several: bool) -> list[Run]:
 
 
 def find_restarts(seconds: np.ndarray) -> np.ndarray:
-    """Rows at which a clock starts anew.
+    """Rows at which a clock starts anew; gaps aside.
 
     >>> find_restarts(np.array([0.0, 1, 2, 3, 0, 1, 2, 1.9, 3]))
     array([4])
     """
-    restarts, begin = [], 0
-    for row in np.flatnonzero(np.diff(seconds) < 0) + 1:
-        span = seconds[row - 1] - seconds[begin]
-        if seconds[row - 1] - seconds[row] > 0.5 * span > 0:
-            restarts.append(int(row))
+    seen = np.flatnonzero(np.isfinite(seconds))
+    known, restarts, begin = seconds[seen], [], 0
+    for row in np.flatnonzero(np.diff(known) < 0) + 1:
+        span = known[row - 1] - known[begin]
+        if known[row - 1] - known[row] > 0.5 * span > 0:
+            restarts.append(int(seen[row]))
             begin = row
     return np.array(restarts, dtype=int)
 

@@ -250,3 +250,14 @@ def test_of_numbered_columns_the_first_is_read_with_the_first_load(write, read):
     text = "Time,F1 (N),F2 (N),d1 (mm),d2 (mm)\n"
     text += rows("{},{},{},{},{}", TIME, LOAD, 2 * LOAD, MOTION, 2 * MOTION)
     check(read(write("a.csv", text), "trials.by=file").trials[0])
+
+
+def test_a_clock_starts_anew_beyond_a_line_of_words(write, read):
+    text = "Time,Extension,Force\n" + rows("{},{},{}", TIME, MOTION, LOAD)
+    text += "Trial 2,,\n" + rows("{},{},{}", TIME, 2 * MOTION, LOAD)
+    path = write("a.csv", text)
+    with pytest.raises(ImportFault, match=r"missing: \['Trial 2'\]"):
+        read(path)
+    first, second = read(path, "tables.missing=[Trial 2]").trials
+    check(first)
+    check(second, 2 * MOTION)
