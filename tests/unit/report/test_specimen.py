@@ -34,4 +34,6 @@ def test_figures_and_tables_speak_in_the_declared_units():
     assert "N/mm" in words
     assert "10⁻³ mm" in words
     assert "mrad" not in words
+    assert "without a physical unit" not in words  # its load is in N
+    assert "a load in N," in words
     assert re.findall(r".{40}\brad\b.{20}", words) == []

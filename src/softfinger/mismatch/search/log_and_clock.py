@@ -154,12 +154,15 @@ def find_lowest(
     >>> grid = np.linspace(-2.0, 2.0, 9)
     >>> [part.round(6).tolist() for part in find_lowest(grid, 8.0 * (grid[:, None] - 0.6) ** 2)]
     [[0.6], [0.0625]]
+    >>> find_lowest(grid, 10.0 * grid[:, None])[0]  # without a bend, an end of the grid
+    array([-2.])
     """
     at = np.clip(lost.argmin(axis=0), 1, len(grid) - 2)
     column, width = np.arange(lost.shape[1]), grid[1] - grid[0]
     before, here, after = (lost[at + k, column] for k in (-1, 0, 1))
     bend = np.maximum(before - 2.0 * here + after, np.finfo(float).tiny)
-    shift = np.clip(0.5 * (before - after) / bend, -1.0, 1.0)
+    with np.errstate(over="ignore"):  # then it is at an end
+        shift = np.clip(0.5 * (before - after) / bend, -1.0, 1.0)
     return grid[at] + shift * width, width**2 / bend
 
 

@@ -50,7 +50,8 @@ def state_effect(
     free law. A specimen has no joints.
     """
     where = f" ({list_joints(joints)})" if joints and not units.specimen else ""
-    sentence = effect.sentence[0].upper() + effect.sentence[1:]
+    sentence = effect.sentence if probability >= 0.5 else f"perhaps {effect.sentence}"
+    sentence = sentence[0].upper() + sentence[1:]
     sentence = sentence.replace("joint", "specimen") if units.specimen else sentence
     sizes = []
     for name, value in parameters.items():

@@ -86,7 +86,7 @@ def describe_loads(material: Material) -> list[Block]:
     """
     kinds = {str(kind) for kind in material.angles["load_kind"].values}
     blocks: list[Block] = []
-    if "command" in kinds:
+    if "command" in kinds and "motion_unit" not in material.angles.attrs:
         blocks.append(
             Paragraph(
                 "The load is a command without a physical unit (a PWM level, a pressure). "

@@ -18,6 +18,12 @@ def test_no_effect_is_certain(probability, words):
     assert f"with probability {words}. " in state_effect(effect, "even", [1], probability, {}, {})
 
 
+@pytest.mark.parametrize(("probability", "first"), [(0.9, "The recording"), (0.05, "Perhaps the")])
+def test_what_is_not_likely_is_no_fact(probability, first):
+    effect = list_effects()["camera_delay"]
+    assert state_effect(effect, "constant", [], probability, {}, {}).startswith(first)
+
+
 def test_a_parameter_that_differs_between_trials_is_stated():
     effect = next(iter(list_effects().values()))
     words = state_effect(effect, "even", [], 0.9, {}, {"delay_s": 0.143})
