@@ -8,11 +8,10 @@ import numpy as np
 import pandas as pd
 
 from softfinger.campaign.units import find_factor, is_unit
-from softfinger.faults import Fault
 from softfinger.importing.cells import MOMENT, MOMENTS, NUMBER, classify
 from softfinger.importing.faults import ImportFault
 from softfinger.importing.table import RawTable
-from softfinger.importing.vocabulary import CLOCK, score_words
+from softfinger.importing.vocabulary import CLOCK, is_alike, score_words
 
 EXCEL_DAY_0 = dt.datetime(1899, 12, 30, tzinfo=dt.UTC)
 EXCEL_DAYS = (2e4, 8e4)  # dates from 1954 to 2119
@@ -150,8 +149,8 @@ def list_clocks(table: RawTable) -> tuple[tuple[str, str], ...]:
     for place, column in enumerate(table.columns):
         scores = {kind: score_words(column, words) for kind, words in CLOCK.items()}
         unit = table.unit.get(column, "")
-        timed = _is_time_unit(unit)
-        if unit and not timed and is_unit(unit) and not _is_plain(unit):
+        timed = is_alike(unit, "s")
+        if unit and not timed and is_unit(unit) and not is_alike(unit, "1"):
             continue  # T [°C] is no time
         kind = "frame" if scores["frame"] > scores["time"] and not timed else "time"
         score = max(scores.values()) + 1.5 * timed
@@ -176,24 +175,6 @@ def list_clocks(table: RawTable) -> tuple[tuple[str, str], ...]:
             (score + moments + near - 2.0 * (kind == "frame") - 0.01 * place, column, kind)
         )
     return tuple((column, kind) for _, column, kind in sorted(found, key=lambda f: -f[0]))
-
-
-def _is_time_unit(unit: str) -> bool:
-    if not unit or unit in ("1", "-"):
-        return False
-    try:
-        find_factor(unit, "s")
-    except Exception:
-        return False
-    return True
-
-
-def _is_plain(unit: str) -> bool:
-    try:
-        find_factor(unit, "1")
-    except Fault:
-        return False
-    return True
 
 
 def _is_running(values: np.ndarray) -> bool:

@@ -17,7 +17,7 @@ from softfinger.importing.vocabulary import (
     LOAD,
     MOTION,
     find_quantity,
-    is_angle,
+    is_alike,
     list_tokens,
     score_words,
 )
@@ -103,7 +103,7 @@ def guess_motion(runs: Sequence[Run], guesses: Guesses) -> None:
         own = table.unit.get(name, "")
         quantity = find_quantity(name, own, MOTION)[0] or "motion"
         declared = guesses.get("motion.unit")
-        if quantity == "motion" and declared and is_angle(declared):
+        if quantity == "motion" and declared and is_alike(declared, "rad"):
             quantity = "angle"
         guesses.put("motion.quantity", quantity, f"from the name '{name}'")
         quantity = str(guesses.get("motion.quantity"))

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from softfinger.importing.guess import Guesses
 
 LEAST_ROWS = 4  # of a trial
-MOSTLY = 0.9  # of the rows have a time, where a clock cuts trials
+TIMED = 0.9  # of the rows have a time, where a clock cuts trials
 
 
 def guess_trials(tables: Sequence[RawTable], guesses: Guesses) -> tuple[list[RawTable], list[str]]:
@@ -269,7 +269,7 @@ def _restarts(table: RawTable) -> bool:
             seconds = read_times(table, column).seconds
         except Fault:
             continue
-        if np.isfinite(seconds).mean() < MOSTLY:
+        if np.isfinite(seconds).mean() < TIMED:
             continue
         edges = [0, *find_restarts(seconds), len(seconds)]
         if len(edges) > 2:

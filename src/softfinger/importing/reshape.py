@@ -34,7 +34,10 @@ def widen(table: RawTable) -> RawTable:
 
 
 def _spread_arrays(table: RawTable) -> RawTable:
-    """Give each number of an array in a cell its own column, as ``(0.1, 0.2)``."""
+    """Give each number of an array its own column.
+
+    The array is in one cell, as ``(0.1, 0.2)``.
+    """
     for column in table.columns:
         if not any(ARRAY.fullmatch(str(cell).strip()) for cell in table.cells[column].head(3)):
             continue
@@ -157,7 +160,10 @@ def _widen_signals(table: RawTable) -> RawTable | None:
 
 
 def _widen_joints(table: RawTable) -> RawTable | None:
-    """Give every joint its own columns; what all joints share has one."""
+    """Give every joint its own columns.
+
+    What all joints share has one.
+    """
     moment = _find_moment(table)
     joints = pick(table.columns, JOINT)
     if moment is None or not joints:

@@ -158,7 +158,7 @@ def _split_by_column(table: RawTable, column: str, several: bool) -> list[Run]:
 
 
 def find_restarts(seconds: np.ndarray) -> np.ndarray:
-    """Rows at which a clock starts anew; gaps aside.
+    """Rows at which a clock starts anew.
 
     >>> find_restarts(np.array([0.0, 1, 2, 3, 0, 1, 2, 1.9, 3]))
     array([4])
@@ -261,7 +261,10 @@ def find_role(name: str) -> str | None:
 
 
 def _drop_prefix(stems: list[str]) -> list[str]:
-    """Drop what stems begin with alike, as ``video1`` of ``video1_force, video1DLC``."""
+    """Drop what stems begin with alike.
+
+    It is ``video1`` of ``video1_force, video1DLC``.
+    """
     pairs = itertools.takewhile(lambda letters: len(set(letters)) == 1, zip(*stems, strict=False))
     length = sum(1 for _ in pairs)
     rest = [stem[length:] for stem in stems]

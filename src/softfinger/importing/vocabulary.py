@@ -119,7 +119,7 @@ def find_quantity(name: str, unit: str, role: Mapping[str, str]) -> tuple[str, f
     best, found = -9.0, ""
     for place, (quantity, words) in enumerate(role.items()):
         score = score_words(name, words)
-        fits = unit and quantity in DIMENSIONS and _is_alike(unit, DIMENSIONS[quantity])
+        fits = unit and quantity in DIMENSIONS and is_alike(unit, DIMENSIONS[quantity])
         if fits and unit in ("1", "-", "") and not score:
             fits = False
         score += 1.5 if fits else 0.0
@@ -137,17 +137,17 @@ def find_quantity(name: str, unit: str, role: Mapping[str, str]) -> tuple[str, f
 
 def _is_counted(unit: str, quantity: str) -> bool:
     """Whether a unit of counts fits a quantity."""
-    plain = not is_unit(unit) or _is_alike(unit, "1") or _is_alike(unit, "pixel")
+    plain = not is_unit(unit) or is_alike(unit, "1") or is_alike(unit, "pixel")
     return plain and quantity not in ("time", "torque", "stress")
 
 
-def is_angle(unit: str) -> bool:
-    """Whether a unit is one of angles."""
-    return _is_alike(unit, "rad")
-
-
 @cache
-def _is_alike(unit: str, other: str) -> bool:
+def is_alike(unit: str, other: str) -> bool:
+    """Whether two units measure one thing.
+
+    >>> is_alike("ms", "s"), is_alike("deg", "1")
+    (True, False)
+    """
     try:
         find_factor(unit, other)
     except Fault:
