@@ -36,12 +36,6 @@ def correlate_frames(memory: Memory, gap: NDArray[np.float64]) -> NDArray[np.flo
     return (1.0 - memory.white) * np.where(np.isfinite(gap), memory.autocorrelation**gap, 0.0)
 
 
-def whiten_neighbours(rows: NDArray[np.float64], kept: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Whiten rows (n, k) by the row before alone, with which they have correlation `kept` (n,)."""
-    before = np.vstack([np.zeros((1, rows.shape[1])), rows[:-1]])
-    return (rows - kept[:, None] * before) / np.sqrt(1.0 - kept[:, None] ** 2)
-
-
 def whiten_array(
     rows: NDArray[np.float64], gap: NDArray[np.float64], memory: Memory
 ) -> tuple[NDArray[np.float64], float]:
@@ -76,21 +70,34 @@ def whiten_array(
 
 
 @compiled
+def update_doubt(unsure: float, carried: float, share: float) -> tuple[float, float, float]:
+    """Doubt about what lasts, from one frame to the next.
+
+    Variances of `whiten_array`'s noise: `unsure` of what lasts after the frame before, `carried` of
+    it its correlation with now, `share` the white share.
+
+    Returns
+    -------
+    spread, gain, unsure
+        The frame's variance about its prediction, what of its surprise is taken to last, and the
+        doubt after it.
+    """
+    unsure = carried * carried * unsure + (1.0 - share) * (1.0 - carried * carried)
+    spread = unsure + share
+    gain = unsure / spread
+    return spread, gain, unsure * (1.0 - gain)
+
+
+@compiled
 def fill_white(rows: NDArray, gap: NDArray, rho: float, share: float, white: NDArray) -> float:
     """Fill `white` (n, k) with the whitened rows, and return log|R|."""
-    logdet, lasting = 0.0, 1.0 - share
-    state, unsure = np.zeros(rows.shape[1]), lasting
+    logdet, unsure, state = 0.0, 0.0, np.zeros(rows.shape[1])
     for i in range(rows.shape[0]):
-        if i > 0:
-            carried = rho ** gap[i]
-            unsure = carried * carried * unsure + lasting * (1.0 - carried * carried)
-            state *= carried
-        spread = unsure + share
-        gain = unsure / spread
+        carried = 0.0 if i == 0 else rho ** gap[i]
+        spread, gain, unsure = update_doubt(unsure, carried, share)
         logdet += np.log(spread)
         for k in range(rows.shape[1]):
-            new = rows[i, k] - state[k]
+            new = rows[i, k] - carried * state[k]
             white[i, k] = new / np.sqrt(spread)
-            state[k] += gain * new
-        unsure *= 1.0 - gain
+            state[k] = carried * state[k] + gain * new
     return logdet

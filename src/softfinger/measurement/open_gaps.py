@@ -42,11 +42,21 @@ def find_open_gaps_array(time: Array, torque: Array, interval: float) -> NDArray
     change = DECISIONS.load_change * max(np.ptp(torque), np.abs(torque).max())
     between = np.maximum(np.pad(rise, 1)[:-2], np.pad(rise, 1)[2:]) <= change
     narrow = (apart > 0.0) & (apart <= DECISIONS.step_rows * interval)
-    pace = np.sort(apart[(rise <= change) & (apart > 0.0)])
-    near = (apart / DECISIONS.same_pace, apart * DECISIONS.same_pace)
-    rows = np.searchsorted(pace, near[1], "right") - np.searchsorted(pace, near[0])
-    seldom = ~narrow & (rows >= DECISIONS.pace_rows)
+    seldom = ~narrow & keeps_pace_array(apart[(rise <= change) & (apart > 0.0)], apart)
     return row[np.flatnonzero((rise > change) & ((narrow & between) | seldom))]
+
+
+def keeps_pace_array(rests: Array, apart: Array) -> NDArray[np.bool_]:
+    """Whether a log at rest has a dozen gaps as wide.
+
+    Of (rest,) gaps where the load rests, and (gap,) others.
+
+    >>> keeps_pace_array(np.full(12, 0.1), np.array([0.1, 0.2]))
+    array([ True, False])
+    """
+    pace, near = np.sort(rests), (apart / DECISIONS.same_pace, apart * DECISIONS.same_pace)
+    rows = np.searchsorted(pace, near[1], "right") - np.searchsorted(pace, near[0])
+    return rows >= DECISIONS.pace_rows
 
 
 def build_hats_array(levels: int) -> Array:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from softfinger.measurement.decisions import DECISIONS
+from softfinger.measurement.open_gaps import keeps_pace_array
 
 Array = NDArray[np.float64]
 
@@ -16,7 +17,9 @@ Array = NDArray[np.float64]
 def find_step_gaps_array(load_time: Array, load_torque: Array, frame_interval: float) -> Array:
     """Gaps [s] within which steps came; 0 at knots of none.
 
-    Knots are (…, knot), the load's two at a step have the same gap.
+    Knots are (…, knot), the load's two at a step have the same gap. Either the gap is narrow, or
+    the log reads as seldom where the load rests. Rests that each end in a step are no such reading:
+    the log then states its steps alone.
 
     >>> knots, load = np.array([0.0, 1.0, 1.1, 1.1, 2.0]), np.array([0.0, 0.0, 0.0, 4.0, 4.0])
     >>> find_step_gaps_array(knots, load, 0.1).round(6)
@@ -24,8 +27,11 @@ def find_step_gaps_array(load_time: Array, load_torque: Array, frame_interval: f
     """
     apart, rise = np.diff(load_time), np.diff(load_torque)
     step = (apart[..., 1:] == 0.0) & (rise[..., 1:] != 0.0)
-    stated = apart[..., :-1] <= DECISIONS.step_rows * frame_interval
-    gap = np.where(step & stated, apart[..., :-1], 0.0)
+    before, rests = apart[..., :-1], (apart[..., :-1] > 0.0) & (rise[..., :-1] == 0.0) & ~step
+    within = step & (before <= DECISIONS.step_rows * frame_interval)
+    for log in map(tuple, np.argwhere((step & ~within).any(axis=-1))):
+        within[log] |= step[log] & keeps_pace_array(before[log][rests[log]], before[log])
+    gap = np.where(within, before, 0.0)
     found = np.zeros(load_time.shape)
     found[..., 1:-1] = gap
     found[..., 2:] = np.maximum(found[..., 2:], gap)

@@ -13,7 +13,7 @@ from softfinger.inference.disturbed import admit_disturbances
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.measure import add_components
-from softfinger.measurement.mend import mend_recordings
+from softfinger.measurement.mend import mend_recordings, read_every_row
 from softfinger.measurement.steady import steady_log
 from softfinger.measurement.step_time import find_step_gaps_array
 from softfinger.measurement.tare import tare_log
@@ -115,7 +115,7 @@ def pose_load(angles: xr.Dataset, pose: Pose) -> Posed:
     if not differs:
         return posed
     survey = posed.survey
-    raw = mend_recordings(angles, posed.mended.model_copy(update={"steady_load": False}))
+    raw = mend_recordings(angles, read_every_row(posed.mended))
     more = weigh_log(posed.plain, posed.base, survey.ranked[0], raw, survey.needed)
     leader = find_leader(posed.base, survey.ranked[0], survey.needed)
     left = DECISIONS.form_error * (leader.log_evidence - posed.base.log_evidence)

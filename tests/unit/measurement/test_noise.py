@@ -5,7 +5,7 @@ import pytest
 
 from softfinger.measurement import reml
 from softfinger.measurement.frames import select_frames
-from softfinger.measurement.memory import Memory, whiten_array, whiten_neighbours
+from softfinger.measurement.memory import Memory, whiten_array
 from softfinger.measurement.noise import fit_noise
 from softfinger.measurement.quiet import find_load_changes_array, find_quiet_array
 
@@ -95,13 +95,6 @@ def test_whitened_rows_give_the_inverse_correlation():
         white, logdet = whiten_array(np.eye(4), gap, Memory(0.7, share))
         assert white.T @ white == pytest.approx(np.linalg.inv(mixed))
         assert logdet == pytest.approx(np.linalg.slogdet(mixed)[1])
-
-
-def test_without_a_white_share_the_frame_before_is_enough():
-    rng = np.random.default_rng(5)
-    rows, gap = rng.normal(size=(9, 3)), np.append(np.inf, rng.uniform(0.5, 3.0, 8))
-    kept = np.where(np.isfinite(gap), 0.8**gap, 0.0)
-    assert whiten_neighbours(rows, kept) == pytest.approx(whiten_array(rows, gap, Memory(0.8))[0])
 
 
 def test_noise_of_two_kinds_is_told_from_one(make_campaign, rng):

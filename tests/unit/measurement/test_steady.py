@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from softfinger.measurement.steady import steady_load_array
+from softfinger.inference.simulate import build_recording
+from softfinger.measurement.steady import steady_load_array, steady_log
 from softfinger.mechanics.load import drop_idle_knots
 
 RNG = np.random.default_rng
@@ -114,3 +115,23 @@ def test_small_steps_are_kept_and_a_drift_is_not(held, low):
         np.testing.assert_allclose(part[5:-5], level, atol=0.001)
     drift = np.linspace(1.0, 1.03, 900) + noise.ravel()
     assert np.ptp(steady_rows(drift, held)) == 0.0
+
+
+@pytest.mark.parametrize(("frame", "steps"), [(0.025, 2), (0.1, 0)])
+def test_a_log_that_reads_seldom_has_steps_between_its_rests(frame, steps):
+    time = 0.05 * np.arange(80.0)
+    torque = np.repeat([0.02, 0.08, 0.03], [25, 30, 25]) + 1e-4 * RNG(2).normal(size=80)
+    angles = build_recording(frame * np.arange(0.0, 3.9 / frame), time, torque, 1, ["a"])
+    steady, _ = steady_log(angles)
+    knots, load = (steady[name].values[0] for name in ("load_time", "load_torque"))
+    at = np.flatnonzero((np.diff(knots) == 0.0) & (np.diff(load) != 0.0))
+    np.testing.assert_allclose(knots[at], [1.25, 2.75][:steps])
+    np.testing.assert_allclose(np.unique(load), [0.02, 0.03, 0.08], atol=1e-4)
+
+
+def test_a_cell_of_one_scatter_has_it_over_the_rms_of_its_loads():
+    levels = np.repeat([0.02, 0.1], 400)
+    torque = levels + 1e-4 * RNG(3).normal(size=800)
+    angles = build_recording(0.1 * np.arange(80.0), 0.01 * np.arange(800.0), torque, 1, ["a"])
+    rms = np.sqrt(np.mean(levels**2))
+    assert steady_log(angles)[1] == pytest.approx(1e-4 / rms, rel=0.1)

@@ -57,6 +57,19 @@ def test_a_step_that_is_stated_at_once_has_no_gap():
     assert find_step_gaps_array(knots, load, 0.03).max() == np.float64(5.0) - 4.98
 
 
+def test_a_log_that_reads_as_seldom_at_rest_has_wide_gaps():
+    time = 0.1 * np.arange(20.0)
+    knots, load = np.insert(time, 14, time[14]), np.append(np.zeros(15), np.full(6, 2.0))
+    assert find_step_gaps_array(knots, load, 0.03).max() == pytest.approx(0.1)
+    fewer = np.append(knots[:1], knots[6:]), np.append(load[:1], load[6:])
+    assert not find_step_gaps_array(fewer[0][1:], fewer[1][1:], 0.03).any()
+
+
+def test_rests_that_end_in_steps_are_no_gaps():
+    knots, load = np.repeat(5.0 * np.arange(16.0), 2)[1:-1], np.repeat(np.arange(15.0), 2)
+    assert not find_step_gaps_array(knots, load, 0.03).any()
+
+
 def test_the_gaps_are_those_in_which_the_reader_sees_steps():
     assert DECISIONS.step_rows == STEP_WITHIN_FRAME_INTERVALS == load_limit.SELDOM
 

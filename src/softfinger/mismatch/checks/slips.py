@@ -14,6 +14,7 @@ References
 Fox (1972), J. R. Stat. Soc. B 34, 350. Chen, Liu (1993), J. Am. Stat. Assoc. 88, 284.
 """
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -22,10 +23,11 @@ from numpy.typing import NDArray
 
 from softfinger.inference.disturbed import locate_disturbances
 from softfinger.inference.problem import LAYOUT, Candidate, Problem, simulate_frames
-from softfinger.measurement.memory import correlate_frames, list_memories, whiten_neighbours
+from softfinger.measurement.memory import list_memories, whiten_array
 from softfinger.measurement.quiet import find_quiet_array
 from softfinger.measurement.repeats import compute_step
 from softfinger.mechanics import OWN
+from softfinger.mismatch.checks.onsets import Onset, project_onsets
 from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.priors import PRIORS
 
@@ -43,14 +45,11 @@ class Slips(NamedTuple):
 class Series(NamedTuple):
     """One joint in one trial.
 
-    rows (n, OWN + 1) of [∂F/∂η | residual]; weight, carried (n,): row i is weight · (x_i −
-    carried · x_{i−1}); pull (OWN,) = Ω⁻¹(μ − η) and precision Ω⁻¹ of η; quiet (n,); step to which
-    angles are rounded, over the noise.
+    rows (n, OWN + 1) of [∂F/∂η | residual], whitened; pull (OWN,) = Ω⁻¹(μ − η) and precision Ω⁻¹ of
+    η; quiet (n,); step to which angles are rounded, over the noise.
     """
 
     rows: Array
-    weight: Array
-    carried: Array
     pull: Array
     precision: Array
     quiet: NDArray[np.bool_]
@@ -62,10 +61,9 @@ def find_slips(problem: Problem, candidate: Candidate, angles: xr.Dataset) -> Sl
     trials = problem.trials
     evidence = np.full((len(trials.name), trials.joints), -np.inf)
     rival = evidence.copy()
-    for i, j, series, sd in _list_series(problem, candidate, angles):
-        sizes = np.array(PRIORS.slip_sizes_rad) / sd
-        evidence[i, j] = weigh_shapes(series, *project_steps(series), sizes)
-        rivals = [weigh_shapes(series, *shape, sizes) for shape in project_outliers(series)]
+    for i, j, series, onsets in _list_series(problem, candidate, angles):
+        sizes = np.array(PRIORS.slip_sizes_rad) / float(problem.noise["noise_sd"][j])
+        evidence[i, j], *rivals = (weigh_shapes(series, *onset, sizes) for onset in onsets)
         rival[i, j] = np.logaddexp(*rivals) - np.log(2.0)
     seen = np.isfinite(evidence).any(axis=1)
     if not seen.any():
@@ -77,27 +75,6 @@ def find_slips(problem: Problem, candidate: Candidate, angles: xr.Dataset) -> Sl
     joints = sorted({int(evidence[i].argmax()) + 1 for i in slipping})
     gain = float(np.logaddexp.reduce(mixed) - np.log(len(mixed)))
     return Slips(gain, [trials.name[i] for i in slipping], joints)
-
-
-def project_steps(series: Series) -> tuple[Array, Array]:
-    """Products of whitened steps with the rows.
-
-    Steps begin at frame s: (s, OWN + 1), and norms² (s,).
-
-    A step is weight at s and weight · (1 − carried) later.
-    """
-    later = series.weight * (1.0 - series.carried)
-    tail = _sum_after(series.rows * later[:, None])
-    return series.rows * series.weight[:, None] + tail, series.weight**2 + _sum_after(later**2)
-
-
-def project_outliers(series: Series) -> list[tuple[Array, Array]]:
-    """Project outliers and innovations, as `project_steps` does."""
-    back = np.append(series.weight[1:] * series.carried[1:], 0.0)
-    here = series.rows * series.weight[:, None]
-    after = np.concatenate([series.rows[1:], np.zeros((1, series.rows.shape[1]))])
-    wrong = here - after * back[:, None], series.weight**2 + back**2
-    return [wrong, (here, series.weight**2)]
 
 
 def weigh_shapes(series: Series, product: Array, square: Array, sizes: Array) -> float:
@@ -115,11 +92,6 @@ def weigh_shapes(series: Series, product: Array, square: Array, sizes: Array) ->
     return float(np.logaddexp.reduce(np.ravel(each)) - np.log(np.size(each)))
 
 
-def _sum_after(values: Array) -> Array:
-    """Sums over all later rows."""
-    return values[::-1].cumsum(axis=0)[::-1] - values
-
-
 def _average(evidence: Array) -> Array:
     """Average over the joints (trial, joint) that were seen."""
     return np.logaddexp.reduce(evidence, axis=1) - np.log(np.isfinite(evidence).sum(axis=1))
@@ -127,8 +99,8 @@ def _average(evidence: Array) -> Array:
 
 def _list_series(
     problem: Problem, candidate: Candidate, angles: xr.Dataset
-) -> list[tuple[int, int, Series, float]]:
-    """Series with enough seen: place, values, sd."""
+) -> Iterator[tuple[int, int, Series, tuple[Onset, ...]]]:
+    """Series with enough seen: place, values, what may begin in them."""
     trials, fit = problem.trials, candidate.fit
     sds, memories = problem.noise["noise_sd"].values, list_memories(problem.noise)
     factor = problem.noise["noise_factor"].sel(trial=trials.name).transpose(*LAYOUT).values
@@ -137,7 +109,6 @@ def _list_series(
     time = chosen["time"].transpose("trial", "frame").values
     recorded = recorded - locate_disturbances(problem, candidate, time)
     angle, slope = simulate_frames(problem, candidate, angles, gradient=True)
-    found = []
     for i, used in enumerate(trials.used):
         quiet = find_quiet_array(time[i, used], trials.load_time[i], trials.load_torque[i])
         gap = np.diff(time[i, used], prepend=-np.inf) / trials.interval
@@ -148,17 +119,14 @@ def _list_series(
             own = slice(OWN * j, OWN * (j + 1))
             residual = recorded[i, j, used] - angle[i, j, used]
             rows = np.column_stack([slope[i, j, used, own], residual]) / sd
-            rows /= factor[i, j, used, None]
-            carried = correlate_frames(memories[j], gap)
+            rows, _ = whiten_array(rows / factor[i, j, used, None], gap, memories[j])
             precision = np.linalg.inv(fit.omega[own, own])
             series = Series(
-                whiten_neighbours(rows, carried),
-                1.0 / np.sqrt(1.0 - carried**2),
-                carried,
+                rows,
                 precision @ (fit.mean[own] - fit.own[i, own]),
                 precision,
                 quiet,
                 compute_step(float(problem.noise["rounding_sd"][j])) / sd,
             )
-            found.append((i, int(j), series, float(sd)))
-    return found
+            onsets = project_onsets(rows, 1.0 / factor[i, j, used], gap, memories[j])
+            yield i, int(j), series, onsets

@@ -3,13 +3,8 @@ import pytest
 
 from softfinger.inference.problem import Candidate, pose_problem
 from softfinger.measurement.memory import Memory, whiten_array
-from softfinger.mismatch.checks.slips import (
-    Series,
-    find_slips,
-    project_outliers,
-    project_steps,
-    weigh_shapes,
-)
+from softfinger.mismatch.checks.onsets import project_onsets
+from softfinger.mismatch.checks.slips import Series, find_slips, weigh_shapes
 
 
 def look(angles):
@@ -61,23 +56,38 @@ def test_one_large_innovation_of_lasting_noise_is_no_jump(draw_campaign):
     assert slips.trials == []
 
 
-def test_projections_are_those_of_whitened_columns():
+def test_what_wanders_slowly_beneath_white_noise_is_no_slip():
+    own, neighbours = Memory(0.97, 0.45), Memory(0.97 * 0.55)
+    n, sizes = 600, np.array([1.0, 3.0, 10.0])
+    gap = np.append(np.inf, np.ones(n - 1))
+    inverse = whiten_array(np.eye(n), gap, own)[0]
+    evidence = {own: 0.0, neighbours: 0.0}
+    for seed in range(6):
+        left = np.linalg.solve(inverse, np.random.default_rng(seed).normal(size=n))
+        for memory in evidence:
+            rows, _ = whiten_array(np.column_stack([np.zeros((n, 4)), left]), gap, memory)
+            series = Series(rows, np.zeros(4), np.eye(4), np.ones(n, bool))
+            step, *_ = project_onsets(rows, np.ones(n), gap, memory)
+            evidence[memory] += weigh_shapes(series, *step, sizes)
+    assert evidence[own] < 0.0
+    assert evidence[neighbours] > 20.0  # what the frame before alone predicts is not enough
+
+
+@pytest.mark.parametrize("memory", [Memory(0.9), Memory(0.95, 0.4), Memory(0.0, 0.3)])
+def test_onsets_are_those_of_whitened_columns(memory):
     rng = np.random.default_rng(1)
-    n, rho = 30, 0.9
+    n = 30
     gap = np.concatenate([[np.inf], rng.uniform(0.5, 3.0, n - 1)])
-    carried = np.where(np.isfinite(gap), rho**gap, 0.0)
-    rows = rng.normal(size=(n, 5))
-    series = Series(
-        rows, (1 - carried**2) ** -0.5, carried, np.zeros(4), np.eye(4), np.ones(n, bool)
-    )
+    rows, size = rng.normal(size=(n, 5)), rng.uniform(0.3, 2.0, n)
     place = np.cumsum(np.where(np.isfinite(gap), gap, 0.0))
     later = np.arange(n)[:, None] >= np.arange(n)
-    decay = np.where(later, rho ** np.maximum(place[:, None] - place, 0.0), 0.0)
-    found = [project_steps(series), *project_outliers(series)]
-    for (product, square), shapes in zip(found, (1.0 * later, np.eye(n), decay), strict=True):
-        white, _ = whiten_array(shapes, gap, Memory(rho))
-        np.testing.assert_allclose(product, white.T @ rows, atol=1e-10)
-        np.testing.assert_allclose(square, (white**2).sum(axis=0), atol=1e-10)
+    apart = np.maximum(place[:, None] - place, 0.0)
+    decay = np.where(later, memory.autocorrelation**apart, 0.0)
+    shapes = size[:, None] * later, np.diag(size), size * decay
+    for found, columns in zip(project_onsets(rows, size, gap, memory), shapes, strict=True):
+        white, _ = whiten_array(columns, gap, memory)
+        np.testing.assert_allclose(found.product, white.T @ rows, atol=1e-10)
+        np.testing.assert_allclose(found.square, (white**2).sum(axis=0), atol=1e-10)
 
 
 def test_a_leap_of_one_step_of_rounding_is_no_slip():
@@ -86,12 +96,12 @@ def test_a_leap_of_one_step_of_rounding_is_no_slip():
     left = 0.1 * rng.normal(size=n)
     left[120:] += step
     rows = np.column_stack([np.zeros((n, 4)), left])
-    none = np.zeros(n)
-    series = Series(rows, 1.0 + none, none, np.zeros(4), np.eye(4), np.ones(n, bool))
-    sizes = np.array([5.0])
-    shape = project_steps(series)
+    one, sizes = np.ones(n), np.array([5.0])
+    series = Series(rows, np.zeros(4), np.eye(4), np.ones(n, bool))
+    shape, *_ = project_onsets(rows, one, one, Memory(0.0))
     assert weigh_shapes(series, *shape, sizes) > 100.0
     rounded = series._replace(step=step)
     assert weigh_shapes(rounded, *shape, sizes) < 0.0
     rows[120:, -1] += step  # twice as far as rounding takes it
-    assert weigh_shapes(rounded, *project_steps(rounded), sizes) > 100.0
+    shape, *_ = project_onsets(rows, one, one, Memory(0.0))
+    assert weigh_shapes(rounded, *shape, sizes) > 100.0

@@ -55,14 +55,18 @@ def record(follows):
     )
 
 
+def steady_lines(angles):
+    """Steady plateaus, and a line over the gap in which a step came."""
+    return mend_recordings(angles, MeasurementEntry(steady_load=True, steps_open=True))
+
+
 @pytest.mark.parametrize(("follows", "sign"), [(False, 1.0), (True, -1.0)])
 def test_the_motion_decides_whether_the_load_or_its_log_scatters(follows, sign):
     angles = record(follows)
     problem, fit = pose_problem(angles)
     base = Candidate(problem.base, fit, fit.log_evidence)
-    steady, error = steady_log(angles)
-    assert error == pytest.approx(0.01, rel=0.25)
-    assert sign * weigh_log(problem, base, [], steady, 7.0) > 20.0
+    assert steady_log(angles)[1] == pytest.approx(0.01, rel=0.25)
+    assert sign * weigh_log(problem, base, [], steady_lines(angles), 7.0) > 20.0
 
 
 @pytest.mark.parametrize("follows", [False, True])
@@ -78,7 +82,8 @@ def test_the_steady_log_comes_first_and_stays_where_the_motion_prefers_it(follow
         return Posed(right, problem, base, survey, known, mended)
 
     found = pose_load(angles, pose)
-    assert posed == ([True, False] if follows else [True])
+    assert posed == ([True, True, False] if follows else [True, True])
+    assert found.mended.steps_open == (not follows)  # no jump: a line from row to row
     assert found.mended.steady_load == (not follows)
     assert ("noisy_load" in found.known) == (not follows)
     if not follows:
@@ -87,13 +92,13 @@ def test_the_steady_log_comes_first_and_stays_where_the_motion_prefers_it(follow
     posed.clear()
     angles = steady_log(angles)[0]
     pose_load(angles, pose)
-    assert posed == [False]
+    assert posed == [False, False]  # steady already: its step alone is placed
 
 
 @pytest.mark.parametrize(("explained", "follows"), [(1000.0, True), (10000.0, False)])
 def test_a_log_takes_no_more_than_the_best_effect_may_leave(explained, follows, monkeypatch):
     angles, posed = record(follows=False), []
-    problem, fit = pose_problem(steady_log(angles)[0])
+    problem, fit = pose_problem(steady_lines(angles))
     base = Candidate(problem.base, fit, fit.log_evidence)
     survey = SimpleNamespace(ranked=([], []), needed=7.0)
     leader = base._replace(log_evidence=base.log_evidence + explained)
@@ -111,7 +116,7 @@ def test_a_log_takes_no_more_than_the_best_effect_may_leave(explained, follows, 
 def test_readings_that_no_model_follows_are_no_evidence(monkeypatch):
     """An infinite evidence went into the verdict, which cannot have one."""
     angles = record(follows=False)
-    problem, fit = pose_problem(steady_log(angles)[0])
+    problem, fit = pose_problem(steady_lines(angles))
     base = Candidate(problem.base, fit, fit.log_evidence)
     survey = SimpleNamespace(ranked=([], []), needed=7.0)
     monkeypatch.setattr(diagnosed, "weigh_log", lambda *_: -np.inf)
