@@ -6,7 +6,7 @@ import contextlib
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -23,6 +23,9 @@ from softfinger.cli.join import Campaigns, write_joined
 from softfinger.cli.results import report, summarise
 from softfinger.config import read_config
 from softfinger.stages.keys import choose_settings
+
+if TYPE_CHECKING:
+    from softfinger.artifacts.verdict import Verdict
 
 
 @app.command(epilog=show_example("softfinger diagnose my_campaign --out my_results"))
@@ -99,11 +102,27 @@ def write_verdict(
 
 
 def describe_verdict(file: Path) -> Iterator[str]:
-    """Decision, effects and next experiment, in sentences."""
+    """Decision, effects, what they leave and next experiment, in sentences."""
     from softfinger.artifacts.verdict import read_verdict
 
     verdict = read_verdict(file)
     yield f"{verdict.campaign}: {verdict.decision}"
     yield from (effect.statement for effect in verdict.effects)
+    if verdict.decision == "unlisted":
+        yield from state_rest(verdict)
     if verdict.next_experiment:
         yield str(verdict.next_experiment["statement"])
+
+
+def state_rest(verdict: Verdict) -> Iterator[str]:
+    """What listed effects explain of it, and where the rest is."""
+    if verdict.explained:
+        best = verdict.explained[0]
+        names = " and ".join(name.replace("_", " ") for name in best.effects)
+        yield f"The best listed set, {names}, explains {best.share:.0%} of what is missing."
+    else:
+        yield "No listed effect explains what is missing."
+    rest = verdict.remaining
+    if rest is not None and rest.rms_over_noise > 1.0:
+        size = f"{rest.rms_over_noise:.2f} times what the measurement allows"
+        yield f"What remains is {size}: {rest.where}."

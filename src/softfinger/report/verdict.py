@@ -66,7 +66,8 @@ def _state_ambiguous(material: Material, verdict: Verdict) -> str:
 
 def _state_unlisted(material: Material, verdict: Verdict) -> str:
     del material
-    names, left = name_effects(verdict), state_left(verdict)
+    names, rest = name_effects(verdict), verdict.get("remaining")
+    left = state_left(verdict) if rest and rest["rms_over_noise"] > 1.0 else ""
     if names:
         after = left and f"; with {it(names)}, {left}"
         return f"Something is missing, of which {join_words(names)} is only a part{after}."

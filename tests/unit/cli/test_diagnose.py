@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 
 from softfinger.artifacts.verdict import read_verdict
 from softfinger.cli import app
+from softfinger.cli.diagnose import describe_verdict
 
 EXAMPLE = Path(__file__).parents[3] / "data/example"
 
@@ -41,3 +42,20 @@ def test_a_diagnosis_writes_a_report_of_its_own(diagnosed):
         assert finding.statement[:30] in page
     size = f"{verdict.remaining.rms_over_noise:.2f} times what the measurement allows"
     assert f"Under the final model what remains within trials is {size}" in page
+
+
+def test_the_terminal_states_what_is_left_of_unlisted_physics(diagnosed, tmp_path):
+    known = json.loads((diagnosed[0] / "verdict.json").read_text(encoding="utf-8"))
+    rest = {"rms_over_noise": 1.4, "p_value": 0.0, "where": "joint 2, creep, from 3 s after"}
+    best = {"effects": ["gravity", "inertia"], "gain_nats": 90.0, "share": 0.6}
+    best["amplitudes_cover_zero"] = False
+    known |= {"decision": "unlisted", "effects": [], "remaining": rest, "next_experiment": None}
+    file = tmp_path / "verdict.json"
+    for explained, stated in (([], "No listed"), ([best], "The best listed set, gravity and")):
+        file.write_text(json.dumps(known | {"explained": explained}), encoding="utf-8")
+        heading, what, left = describe_verdict(file)
+        assert heading.endswith(": unlisted")
+        assert what.startswith(stated)
+        assert left.endswith(
+            "1.40 times what the measurement allows: joint 2, creep, from 3 s after."
+        )
