@@ -84,6 +84,16 @@ class DiagnosisBudget:
     """
     step_tries: int = 9
     """Places of a step in its gap that are tried. Why: a parabola gives the rest."""
+    step_rounds: int = 6
+    """Times that all steps are placed anew. Why: a motion just begun shows its first millisecond.
+
+    Test: `test_weigh_log.py::test_a_step_in_a_wide_gap_is_placed_to_a_hundredth_of_it`.
+    """
+    step_zoom: float = 0.5
+    """Width of the places that are tried, of that in the round before.
+
+    Why: four of the tries before are within it, so a step that was misplaced by one comes back.
+    """
     rest_nats: float = 0.02
     """[nats] at which a finalist's fit rests. Why: far below any decision's size."""
     shape_steps: int = 25

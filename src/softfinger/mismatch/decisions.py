@@ -47,6 +47,13 @@ class DiagnosisDecisions:
     Why: no recording has the textbook form, so where the evidence is large any spline gains more.
     Test: `test_stepwise.py::test_a_shape_alone_that_says_clearly_more_takes_the_place_of_effects`.
     """
+    common_errors: float = 3.0
+    """Standard errors beyond which clocks that differ between trials have a mean.
+
+    What they have in common is then a delay, and no chance of their offsets.
+
+    Why: as improbable as a first effect. Test: `test_mend_offsets.py::test_a_mean_by_chance_stays`.
+    """
     form_error: float = 0.005
     """Share that textbook forms may leave to others.
 

@@ -30,7 +30,12 @@ from softfinger.mismatch.search.eliminate import choose_top
 from softfinger.mismatch.search.extend import Task
 from softfinger.mismatch.search.finalists import find_leader, list_leaders
 from softfinger.mismatch.search.judge import fit_again, judge
-from softfinger.mismatch.search.log_and_clock import find_clock_rate, start_clocks, weigh_log
+from softfinger.mismatch.search.log_and_clock import (
+    find_clock_rate,
+    find_common,
+    start_clocks,
+    weigh_log,
+)
 from softfinger.mismatch.search.place_steps import PlacedSteps, describe_steps, place_steps
 from softfinger.mismatch.search.stepwise import Search, search_effects
 
@@ -228,7 +233,7 @@ def mend_offsets(posed: Posed, pose: Pose) -> Posed:
     if max(after) < before + MEASURING.present_nats:
         return posed
     best = started[int(np.argmax(after))]
-    offset = best.offset - best.offset.mean()  # what they have in common is an effect
+    offset = best.offset - find_common(best.offset)
     offsets = dict(zip(plain.trials.name, offset.tolist(), strict=True))
     mended = posed.mended.model_copy(update={"clock_offsets_s": offsets})
     sd = float(np.sqrt(np.mean(offset**2)))

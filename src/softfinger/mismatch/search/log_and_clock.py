@@ -15,6 +15,7 @@ from softfinger.inference.reduce import reduce_trials
 from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.trials import Trials
 from softfinger.mismatch.budget import BUDGET
+from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.search.finalists import list_leaders
 from softfinger.mismatch.search.judge import fit_again
 
@@ -164,6 +165,16 @@ def find_lowest(
     with np.errstate(over="ignore"):  # then it is at an end
         shift = np.clip(0.5 * (before - after) / bend, -1.0, 1.0)
     return grid[at] + shift * width, width**2 / bend
+
+
+def find_common(offset: NDArray[np.float64]) -> float:
+    """Mean of trials' offsets (trial,), which is an effect; 0 where chance has as much.
+
+    >>> find_common(np.array([0.0, 2.0, 4.0])), find_common(np.array([2.9, 3.0, 3.1])).round(3)
+    (0.0, np.float64(3.0))
+    """
+    mean, error = offset.mean(), offset.std(ddof=1) / np.sqrt(len(offset))
+    return mean if abs(mean) > DECISIONS.common_errors * error else 0.0
 
 
 def discount(candidate: Candidate, base: Candidate, needed: float) -> float:

@@ -20,9 +20,10 @@ from softfinger.measurement.step_time import (
 )
 from softfinger.measurement.trials import Trials
 from softfinger.mismatch.budget import BUDGET
+from softfinger.mismatch.decisions import DECISIONS
 from softfinger.mismatch.priors import PRIORS
 from softfinger.mismatch.search.finalists import list_leaders
-from softfinger.mismatch.search.judge import compare_levels, fit_again
+from softfinger.mismatch.search.judge import compare_levels, fit_again, judge
 from softfinger.mismatch.search.log_and_clock import discount, find_lowest, measure_lost
 
 Array = NDArray[np.float64]
@@ -33,13 +34,15 @@ class PlacedSteps(NamedTuple):
 
     `early`: sooner than at their later rows, as a share of the gap; `is_open`: at any moment of it;
     `each`: sooner by shares of their own (trial, step); `nats` [nats] over the log as it is;
-    `evidence` [nats] of the best with them, an effect less what chance gains.
+    `cost` [nats] of shares of their own, off that; `evidence` [nats] of the best with them, an
+    effect less what chance gains.
     """
 
     early: float = 0.0
     is_open: bool = False
     each: Array | None = None
     nats: float = 0.0
+    cost: float = 0.0
     evidence: float = -np.inf
 
 
@@ -61,17 +64,41 @@ def place_steps(
     known = max(discount(c, base, needed) for c in leaders)
     best = PlacedSteps()
     for candidate in leaders:
+        early = _find_steps_early(plain, candidate, base)
+        opened = _open_steps(plain, candidate, base)
+        each = _place_each(plain, candidate, base)
         found = max(
-            (
-                find(plain, candidate, base)
-                for find in (_find_steps_early, _open_steps, _place_each)
-            ),
+            (early, opened, each),
             key=lambda steps: steps.nats - MEASURING.present_nats * (steps.early == 0.0),
         )
+        if min(opened.nats, each.nats) > max(early.nats, MEASURING.present_nats):
+            nats = (_judge_steps(plain, steps, candidate, base) for steps in (opened, each))
+            open_nats, each_nats = nats
+            found = opened if open_nats > each_nats + DECISIONS.form_error * each.nats else each
         evidence = discount(candidate, base, needed) + found.nats
         if found.nats > MEASURING.present_nats and evidence >= max(known, best.evidence):
             best = found._replace(evidence=evidence)
     return best
+
+
+def _judge_steps(
+    plain: Problem, steps: PlacedSteps, candidate: Candidate, base: Candidate
+) -> float:
+    """Evidence [nats] of steps with whatever else the recordings suffer from.
+
+    A line over a gap takes some of that: what times that jitter do to the frames just after a step.
+    """
+    moved = replace(plain, trials=_move_steps(plain.trials, steps))
+    again = fit_again(moved, candidate, base)
+    judged = None if again is None else judge(moved, again, None, base)
+    return -np.inf if judged is None else judged.evidence - steps.cost
+
+
+def _move_steps(trials: Trials, steps: PlacedSteps) -> Trials:
+    load = trials.load_time, trials.load_torque
+    if steps.is_open:
+        return trials._replace(load_time=open_steps_array(*load, trials.interval))
+    return trials._replace(load_time=place_steps_array(*load, steps.each, trials.interval))
 
 
 def _find_steps_early(plain: Problem, candidate: Candidate, base: Candidate) -> PlacedSteps:
@@ -134,36 +161,39 @@ def _place_each(plain: Problem, candidate: Candidate, base: Candidate) -> Placed
         return trials._replace(load_time=place_steps_array(*load, share, trials.interval))
 
     now, before = fit_again(replace(plain, trials=move(share)), candidate, base), -np.inf
-    for _ in range(BUDGET.offset_rounds):
+    for number in range(BUDGET.step_rounds):
         if now is None or now.log_evidence < before + BUDGET.rest_nats:
             break
-        share, spread = _scan_steps(replace(plain, trials=move(share)), now, share, move)
+        here, width = replace(plain, trials=move(share)), BUDGET.step_zoom**number
+        share, spread = _scan_steps(here, now, share, move, width)
         share, before = np.where(is_step, share, 0.0), now.log_evidence
         now = fit_again(replace(plain, trials=move(share)), now, base)
     if now is None:
         return PlacedSteps(nats=-np.inf)
-    cost = (share - mean) ** 2 / (2.0 * variance) + 0.5 * np.log(variance / spread)
-    gain = now.log_evidence - candidate.log_evidence
-    return PlacedSteps(each=share, nats=gain - float(cost[is_step].sum()))
+    lost = (share - mean) ** 2 / (2.0 * variance) + 0.5 * np.log(variance / spread)
+    gain, cost = now.log_evidence - candidate.log_evidence, float(lost[is_step].sum())
+    return PlacedSteps(each=share, nats=gain - cost, cost=cost)
 
 
 def _scan_steps(
-    here: Problem, candidate: Candidate, share: Array, move: Callable[[Array], Trials]
+    here: Problem, candidate: Candidate, share: Array, move: Callable[[Array], Trials], width: float
 ) -> tuple[Array, Array]:
-    """Most probable share of each step, and its variance.
+    """Most probable share of each step within a width of where it is, and its variance.
 
     Both are (trial, step), found one step after the other; as they are where a place has no motion.
     """
-    grid = np.linspace(0.0, 1.0, BUDGET.step_tries)
-    away = (grid[:, None] - PRIORS.step_mean) ** 2 / (2.0 * PRIORS.step_variance)
+    around = width * np.linspace(-0.5, 0.5, BUDGET.step_tries)
     share, spread = share.copy(), np.full(share.shape, PRIORS.step_variance)
     for step in range(share.shape[1]):
+        centre = np.clip(share[:, step], width / 2.0, 1.0 - width / 2.0)
+        tried = centre + around[:, None]
         put = np.arange(share.shape[1]) == step
-        moved = (move(np.where(put, place, share)) for place in grid)
+        moved = (move(np.where(put, place[:, None], share)) for place in tried)
+        away = (tried - PRIORS.step_mean) ** 2 / (2.0 * PRIORS.step_variance)
         lost = measure_lost(here, candidate, moved) + away
         if np.isfinite(lost).all():
-            place, spread[:, step] = find_lowest(grid, lost)
-            share[:, step] = np.clip(place, 0.0, 1.0)
+            shift, spread[:, step] = find_lowest(around, lost)
+            share[:, step] = np.clip(centre + shift, 0.0, 1.0)
     return share, spread
 
 

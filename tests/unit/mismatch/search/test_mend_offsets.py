@@ -17,7 +17,7 @@ from softfinger.mismatch.candidates.columns import collect_columns
 from softfinger.mismatch.candidates.rank import list_pieces, rank_pieces
 from softfinger.mismatch.posed import Posed, Survey, _add_effect, mend_offsets
 from softfinger.mismatch.search.judge import judge
-from softfinger.mismatch.search.log_and_clock import start_clocks
+from softfinger.mismatch.search.log_and_clock import find_common, start_clocks
 
 TIME = np.arange(0.0, 12.0, 1 / 30)
 LATE = 0.03 * np.array([0.3, -1.4, 0.9, 0.1, 1.2, -0.6, -1.0, 0.5])
@@ -140,3 +140,10 @@ def test_a_model_without_motion_at_some_offset_has_none(scattered, monkeypatch):
     monkeypatch.setitem(start_clocks.__globals__, "_scan_clocks", fail)
     monkeypatch.setitem(start_clocks.__globals__, "fit_again", None)  # nothing is fitted
     assert start_clocks(scattered.plain, scattered.base, scattered.base) is None
+
+
+def test_a_mean_by_chance_stays():
+    """What no more than the trials' scatter explains is no delay that they have in common."""
+    error = LATE.std(ddof=1) / np.sqrt(len(LATE))
+    assert find_common(LATE + 2.0 * error) == 0.0
+    assert find_common(LATE - 4.0 * error) == pytest.approx(-4.0 * error)

@@ -217,7 +217,7 @@ def test_a_step_comes_within_the_gap_of_its_log(early):
     problem, fit = pose_problem(angles)
     assert problem.setting.step_gap == pytest.approx(0.04)
     base = Candidate(problem.base, fit, fit.log_evidence)
-    share, is_open, each, nats, _ = place_steps(problem, base, [], 7.0)
+    share, is_open, each, nats, *_ = place_steps(problem, base, [], 7.0)
     assert share == pytest.approx(early / 0.04, abs=0.05)
     assert not is_open
     assert each is None
@@ -432,3 +432,32 @@ def test_the_zero_of_a_load_cell_is_no_load(zero):
         size, nats = found.known["load_zero"]
         assert size == pytest.approx(np.sqrt(np.mean(offset**2)) / 0.04, rel=0.05)
         assert nats > 10.0
+
+
+def test_a_step_in_a_wide_gap_is_placed_to_a_hundredth_of_it():
+    """By a motion that is quick: places an eighth of the gap apart are not enough."""
+    rng, time = np.random.default_rng(4), np.arange(0.0, 6.0, 0.02)
+    rows = 0.1 * np.arange(60.0)
+    share = rng.uniform(size=(6, 2))
+    at = rows[[15, 40]] - 0.1 * share
+    names = [f"t{i}" for i in range(6)]
+    knots = np.column_stack([np.zeros(6), np.repeat(at, 2, axis=1), np.full(6, 6.0)])
+    recording = build_recording(
+        time, knots, np.tile([0, 0, 0.05, 0.05, 0.02, 0.02], (6, 1)), 1, names
+    )
+    mean = np.array([[-2.4, -4.4, 2.9, 0.02]])
+    own = draw_parameters(mean, np.array([0.2, 0.2, 0.7, 0.01]), recording, rng)
+    angles = draw_angles(recording, own, describe_noise(np.full(1, 0.0003), np.zeros(1), 0.0), rng)
+    log = np.select([rows < rows[15], rows < rows[40]], [0.0, 0.05], 0.02)
+    logged = angles.drop_dims("knot").assign(
+        load_time=(("trial", "knot"), np.tile(rows, (6, 1))),
+        load_torque=(("trial", "knot"), np.tile(log, (6, 1))),
+        started_at=("trial", np.full(6, np.nan)),
+        joint_length=np.nan,
+        wire_offset=np.nan,
+        **UNKNOWN,
+    )
+    problem, fit = pose_problem(steady_log(logged)[0])
+    base = Candidate(problem.base, fit, fit.log_evidence)
+    steps = place_steps(problem, base, [], 7.0)
+    np.testing.assert_allclose(steps.each, share, atol=0.01)
