@@ -102,7 +102,9 @@ def _guess_clock(run: Run, guesses: Guesses) -> None:
     if column is None or rated:
         return
     table, name = run.find(column) if len(run.tables) == 1 else _first_with(run, column)
-    if guesses.get("clock.unit") is None:
+    if len({other.unit.get(name) for other in run.tables.values() if name in other.cells}) > 1:
+        guesses.said.append(f"clock: '{name}' is in each file's own unit")
+    elif guesses.get("clock.unit") is None:
         own = table.unit.get(name)
         unit = read_times(table, name).unit
         if unit in ("date", "time of day"):

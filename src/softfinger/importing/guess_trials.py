@@ -21,11 +21,8 @@ from softfinger.importing.side_by_side import (
     split_trial_names,
 )
 from softfinger.importing.table import RawTable
-from softfinger.importing.trials import (
-    find_restarts,
-    find_role,
-    group_topics,
-)
+from softfinger.importing.topics import find_role, group_topics
+from softfinger.importing.trials import find_restarts
 from softfinger.importing.vocabulary import CLOCK, LOAD, MOTION, TRIAL, find_quantity, pick
 
 if TYPE_CHECKING:
@@ -203,7 +200,7 @@ def _find_going(tables: Sequence[RawTable]) -> str | None:
     files: dict[tuple[str, str], list[RawTable]] = {}
     for table in tables:
         files.setdefault((str(table.file), table.sheet), []).append(table)
-    steps = []
+    steps, spans = [], []
     for blocks in files.values():
         clocks = [column for column, kind in list_clocks(blocks[0]) if kind == "time"]
         if not clocks:
@@ -213,15 +210,16 @@ def _find_going(tables: Sequence[RawTable]) -> str | None:
         ]
         pairs = itertools.pairwise(seconds)
         steps += [float(np.nanmin(later) - np.nanmax(sooner)) for sooner, later in pairs]
-    if not steps or np.mean(np.array(steps) > 0.0) < 0.5:
-        return None
+        spans += [float(np.nanmax(times) - np.nanmin(times)) for times in seconds]
+    if not steps or np.mean(np.array(steps) > 0.0) < 0.5 or np.median(steps) > np.median(spans):
+        return None  # what waits longer than it lasts is recorded again
     return "file" if min(steps) > 0.0 else "clock"
 
 
 def _find_trial_column(table: RawTable) -> str | None:
     clocks = [column for column, _ in list_clocks(table)]
     for column in pick(table.columns, TRIAL):
-        if column in clocks:
+        if column in clocks or column in table.group:  # what is above it names it
             continue
         labels = table.cells[column].astype(str).to_numpy()
         runs = int((labels[1:] != labels[:-1]).sum()) + 1

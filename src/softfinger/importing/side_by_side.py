@@ -1,5 +1,6 @@
 """Trials side by side in one table."""
 
+import itertools
 import re
 from dataclasses import replace
 
@@ -7,7 +8,7 @@ from softfinger.importing.cells import WITH_UNIT
 from softfinger.importing.clock import list_clocks
 from softfinger.importing.faults import ImportFault
 from softfinger.importing.table import RawTable
-from softfinger.importing.vocabulary import TRIAL
+from softfinger.importing.vocabulary import CLOCK, TRIAL, pick
 
 REPEATED = re.compile(r"(.+) \((\d+)\)")
 NUMBERED = re.compile(
@@ -33,6 +34,7 @@ def list_groups(table: RawTable) -> dict[str, dict[str, str]]:
             given.setdefault(group, {})[column.removeprefix(group).strip()] = column
     for groups in (
         given,
+        _drop_numbers(given),
         _split_repeats(table),
         split_trial_names(table),
         _split_names(table, 0),
@@ -45,8 +47,19 @@ def list_groups(table: RawTable) -> dict[str, dict[str, str]]:
     return {}
 
 
+def _drop_numbers(groups: dict[str, dict[str, str]]) -> dict[str, dict[str, str]]:
+    """Groups whose own names end with numbers, as ``Specimen 2`` of ``F2`` and ``d2``."""
+    return {
+        group: {re.sub(r"[ _.-]*\d+$", "", own): column for own, column in members.items()}
+        for group, members in groups.items()
+    }
+
+
 def _split_repeats(table: RawTable) -> dict[str, dict[str, str]]:
-    """Columns whose names repeat, as ``Force`` and ``Force (2)``."""
+    """Columns whose names repeat, as ``Force`` and ``Force (2)``.
+
+    A clock that repeats begins a group: what comes before the next one is its, whatever its name.
+    """
     found = {column: REPEATED.fullmatch(column) for column in table.columns}
     names = {match[1] for match in found.values() if match}
     groups: dict[str, dict[str, str]] = {}
@@ -54,7 +67,23 @@ def _split_repeats(table: RawTable) -> dict[str, dict[str, str]]:
         if match or column in names:
             own, number = (match[1], match[2]) if match else (column, "1")
             groups.setdefault(number, {})[own] = column
-    return groups
+    clocks = [name for name in names if pick([name], " ".join(CLOCK.values()))]
+    return (_split_at_clock(table, groups, clocks[0]) if clocks else {}) or groups
+
+
+def _split_at_clock(
+    table: RawTable, groups: dict[str, dict[str, str]], clock: str
+) -> dict[str, dict[str, str]]:
+    """Groups from one clock to the next, named as the first; none where their units differ."""
+    begins = [table.columns.index(own[clock]) for own in groups.values() if clock in own]
+    blocks = [table.columns[a:b] for a, b in itertools.pairwise([*begins, len(table.columns)])]
+    units = {tuple(table.unit.get(column, "") for column in block) for block in blocks}
+    if len(units) != 1 or len(blocks) != len(groups):
+        return {}
+    own = [clock, *blocks[0][1:]]
+    return {
+        number: dict(zip(own, b, strict=True)) for number, b in zip(groups, blocks, strict=True)
+    }
 
 
 def split_trial_names(table: RawTable) -> dict[str, dict[str, str]]:

@@ -20,7 +20,7 @@ MOTION = {
     "joint 角度 関節 kink orientation pitch yaw roll curl",
     "strain": "strain dehnung déformation deformation eps epsilon ε verformung stauchung "
     "kriechdehnung ひずみ 歪 应变",
-    "displacement": "displacement displ disp deflection extension elongation elong travel stroke "
+    "displacement": "displacement displ disp d deflection extension elongation elong travel stroke "
     "crosshead indentation lvdt laser weg dehnweg standardweg traversenweg verschiebung traverse "
     "hub durchbiegung déplacement 変位 位移",
     "curvature": "curvature krümmung kappa courbure 曲率",

@@ -1,0 +1,94 @@
+"""Files of one trial, and trials of one table, by whatever their names say."""
+
+import numpy as np
+import pytest
+
+TIME = np.arange(60) * 0.5
+SIZES = (1.0, 2.0, 5.0)
+
+
+def move(size):
+    """Motion [mm] and load [N] of a trial."""
+    return 3.0 * size * (1 - np.exp(-TIME)), np.where(TIME < 0.5, 0.0, size)
+
+
+def write_rows(heading, *columns):
+    lines = (",".join(f"{value:.6f}" for value in row) for row in zip(*columns, strict=True))
+    return heading + "\n" + "\n".join(lines) + "\n"
+
+
+def check(found, sizes=SIZES, factor=1.0):
+    assert len(found.trials) == len(sizes)
+    for trial, size in zip(found.trials, sizes, strict=True):
+        motion, load = move(size)
+        np.testing.assert_allclose(trial.time, TIME, atol=1e-6)
+        np.testing.assert_allclose(trial.motion[:, 0], factor * motion, atol=1e-5)
+        np.testing.assert_allclose(np.interp(trial.time, trial.load_time, trial.load), load)
+
+
+@pytest.mark.parametrize("name", ["trial{}_{}.csv", "{1}_{0}.csv", "day 1/{}/{}.csv"])
+def test_files_of_one_number_are_topics_of_a_trial(write, read, name):
+    for k, size in enumerate(SIZES, start=1):
+        motion, load = move(size)
+        write(name.format(k, "camera"), write_rows("time_s,disp_mm", TIME, motion))
+        source = write(name.format(k, "load"), write_rows("time_s,force_N", TIME, load))
+    check(read(source))
+
+
+@pytest.mark.parametrize(("of_load", "factor"), [("t[ms]", 1e3), ("t [min]", 1 / 60)])
+def test_each_file_of_a_trial_has_the_unit_of_its_own_clock(write, read, of_load, factor):
+    for k, size in enumerate(SIZES, start=1):
+        motion, load = move(size)
+        write(f"run{k}/camera.csv", write_rows("t,disp_mm", TIME, motion))
+        clock = np.where(TIME == 0.5, 0.5 + 1e-9, TIME) * factor
+        source = write(f"run{k}/load.csv", write_rows(f"{of_load},force_N", clock, load))
+    found = read(source)
+    assert len(found.trials) == len(SIZES)
+    for trial in found.trials:
+        assert trial.load_time[-1] == pytest.approx(TIME[-1], abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    "own",
+    [("F{} (N)", "d{} (mm)"), ("Force A7-{} (N)", "Disp A7-{} (mm)"), ("{}a (N)", "{}b (mm)")],
+)
+def test_columns_from_one_clock_to_the_next_are_one_trial(write, read, own):
+    """Every trial was the first, for its clock alone has the name of the others."""
+    heading, columns = [], []
+    for k, size in enumerate(SIZES, start=1):
+        heading += ["Time (s)", *(name.format(k) for name in own)]
+        columns += [TIME, *reversed(move(size))]
+    keys = ["load.quantity=force", "motion.quantity=displacement"]
+    keys += [] if own[0][0] in "F" else ["load.column=1a", "motion.columns=[1b]"]
+    check(read(write("all.csv", write_rows(",".join(heading), *columns)), *keys))
+
+
+def test_columns_that_end_in_a_number_are_trials_beside_a_clock(write, read):
+    heading, columns = ["Time"], [TIME]
+    for k, size in enumerate(SIZES, start=1):
+        heading += [f"F{k}", f"d{k}"]
+        columns += reversed(move(size))
+    units = ",".join(["s", *["N", "mm"] * len(SIZES)])
+    check(read(write("all.csv", write_rows(",".join(heading) + "\n" + units, *columns))))
+
+
+def test_numbers_within_merged_headings_are_those_of_the_groups(write_book, read):
+    upper, heading, columns = [""], ["Time (s)"], [TIME]
+    for k, size in enumerate(SIZES, start=1):
+        upper += [f"Specimen {k}", ""]
+        heading += [f"F{k} (N)", f"d{k} (mm)"]
+        columns += reversed(move(size))
+    rows = [upper, heading, *([float(v) for v in row] for row in zip(*columns, strict=True))]
+    merged = ["B1:C1", "D1:E1", "F1:G1"]
+    check(read(write_book("all.xlsx", {"Data": rows}, merged=merged)))
+
+
+def test_blocks_that_wait_longer_than_they_last_are_trials(write, read):
+    text = "Project\tSkin\n"
+    for k, size in enumerate(SIZES):
+        text += f"Scan {k + 1}\n"
+        body = write_rows("Time,Disp,Load\nSec,mm,N", TIME + 600.0 * k, *move(size))
+        text += body.replace(",", "\t") + "\n"
+    found = read(write("scans.txt", text))
+    assert len(found.trials) == len(SIZES)
+    assert [trial.load.max() for trial in found.trials] == pytest.approx(SIZES)
