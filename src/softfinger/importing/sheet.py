@@ -1,5 +1,6 @@
 """A sheet of cells, and its tables."""
 
+import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -21,6 +22,7 @@ from softfinger.importing.headings import (
 from softfinger.importing.table import RawTable
 
 HEAD = 400  # rows that are looked at to find the layout
+UNITS = re.compile(r"(?i)(?<![a-z])(units?|einheit(en)?)(?![a-z])")  # of a row above the headings
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,10 +135,12 @@ def _build_table(
     levels = [_strip_comment(level) for level in levels]
     levels, frames = _drop_scorer(levels)
     names, groups = join_levels(levels) if levels else ([""] * width, [""] * width)
+    top = layout.headings[0] if layout.headings else layout.first
     units = [""] * width
     if layout.units is not None:
-        stated = [str(c).strip().strip("[]()（）") for c in grid[layout.units]]
-        units = [unit if is_unit(unit) else "" for unit in stated]
+        units = _list_units(grid[layout.units])
+    elif above := [row for row in grid[:top] if len(row) > 2 and UNITS.search(str(row[0]))]:
+        units = ["", *_list_units(above[-1])[1:], *units][:width]
     split = [split_heading(name) for name in names]
     unique = make_unique([name for name, _ in split], groups)
     if frames:
@@ -149,7 +153,6 @@ def _build_table(
     cells, gone = _drop_empty_columns(cells)
     unit = {n: u or s[1] for n, u, s in zip(unique, units, split, strict=True) if u or s[1]}
     unit |= {c: u for c in cells if c not in unit and (u := find_cell_unit(cells[c]))}
-    top = layout.headings[0] if layout.headings else layout.first
     marks, said = _list_sentinels(cells, sheet.decimal)
     missing, dropped = (*missing, *marks), [*dropped, *said]
     return RawTable(
@@ -157,6 +160,11 @@ def _build_table(
         {n: g for n, g in zip(unique, groups, strict=True) if g},
         read_preamble(grid[:top]), sheet.decimal, (*sheet.notes, *dropped, *gone), tuple(missing),
     )  # fmt: skip
+
+
+def _list_units(row: list[Any]) -> list[str]:
+    stated = [str(cell).strip().strip("[]()（）") for cell in row]
+    return [unit if is_unit(unit) else "" for unit in stated]
 
 
 def _list_sentinels(cells: pd.DataFrame, decimal: str) -> tuple[list[str], list[str]]:

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
+from softfinger.importing.dates import join_date
 from softfinger.importing.description import Tables
 from softfinger.importing.faults import ImportFault, ImportFaults
 from softfinger.importing.reshape import widen
@@ -14,9 +15,9 @@ from softfinger.importing.text import read_sheet
 from softfinger.importing.tracking_files import READERS, read_points
 from softfinger.importing.workbook import read_sheets
 
-TEXT = frozenset(
-    [".csv", ".tsv", ".txt", ".dat", ".asc", ".tab", ".prn", ".lvm", ".log", ".out", ".data"]
-)
+TABLES = (".csv", ".tsv", ".txt", ".dat", ".asc", ".tab", ".prn", ".log", ".out", ".data")
+MACHINES = (".lvm", ".tra", ".raw", ".rpt", ".exp", ".res")
+TEXT = frozenset([*TABLES, *MACHINES])
 BOOKS = frozenset([".xlsx", ".xls", ".xlsm", ".xlsb", ".ods"])
 PROSE = frozenset(["readme", "license", "licence", "source", "changelog", "notes"])
 
@@ -50,7 +51,8 @@ def read_tables(source: Path, asked: Tables) -> tuple[list[RawTable], list[str]]
         except ImportFault as fault:
             faults.append(str(fault))
             continue
-        tables += [widen(replace(t, decimal=asked.decimal or t.decimal)) for t in found]
+        read = (replace(table, decimal=asked.decimal or table.decimal) for table in found)
+        tables += [join_date(widen(table)) for table in read]
         dropped += more
     if faults:
         raise ImportFaults(str(source), faults)
@@ -80,7 +82,8 @@ def _list_files(source: Path, asked: Tables, dropped: list[str]) -> Iterator[tup
         if (suffix in TEXT and not prose) or suffix in BOOKS or suffix in READERS:
             yield path, name
         else:
-            dropped.append(f"{name}: it is not a table")
+            why = "its ending is of no table; if it is text, type tables: {files: [NAME]}"
+            dropped.append(f"{name}: {why}")
 
 
 def _sort_key(path: Path) -> list[tuple[int, int | str]]:

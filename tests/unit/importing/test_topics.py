@@ -92,3 +92,30 @@ def test_blocks_that_wait_longer_than_they_last_are_trials(write, read):
     found = read(write("scans.txt", text))
     assert len(found.trials) == len(SIZES)
     assert [trial.load.max() for trial in found.trials] == pytest.approx(SIZES)
+
+
+@pytest.mark.parametrize(
+    ("day", "first"), [("3/5/2024", "12:00:{:06.3f} PM"), ("2024-03-05", "12:00:{:06.3f}")]
+)
+def test_a_date_and_a_time_of_day_are_one_clock(write, read, day, first):
+    for k, size in enumerate(SIZES):
+        text = "Date,Time,Pitch (deg),Force (N)\n"
+        for time, *values in zip(TIME, *move(size), strict=True):
+            text += f"{day},{first.format(time)},{values[0]:.6f},{values[1]:.6f}\n"
+        source = write(f"run{k}.csv", text)
+    found = read(source)
+    check(found, factor=np.pi / 180)
+    assert [str(trial.started_at)[:10] for trial in found.trials] == ["2024-03-05"] * 3
+
+
+def test_units_above_the_headings_are_those_of_the_columns(write, read):
+    for k, size in enumerate(SIZES):
+        motion, load = move(size)
+        head = "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\n\t\n"
+        head += "Channels\t2\t\nSamples\t60\t60\nY_Unit_Label\tkPa\tdeg\n"
+        head += "X_Dimension\tTime\tTime\n***End_of_Header***\t\t\n"
+        body = write_rows("X_Value,Pressure,Bend", TIME, load, motion).replace(",", "\t")
+        source = write(f"test_{k}.lvm", head + body)
+    found = read(source)
+    check(found, factor=np.pi / 180)
+    assert (found.description.load.unit, found.description.motion.unit) == ("kPa", "deg")
