@@ -64,7 +64,8 @@ def build_trial(run: Run, description: ImportDescription) -> ImportedTrial:
     time, zero, gone = _read_clock(run, table, description)
     seen = np.isfinite(time) & (np.arange(len(time)) <= find_last(motion))
     _check_times(run, table, time)
-    origin = float(np.nanmin(time)) if description.clock.start == "first row" else 0.0
+    counted = description.clock.start in ("first row", "each first row")
+    origin = float(np.nanmin(time)) if counted else 0.0
     load_time, load = _read_load(run, description, origin, float(np.nanmin(time)))
     if seen.sum() < LEAST_ROWS or np.isfinite(motion[seen]).any(axis=1).sum() < LEAST_ROWS:
         raise ImportFault(
@@ -150,6 +151,8 @@ def _read_load(
         seen = np.isfinite(value) & np.isfinite(time)
         if not seen.any():
             raise ImportFault(f"{table.place}, column '{name}': it contains no load")
+        if description.clock.start == "each first row":
+            origin = float(np.nanmin(time))
         order = np.argsort(time[seen], kind="stable")
         time, value = time[seen][order] - origin, value[seen][order]
         return hold_load(time, value) if asked.between == "held" else (time, value)

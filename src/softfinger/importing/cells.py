@@ -12,7 +12,25 @@ from softfinger.campaign.units import find_factor, is_unit
 from softfinger.faults import Fault
 
 GAPS = frozenset(
-    {"", "nan", "na", "n/a", "null", "none", "-", "--", "---", "?", "inf", "-inf", "<null>", "nat"}
+    {
+        "",
+        "nan",
+        "na",
+        "n/a",
+        "null",
+        "none",
+        "-",
+        "--",
+        "---",
+        "–",
+        "—",
+        "?",
+        "inf",
+        "-inf",
+        "<null>",
+        "nat",
+    }
+    | {"ovld", "ovl", "overload", "overflow", "overrange", "over range", "ol", "o.l.", "missing"}
     | {"#n/a", "#na", "#div/0!", "#value!", "#ref!", "#num!", "#name?", "#null!", "not found"}
 )
 SPACERS = "'\N{RIGHT SINGLE QUOTATION MARK}\N{NO-BREAK SPACE}\N{NARROW NO-BREAK SPACE}"
@@ -47,7 +65,7 @@ def classify(cell: Any) -> str:  # noqa: ANN401 (a cell of a workbook is anythin
         gap = cell is None or (isinstance(cell, float) and np.isnan(cell))
         return "" if gap else "n"
     text = cell.strip()
-    if text.lower() in GAPS or not text.strip("-=_"):
+    if text.lower() in GAPS or not text.strip("-=_–—"):
         return ""
     if NUMBER.fullmatch(text) or MOMENT.fullmatch(text):
         return "n"

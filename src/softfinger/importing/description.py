@@ -86,14 +86,15 @@ class Clock(DeclaredSection):
 
     It is a column with its unit, or a rate.
 
-    `start`: times as recorded, or counted from the first row of each trial.
+    `start`: times as recorded, or counted from the first row of each trial, or of each file where
+    their clocks have nothing in common.
     """
 
     column: str | None = None
     unit: Unit | None = None
     frames_per_second: float | None = Field(default=None, gt=0.0)
     interval_s: float | None = Field(default=None, gt=0.0)
-    start: Literal["as recorded", "first row"] | None = None
+    start: Literal["as recorded", "first row", "each first row"] | None = None
 
     @model_validator(mode="after")
     def _one_clock(self) -> Clock:

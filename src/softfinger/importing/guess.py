@@ -128,8 +128,9 @@ def _first_with(run: Run, column: str) -> tuple[RawTable, str]:
 
 def _guess_start(runs: Sequence[Run], guesses: Guesses) -> None:
     """Count times from the first row, if needed."""
-    late, column = 0, guesses.get("clock.column")
+    late, apart, column = 0, 0, guesses.get("clock.column")
     for run in runs:
+        dated = set()
         for table in run.tables.values():
             name = (column or "").rpartition(": ")[2]
             clocks = (
@@ -137,10 +138,15 @@ def _guess_start(runs: Sequence[Run], guesses: Guesses) -> None:
             )
             if not clocks:
                 continue
-            seconds = read_times(table, clocks[0], guesses.get("clock.unit")).seconds
-            seen = seconds[np.isfinite(seconds)]
+            times = read_times(table, clocks[0], guesses.get("clock.unit"))
+            seen = times.seconds[np.isfinite(times.seconds)]
             late += bool(seen.size and abs(seen.min()) > 0.5 * np.ptp(seen))
-    if late:
+            dated.add(times.zero is not None)
+        apart += len(dated) > 1
+    if apart:
+        why = "the clocks have nothing in common; both are taken to start at once"
+        guesses.put("clock.start", "each first row", why)
+    elif late:
         guesses.put("clock.start", "first row", "the clock began long before")
     else:
         guesses.put("clock.start", "as recorded", "it begins near 0")

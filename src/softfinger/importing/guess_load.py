@@ -12,7 +12,8 @@ from softfinger.importing.build import read_stated
 from softfinger.importing.cells import classify
 from softfinger.importing.clock import list_clocks, read_times
 from softfinger.importing.faults import ImportFault
-from softfinger.importing.guess_motion import list_candidates, note_relabelled
+from softfinger.importing.guess_motion import note_relabelled
+from softfinger.importing.signals import LIKE_LOAD, SignalColumn, list_candidates
 from softfinger.importing.trials import Run
 from softfinger.importing.vocabulary import APPLIED, ENVIRONMENT, LOAD, find_quantity, score_words
 
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from softfinger.importing.guess import Guesses
 
 
+AXIS = re.compile(r"(?i)[ _.\-]?[xyz]$")
+AT_REST = 0.4  # of a score: whether noise begins at rest is chance
 EVENTS = 0.1  # rows of a load per row of the motion, below which they may be events
 
 
@@ -29,14 +32,15 @@ def guess_load(runs: Sequence[Run], guesses: Guesses) -> None:
     asked = [guesses.get(f"load.{key}") for key in ("column", "stated", "value")]
     if all(value is None for value in asked) and not guesses.get("load.none"):
         taken = [*(guesses.get("motion.columns") or ()), guesses.get("clock.column")]
-        candidates = [c for c in list_candidates(run, LOAD, taken) if c.score >= 1.4]
+        candidates = [c for c in list_candidates(run, LOAD, taken) if c.score >= LIKE_LOAD]
         if guesses.get("motion.quantity") in ("strain", "compliance"):
             candidates.sort(key=lambda c: c.quantity != "stress")
         stated = _find_stated_load(runs, str(guesses.get("motion.unit")))
         if candidates:
-            others = [c.column for c in candidates[1:4]]
+            best = _choose_axis(candidates)
+            others = [c.column for c in candidates if c is not best][:3]
             why = f"not {', '.join(others)}" if others else "the column that fits best"
-            guesses.put("load.column", candidates[0].column, why)
+            guesses.put("load.column", best.column, why)
         elif stated:
             guesses.put("load.stated", stated[0], f"not {', '.join(stated[1:4])}" if stated[1:] else
                         "the only load that is stated")  # fmt: skip
@@ -45,6 +49,17 @@ def guess_load(runs: Sequence[Run], guesses: Guesses) -> None:
         else:
             guesses.put("load.none", True, "no column or key looks like a load")
     _complete_load(run, guesses)
+
+
+def _choose_axis(candidates: Sequence[SignalColumn]) -> SignalColumn:
+    """The best column that is no noise; of the axes of one sensor, that which moves."""
+    near = [c for c in candidates if c.score >= candidates[0].score - AT_REST]
+    most = max(c.smooth for c in near)
+    best = next((c for c in near if c.smooth >= 0.5 * most), candidates[0])
+    stem = AXIS.sub("", best.column)
+    axes = [c for c in candidates if AXIS.sub("", c.column) == stem != c.column]
+    axes = [c for c in axes if (c.quantity, c.unit) == (best.quantity, best.unit)]
+    return max(axes, key=lambda c: c.reach, default=best)
 
 
 def _complete_load(run: Run, guesses: Guesses) -> None:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from softfinger.campaign.units import is_unit, parse_unit
 from softfinger.importing.clock import list_clocks
 from softfinger.importing.faults import ImportFault
-from softfinger.importing.points import Point, choose_camera, find_points, list_point_columns
+from softfinger.importing.points import Point, choose_camera, find_points
+from softfinger.importing.signals import SignalColumn, follow_load, list_candidates, measure_jump
 from softfinger.importing.trials import Run
 from softfinger.importing.vocabulary import (
     LOAD,
@@ -33,48 +34,6 @@ UNITS = {
 }  # fmt: skip
 
 
-class SignalColumn(NamedTuple):
-    """A column that may be a signal."""
-
-    column: str
-    quantity: str
-    score: float
-    unit: str
-    reach: float  # from its least number to its largest
-
-
-def list_candidates(
-    run: Run, role: dict[str, str], taken: Sequence[str] = ()
-) -> list[SignalColumn]:
-    """Columns of numbers for a role, best first."""
-    found = []
-    for topic, table in run.tables.items():
-        clocks = [column for column, _ in list_clocks(table)]
-        owned = list_point_columns(table.columns)
-        for column in table.columns:
-            whole = f"{topic}: {column}" if len(run.tables) > 1 else column
-            if whole in taken or column in clocks[:1] or column in taken or column in owned:
-                continue
-            unit = table.unit.get(column, "")
-            quantity, score = find_quantity(column, unit, role)
-            if len(run.tables) > 1:
-                by_topic, more = find_quantity(topic, unit, role)
-                if more > score:
-                    quantity, score = by_topic, more
-                score += 0.25 * max(score_words(column, "data value"), 0.0)
-            values = table.read_leniently(column)
-            seen = values[np.isfinite(values)]
-            if score <= 0.0 or seen.size < 0.2 * values.size or not seen.size:
-                continue
-            moving = 0.5 if np.ptp(seen) > 0 else -0.5
-            if role is LOAD and abs(seen[0]) <= 0.1 * np.ptp(seen):
-                moving += 0.3  # it begins at rest
-            if moving < 0 and role is MOTION:
-                continue
-            found.append(SignalColumn(whole, quantity, score + moving, unit, float(np.ptp(seen))))
-    return sorted(found, key=lambda candidate: -candidate.score)
-
-
 def guess_motion(runs: Sequence[Run], guesses: Guesses) -> None:
     """Guess the columns or points of the motion.
 
@@ -92,7 +51,7 @@ def guess_motion(runs: Sequence[Run], guesses: Guesses) -> None:
         if points and not any(c.quantity not in ("position", "sensor") for c in good):
             guesses.put("motion.points.names", _order(points), "their coordinates are logged")
         elif good or candidates:
-            _choose_columns(good or candidates, guesses)
+            _choose_columns(run, good or candidates, guesses)
         else:
             _choose_only_column(run, guesses)
     if guesses.get("motion.points") is not None:
@@ -206,16 +165,19 @@ def _is_zero_at_times(x: np.ndarray, y: np.ndarray) -> bool:
     return bool(zero.any() and others.size and others.min() > 0.02 * others.max())
 
 
-def _choose_columns(candidates: Sequence[SignalColumn], guesses: Guesses) -> None:
+def _choose_columns(run: Run, candidates: Sequence[SignalColumn], guesses: Guesses) -> None:
     """Choose the best column, or all numbered angles.
 
-    Of columns that fit alike, as roll and pitch do, it is the one that moves most.
+    Of columns that fit alike, as roll and pitch do, it is the one that moves most, of those that
+    move with the load where one does.
     """
     first = candidates[0]
     alike = [c for c in candidates if (c.quantity, c.unit) == (first.quantity, first.unit)]
     others = [c for c in alike if _stem(c.column) != _stem(first.column)]
     near = [first, *(c for c in others if c.score >= first.score - ALIKE)]
-    best = max(near, key=lambda c: c.reach)
+    follows = [follow_load(run, c.column) for c in near] if len(near) > 1 else [0.0]
+    moved = [c for c, r in zip(near, follows, strict=True) if r >= 0.5 * max(follows)]
+    best = max(moved, key=lambda c: c.reach)
     rivals = [c.column for c in candidates[1:] if c.score >= best.score - 0.6]
     columns = [best.column]
     if best.quantity == "angle":
@@ -254,6 +216,13 @@ def _choose_only_column(run: Run, guesses: Guesses) -> None:
             f"trial {run.name}: no column looks like a motion; there are {', '.join(run.columns)}; "
             "type motion: {columns: [NAME], unit: UNIT} in import.yaml, or trials: {by: folder} if "
             "its motion is in another file"
+        )
+    if len(moving) > 1 and all(column.split(": ")[-1].startswith("column ") for column in moving):
+        load, motion = sorted(moving[:2], key=lambda column: -measure_jump(run, column))
+        raise ImportFault(
+            f"trial {run.name}: {', '.join(moving)} have no names; which is the load, which the "
+            f"motion? If {load} jumps as a load does, type --set \"load.column='{load}'\" --set "
+            f"\"motion.columns=['{motion}']\" --set motion.unit=UNIT"
         )
     why = "the only column that moves" if len(moving) == 1 else f"not {', '.join(moving[1:4])}"
     guesses.put("motion.columns", moving[:1], why)

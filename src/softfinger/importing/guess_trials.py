@@ -102,15 +102,19 @@ def _has_both(table: RawTable) -> bool:
 
 
 def _overlap(tables: Sequence[RawTable]) -> bool:
-    spans = []
+    """Whether clocks run at once; those with nothing in common, whether they run as long."""
+    spans, dated = [], set()
     for table in tables:
         clocks = [column for column, kind in list_clocks(table) if kind == "time"]
         if not clocks:  # it counts frames, and its rate is declared
             continue
-        seconds = read_times(table, clocks[0]).seconds
-        spans.append((np.nanmin(seconds), np.nanmax(seconds)))
+        times = read_times(table, clocks[0])
+        spans.append((np.nanmin(times.seconds), np.nanmax(times.seconds)))
+        dated.add(times.zero is not None)
     begin, end = np.array(spans).T
     shortest = (end - begin).min()
+    if len(dated) > 1:
+        return bool(shortest > 0.5 * (end - begin).max())
     return bool(end.min() - begin.max() > 0.5 * shortest)
 
 

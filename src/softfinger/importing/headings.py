@@ -108,6 +108,8 @@ def _find_headings(
     units = None
     if above and _is_unit_row(rows[lowest]) and _is_heading(kinds[above[0]], numeric):
         units, lowest = lowest, above[0]
+    elif above and _count_units(rows[above[0]]) >= 2 > 2 * _count_units(rows[lowest]):
+        lowest = above[0]  # between names with units and data are numbers of channels
     levels = [lowest]
     while levels[0] > 0 and _is_upper_heading(rows, kinds, levels[0], numeric):
         levels.insert(0, levels[0] - 1)
@@ -126,6 +128,10 @@ def _is_unit_row(row: Row) -> bool:
         return bool(texts)
     sure = sum(len(text) > 1 or text in "%°" for text in known)  # one letter may be a name
     return sure >= 2 and len(known) >= MOST_UNITS * len(texts)
+
+
+def _count_units(row: Row) -> int:
+    return sum(bool(split_heading(str(cell))[1]) for cell in row)
 
 
 def _strip_brackets(text: str) -> str:

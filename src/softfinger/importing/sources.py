@@ -8,6 +8,7 @@ from pathlib import Path
 from softfinger.importing.dates import join_date
 from softfinger.importing.description import Tables
 from softfinger.importing.faults import ImportFault, ImportFaults
+from softfinger.importing.quaternions import turn_quaternions
 from softfinger.importing.reshape import widen
 from softfinger.importing.sheet import split_tables
 from softfinger.importing.table import RawTable
@@ -52,7 +53,7 @@ def read_tables(source: Path, asked: Tables) -> tuple[list[RawTable], list[str]]
             faults.append(str(fault))
             continue
         read = (replace(table, decimal=asked.decimal or table.decimal) for table in found)
-        tables += [join_date(widen(table)) for table in read]
+        tables += [turn_quaternions(join_date(widen(table))) for table in read]
         dropped += more
     if faults:
         raise ImportFaults(str(source), faults)

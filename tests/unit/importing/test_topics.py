@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 
+from softfinger.importing import ImportFault
+
 TIME = np.arange(60) * 0.5
 SIZES = (1.0, 2.0, 5.0)
 
@@ -119,3 +121,74 @@ def test_units_above_the_headings_are_those_of_the_columns(write, read):
     found = read(source)
     check(found, factor=np.pi / 180)
     assert (found.description.load.unit, found.description.motion.unit) == ("kPa", "deg")
+
+
+def test_clocks_that_have_nothing_in_common_start_at_once(write, read):
+    for k, size in enumerate(SIZES):
+        motion, load = move(size)
+        write(f"run{k}/camera.csv", write_rows("time_s,disp_mm", TIME, motion))
+        stamps = 1.7096402e12 + 1e5 * k + 1e3 * TIME
+        source = write(f"run{k}/load.csv", write_rows("epoch_ms,force_N", stamps, load))
+    found = read(source)
+    check(found)
+    assert found.description.clock.start == "each first row"
+
+
+def test_a_load_is_the_axis_that_moves_and_a_motion_follows_it(write, read):
+    """An axis of noise began at rest; an angle that drifts moves farther."""
+    rng = np.random.default_rng(1)
+    for k, size in enumerate(SIZES):
+        motion, load = move(size)
+        noise = 0.02 * rng.standard_normal((3, 60))
+        noise[:, 0] = 0.0
+        yaw = (40.0 * TIME + 170.0) % 360.0 - 180.0
+        columns = [TIME, noise[0], noise[1], load, noise[2], yaw, motion]
+        heading = "time_s,force.x,force.y,force.z,torque.x,yaw_deg,pitch_deg"
+        source = write(f"run{k}.csv", write_rows(heading, *columns))
+    found = read(source)
+    assert found.description.load.column == "force.z"
+    assert found.description.motion.columns == ("pitch",)
+
+
+@pytest.mark.parametrize("axes", ["xyzw", "0xyz"])
+def test_a_quaternion_is_the_angle_by_which_it_turns(write, read, axes):
+    tilt = np.array([0.5, 0.5, -0.5, 0.5])  # of the base; the scalar last
+    for k, size in enumerate(SIZES):
+        motion, load = move(size)
+        half = np.deg2rad(motion) / 2
+        x, y, z, w = (tilt[i] * np.cos(half) for i in range(4))
+        turn = np.stack([w, z, -y, -x])  # tilt times a turn about its own x
+        turned = np.stack([x, y, z, w]) + np.tan(half) * turn
+        parts = dict(zip("xyzw", turned, strict=True))
+        parts["0"] = parts["w"]
+        columns = [TIME, *(parts[axis] for axis in axes), load]
+        heading = ",".join(["time_s", *(f"orientation.{axis}" for axis in axes), "force_N"])
+        source = write(f"run{k}.csv", write_rows(heading, *columns))
+    check(read(source), factor=np.pi / 180)
+
+
+def test_columns_without_names_are_asked_for(write, read):
+    for k, size in enumerate(SIZES):
+        motion, load = move(size)
+        rows = write_rows("", TIME, load, motion).lstrip()
+        source = write(f"data{k}.csv", rows)
+    with pytest.raises(ImportFault, match="If column 2 jumps as a load does"):
+        read(source)
+    keys = "load.column='column 2'", "motion.columns=['column 3']"
+    check(read(source, *keys, "load.unit=N", "motion.unit=mm"))
+
+
+def test_channels_below_the_headings_are_none_and_overload_is_a_gap(write, read):
+    for k, size in enumerate(SIZES):
+        motion, load = move(size)
+        head = "HBM_CATMAN_DATAFILE\n\nTime [s]\tForce [N]\tDisp [mm]\n"
+        head += "S/N: 1234\tMX440B channel 1\tMX440B channel 2\n"
+        body = write_rows("", TIME, load, motion).lstrip().replace(",", "\t").splitlines()
+        for row, word in ((20, "Overflow"), (30, "OVLD"), (40, "–")):
+            body[row] = body[row].rpartition("\t")[0] + f"\t{word}"
+        source = write(f"run{k}.txt", head + "\n".join(body) + "\n")
+    found = read(source)
+    for trial, size in zip(found.trials, SIZES, strict=True):
+        lost = np.isin(np.arange(60), (20, 30, 40))
+        np.testing.assert_array_equal(np.isnan(trial.motion[:, 0]), lost)
+        np.testing.assert_allclose(trial.motion[~lost, 0], move(size)[0][~lost], atol=1e-5)
