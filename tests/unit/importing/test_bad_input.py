@@ -21,11 +21,11 @@ def refuse(read, source, *keys):
 
 
 def test_text_in_numbers_names_row_and_column_and_the_way_out(write, read):
-    source = write("a.csv", TABLE.replace("6,36,6", "6,OL,6"))
+    source = write("a.csv", TABLE.replace("6,36,6", "6,torn,6"))
     said = refuse(read, source)
-    assert "a.csv, row 8, column 'angle': is 'OL'; expected a number in deg" in said
-    assert "tables: {missing: ['OL']}" in said
-    (trial,) = read(source, "tables.missing=[OL]").trials
+    assert "a.csv, row 8, column 'angle': is 'torn'; expected a number in deg" in said
+    assert "tables: {missing: ['torn']}" in said
+    (trial,) = read(source, "tables.missing=[torn]").trials
     assert str(trial.motion[6, 0]) == "nan"
 
 

@@ -170,10 +170,15 @@ def find_lowest(
 def find_common(offset: NDArray[np.float64]) -> float:
     """Mean of trials' offsets (trial,), which is an effect; 0 where chance has as much.
 
+    That of one trial alone is its mean.
+
     >>> find_common(np.array([0.0, 2.0, 4.0])), find_common(np.array([2.9, 3.0, 3.1])).round(3)
     (0.0, np.float64(3.0))
     """
-    mean, error = offset.mean(), offset.std(ddof=1) / np.sqrt(len(offset))
+    mean = offset.mean()
+    if len(offset) == 1:
+        return mean
+    error = offset.std(ddof=1) / np.sqrt(len(offset))
     return mean if abs(mean) > DECISIONS.common_errors * error else 0.0
 
 

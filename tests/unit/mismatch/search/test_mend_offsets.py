@@ -147,3 +147,4 @@ def test_a_mean_by_chance_stays():
     error = LATE.std(ddof=1) / np.sqrt(len(LATE))
     assert find_common(LATE + 2.0 * error) == 0.0
     assert find_common(LATE - 4.0 * error) == pytest.approx(-4.0 * error)
+    assert find_common(np.array([0.02])) == 0.02
