@@ -205,9 +205,10 @@ class DiagnosisDecisions:
     Why: three are a parabola. Test: `test_decisions.py::test_a_spline_needs_values_to_go_through`.
     """
     slip_frames: int = 10
-    """Quiet frames from which a trial's slips are sought.
+    """Quiet frames from which a trial's slips are sought, and frames on either side of one.
 
-    Why: before and after a step, some must be left.
+    Why: before and after a step, some must be left; fewer may be a burst of gross errors.
+    Test: `test_slips.py::test_a_few_frames_at_the_end_are_no_slip`.
     Test: `test_decisions.py::test_short_trials_are_not_searched_for_slips_or_waves`.
     """
     wave_frames: int = 24

@@ -111,6 +111,8 @@ def _list_series(
     angle, slope = simulate_frames(problem, candidate, angles, gradient=True)
     for i, used in enumerate(trials.used):
         quiet = find_quiet_array(time[i, used], trials.load_time[i], trials.load_torque[i])
+        edge = DECISIONS.slip_frames
+        quiet[:edge] = quiet[max(len(quiet) - edge, 0) :] = False  # a few frames may be a burst
         gap = np.diff(time[i, used], prepend=-np.inf) / trials.interval
         if quiet.sum() < DECISIONS.slip_frames:
             continue

@@ -38,6 +38,13 @@ def test_an_outlier_is_no_jump(draw_campaign, frame):
     assert slips.trials == []
 
 
+@pytest.mark.parametrize(("last", "slips"), [(5, False), (40, True)])
+def test_a_few_frames_at_the_end_are_no_slip(draw_campaign, last, slips):
+    angles = draw_campaign(3, 0.0)
+    angles["joint_angle"][2, 0, -last:] += 0.01
+    assert (look(angles).trials == ["t2"]) == slips
+
+
 def test_a_slip_is_found_in_noise_that_lasts(draw_campaign):
     angles = draw_campaign(3, 0.0, rho=0.95)
     for trial, frame in ((1, 60), (2, 45), (4, 30), (6, 70)):
