@@ -53,8 +53,9 @@ def turn_array(quaternion: np.ndarray) -> np.ndarray:
     """Angle [rad] (row,) from the first orientation of (row, 4), the scalar last.
 
     >>> half = np.deg2rad([0.0, 15.0, 30.0, 45.0])
-    >>> np.rad2deg(turn_array(np.array([0 * half, np.sin(half), 0 * half, np.cos(half)]).T))
-    array([ 0., 30., 60., 90.])
+    >>> angle = turn_array(np.array([0 * half, np.sin(half), 0 * half, np.cos(half)]).T)
+    >>> [abs(round(degrees)) for degrees in np.rad2deg(angle)]
+    [0, 30, 60, 90]
     """
     angle = np.full(len(quaternion), np.nan)
     seen = np.isfinite(quaternion).all(axis=1) & (np.linalg.norm(quaternion, axis=1) > 0.5)
