@@ -12,26 +12,10 @@ from softfinger.campaign.units import find_factor, is_unit
 from softfinger.faults import Fault
 
 GAPS = frozenset(
-    {
-        "",
-        "nan",
-        "na",
-        "n/a",
-        "null",
-        "none",
-        "-",
-        "--",
-        "---",
-        "–",
-        "—",
-        "?",
-        "inf",
-        "-inf",
-        "<null>",
-        "nat",
-    }
-    | {"ovld", "ovl", "overload", "overflow", "overrange", "over range", "ol", "o.l.", "missing"}
-    | {"#n/a", "#na", "#div/0!", "#value!", "#ref!", "#num!", "#name?", "#null!", "not found"}
+    {"", "nan", "na", "n/a", "null", "none", "-", "--", "---", "–", "—", "?", "nat", "<null>"}
+    | {"inf", "-inf", "ovld", "ovl", "overload", "overflow", "overrange", "over range", "ol"}
+    | {"o.l.", "missing", "not found"}
+    | {"#n/a", "#na", "#div/0!", "#value!", "#ref!", "#num!", "#name?", "#null!"}
 )
 SPACERS = "'\N{RIGHT SINGLE QUOTATION MARK}\N{NO-BREAK SPACE}\N{NARROW NO-BREAK SPACE}"
 """Marks between thousands that are no decimal mark anywhere."""

@@ -1,6 +1,7 @@
 """A date and a time of day in columns of their own."""
 
 import datetime as dt
+from collections.abc import Callable
 from dataclasses import replace
 
 from softfinger.importing.cells import MOMENT
@@ -25,7 +26,7 @@ def join_date(table: RawTable) -> RawTable:
     return replace(table, cells=cells, dropped=(*table.dropped, f"'{date}' is part of '{time}'"))
 
 
-def _contains(table: RawTable, column: str, kind: object) -> bool:
+def _contains(table: RawTable, column: str, kind: Callable[[object], bool]) -> bool:
     cells = [cell for cell in table.cells[column].head(PROBED) if str(cell).strip()]
     return bool(cells) and all(map(kind, cells))
 

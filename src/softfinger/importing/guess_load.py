@@ -52,7 +52,10 @@ def guess_load(runs: Sequence[Run], guesses: Guesses) -> None:
 
 
 def _choose_axis(candidates: Sequence[SignalColumn]) -> SignalColumn:
-    """The best column that is no noise; of the axes of one sensor, that which moves."""
+    """The best column that is no noise.
+
+    Of the axes of one sensor it is the one that moves.
+    """
     near = [c for c in candidates if c.score >= candidates[0].score - AT_REST]
     most = max(c.smooth for c in near)
     best = next((c for c in near if c.smooth >= 0.5 * most), candidates[0])

@@ -102,7 +102,10 @@ def _has_both(table: RawTable) -> bool:
 
 
 def _overlap(tables: Sequence[RawTable]) -> bool:
-    """Whether clocks run at once; those with nothing in common, whether they run as long."""
+    """Whether clocks run at once.
+
+    Of clocks with nothing in common: whether they run as long.
+    """
     spans, dated = [], set()
     for table in tables:
         clocks = [column for column, kind in list_clocks(table) if kind == "time"]

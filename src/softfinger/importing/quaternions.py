@@ -50,7 +50,9 @@ def _are_units(values: np.ndarray) -> bool:
 
 
 def turn_array(quaternion: np.ndarray) -> np.ndarray:
-    """Angle [rad] (row,) from the first orientation of (row, 4), the scalar last.
+    """Angle [rad] (row,) from the first orientation.
+
+    Quaternions are (row, 4), the scalar last.
 
     >>> half = np.deg2rad([0.0, 15.0, 30.0, 45.0])
     >>> angle = turn_array(np.array([0 * half, np.sin(half), 0 * half, np.cos(half)]).T)

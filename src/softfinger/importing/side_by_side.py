@@ -48,7 +48,10 @@ def list_groups(table: RawTable) -> dict[str, dict[str, str]]:
 
 
 def _drop_numbers(groups: dict[str, dict[str, str]]) -> dict[str, dict[str, str]]:
-    """Groups whose own names end with numbers, as ``Specimen 2`` of ``F2`` and ``d2``."""
+    """Groups without the numbers that end own names.
+
+    ``Specimen 2`` has ``F2`` and ``d2``.
+    """
     return {
         group: {re.sub(r"[ _.-]*\d+$", "", own): column for own, column in members.items()}
         for group, members in groups.items()
@@ -74,7 +77,10 @@ def _split_repeats(table: RawTable) -> dict[str, dict[str, str]]:
 def _split_at_clock(
     table: RawTable, groups: dict[str, dict[str, str]], clock: str
 ) -> dict[str, dict[str, str]]:
-    """Groups from one clock to the next, named as the first; none where their units differ."""
+    """Groups from one clock to the next.
+
+    Their columns are named as the first one's; there are none where their units differ.
+    """
     begins = [table.columns.index(own[clock]) for own in groups.values() if clock in own]
     blocks = [table.columns[a:b] for a, b in itertools.pairwise([*begins, len(table.columns)])]
     units = {tuple(table.unit.get(column, "") for column in block) for block in blocks}

@@ -68,7 +68,10 @@ def measure_smoothness(values: np.ndarray) -> float:
 
 
 def follow_load(run: Run, column: str) -> float:
-    """Correlation of a column with what most looks like a load in its table; else 0."""
+    """Correlation of a column with its table's likeliest load.
+
+    It is 0 where there is none, or one of them is constant.
+    """
     table, name = run.find(column)
     loads = list_candidates(Run(run.name, {"": table}), LOAD, [name])
     if not loads or loads[0].score < LIKE_LOAD:

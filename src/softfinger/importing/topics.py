@@ -1,4 +1,7 @@
-"""Files that are topics of one recording, as a camera's and a load log's."""
+"""Files that are topics of one recording.
+
+A camera and a load log write one each.
+"""
 
 import itertools
 import re
