@@ -77,10 +77,33 @@ def read_every_row(known: MeasurementEntry) -> MeasurementEntry:
     >>> read_every_row(MeasurementEntry(step_shares={"a": [0.25, 0.75]})).steps_early
     0.5
     """
+    return _average_steps(known).model_copy(update={"steady_load": False})
+
+
+def _hold_ramps(known: MeasurementEntry) -> MeasurementEntry:
+    """Let each row of a ramp last until the next.
+
+    Such rows are steps, or none. So all come as much sooner as those known on average.
+
+    >>> _hold_ramps(MeasurementEntry(step_shares={"a": [0.25, 0.75]})).steps_early
+    0.5
+    """
+    return _average_steps(known).model_copy(update={"ramps_held": True})
+
+
+def _tare_load(known: MeasurementEntry) -> MeasurementEntry:
+    """Take what a log reads at first for its zero."""
+    return known.model_copy(update={"load_tared": True})
+
+
+def _average_steps(known: MeasurementEntry) -> MeasurementEntry:
     shares = [share for some in known.step_shares.values() for share in some]
     early = float(np.mean(shares)) if shares else known.steps_early
-    every = {"steady_load": False, "step_shares": {}, "steps_early": early}
-    return known.model_copy(update=every)
+    return known.model_copy(update={"step_shares": {}, "steps_early": early})
+
+
+READINGS = {"ramps_held": _hold_ramps, "load_tared": _tare_load}
+"""Other ways to read a log: field → what is known, read so."""
 
 
 def _move_steps(angles: xr.Dataset, known: MeasurementEntry) -> xr.Dataset:

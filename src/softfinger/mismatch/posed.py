@@ -13,7 +13,7 @@ from softfinger.inference.disturbed import admit_disturbances
 from softfinger.inference.problem import Candidate, Problem
 from softfinger.measurement.decisions import DECISIONS as MEASURING
 from softfinger.measurement.measure import add_components
-from softfinger.measurement.mend import mend_recordings, read_every_row
+from softfinger.measurement.mend import READINGS, mend_recordings, read_every_row
 from softfinger.measurement.steady import steady_log
 from softfinger.measurement.step_time import find_step_gaps_array
 from softfinger.measurement.tare import tare_log
@@ -144,8 +144,8 @@ def choose_reading(angles: xr.Dataset, posed: Posed, pose: Pose) -> Posed:
     """
     plain, survey, as_read = posed.plain, posed.survey, mend_recordings(angles, posed.mended)
     chosen: dict[str, float] = {}
-    for name in ("ramps_held", "load_tared"):
-        other = mend_recordings(angles, posed.mended.model_copy(update={name: True}))
+    for name, read in READINGS.items():
+        other = mend_recordings(angles, read(posed.mended))
         if not other.equals(as_read):
             more = weigh_log(plain, posed.base, survey.ranked[0], other, survey.needed)
             chosen |= {name: more} if more >= MEASURING.reading_nats else {}
@@ -154,7 +154,10 @@ def choose_reading(angles: xr.Dataset, posed: Posed, pose: Pose) -> Posed:
     known = dict(posed.known)
     if "load_tared" in chosen:
         known["load_zero"] = tare_log(as_read)[1], chosen["load_tared"]
-    return pose(posed.mended.model_copy(update=dict.fromkeys(chosen, True)), known)
+    mended = posed.mended
+    for name in chosen:
+        mended = READINGS[name](mended)
+    return pose(mended, known)
 
 
 def mend_steps(posed: Posed, pose: Pose) -> Posed:

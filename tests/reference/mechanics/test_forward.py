@@ -202,7 +202,7 @@ def integrate(parameters, slots, load):
         "friction_own": 0.5,
         "spring_law": 0.0, "arm_law": 0.0, "flow_law": 0.0, "stop_law": 0.0, "friction_law": 0.0,
         "stop_power": 1.0,
-        "damper": 0.0, "damper_law": 0.0, "softer": 0.0, "thinner": 0.0, "play": 0.0,
+        "damper": 0.0, "damper_law": 0.0, "softer": 0.0, "thinner": 0.0, "play": 0.0, "edges": 0.0,
         "membrane": 0.0, "share": 0.0, "saturation": 0.0, "load_law": 0.0, "payload": 0.0,
         "slow": 0.0, "membrane_law": 0.0, "response": 0.0, "softer_law": 0.0, "thinner_law": 0.0,
         "thin_both": 0.0, "by_rate": 0.0, "taken": 0.0,
@@ -265,6 +265,10 @@ def integrate(parameters, slots, load):
 
     def spring(x, t):
         taut = softplus(x - get["play"], 0.01) - softplus(-x - get["play"], 0.01)
+        if n := get["edges"]:
+            at = n * x / (get["play"] * np.tanh(n))
+            loose = np.log(np.cosh(at + n) / np.cosh(at - n))
+            taut = x - 0.999 * get["play"] * loose / (2 * n)
         law = evaluate_bumpy(np.abs(x) / 1.5) if get["spring_law"] else 0.0
         softer = (1 - get["softer"] * soften(t)) * bend_course("softer_law", t)
         return k_v * taut * (1 + get["stiff"] * x**2 + law) * softer
@@ -427,6 +431,7 @@ PHYSICS = {
         {"thinner": 0.5, "thinner_law": 0.3, "thin_both": 1.0},
     ),
     "play": ({"play": 0.05, "play_width": 0.01}, {"play": 0.05}),
+    "soft_play": ({"play": 0.05, "play_hardness": 0.6}, {"play": 0.05, "edges": 0.6}),
     "taken_up": ({"play_taken": 0.05, "play_needed": 0.01}, {"taken": 0.05}),
     "taken_up_steeply": (
         {"play_taken": 0.05, "play_needed": 0.02, "play_steepness": 1.5},

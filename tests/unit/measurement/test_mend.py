@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from softfinger.faults import Fault
-from softfinger.measurement.mend import mend_recordings
+from softfinger.measurement.mend import READINGS, mend_recordings
 from softfinger.mechanics.effects.measurement_file import HumEntry, MeasurementEntry
 
 TIME = np.tile(np.arange(50) / 25.0, (3, 1))
@@ -78,6 +78,15 @@ def test_a_step_comes_sooner_by_its_own_share(stepped):
     known = MeasurementEntry(step_shares={"b": [0.25]})
     mended = mend_recordings(stepped, known)["load_time"].values
     np.testing.assert_allclose(mended[:, 2], [0.6, 0.59, 0.6])
+
+
+def test_a_log_whose_rows_last_has_other_steps(stepped):
+    """A ramp that the log states by its ends is a step then, and has no share of its own."""
+    slow = stepped.assign(load_torque=stepped["load_torque"] * [1.0, 1.0, 1.0, 1.0, 0.5])
+    known = MeasurementEntry(steady_load=True, step_shares={"a": [0.25], "b": [0.75]})
+    mended = mend_recordings(slow, READINGS["ramps_held"](known))
+    once = known.model_copy(update={"step_shares": {}, "steps_early": 0.5, "ramps_held": True})
+    xr.testing.assert_identical(mended, mend_recordings(slow, once))
 
 
 @pytest.mark.parametrize(

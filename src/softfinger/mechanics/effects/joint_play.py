@@ -1,10 +1,11 @@
 """Play of a joint.
 
 A gap about rest, in which the spring has no torque: the damper still slows the link there; free:
-any spring beyond it. Taken up: the link is loose in the gap, and lies at its end as soon as the
-torque is larger than what keeps it from there, or little by little, or about one torque (Hill).
-Backlash: the link follows what turns it at one end of the gap, and after a turn at the other; with
-soft edges a part of it does so by a narrower gap (two operators of Prandtl and Ishlinskii).
+any spring beyond it. With soft edges the torque sets in little by little. Taken up: the
+link is loose in the gap, and lies at its end as soon as the torque is larger than what keeps it
+from there, or little by little, or about one torque (Hill). Backlash: the link follows what turns
+it at one end of the gap, and after a turn at the other; with soft edges a part of it does so by a
+narrower gap (two operators of Prandtl and Ishlinskii).
 """
 
 import math
@@ -30,15 +31,17 @@ from softfinger.mechanics.forward.spring import D_FREE, FREE, LEAD, SLOPE, STEEP
 from softfinger.mechanics.forward.work import Model
 
 WIDTH_RAD = 0.005  # over which the torque sets in
+LEFT = 1e-3  # share of the stiffness within soft edges: a joint without load rests at one angle
 
 
-_PLAY, _WIDTH, _TAKEN, _NEEDED, _STEEP, _BACKLASH, _SHARE, _RATIO = declare(
+_PLAY, _WIDTH, _HARD, _TAKEN, _NEEDED, _STEEP, _BACKLASH, _SHARE, _RATIO = declare(
     play=Slot(
         "joint", "rad", 0.0, "elastic angle, either way, that requires no torque", "nonnegative"
     ),
     play_width=Slot(
         "joint", "rad", 1e-3, "angle over which the torque sets in", "positive", constant=True
     ),
+    play_hardness=Slot("joint", "1", 0.0, "n > 0: of soft edges in place of that", "nonnegative"),
     play_taken=Slot("joint", "rad", 0.0, "link angle tanh(τ/needed), taken up at once"),
     play_needed=Slot("joint", "N m", 1.0, "torque that this needs", "positive"),
     play_steepness=Slot(
@@ -57,18 +60,41 @@ def leave_play(
 ) -> None:  # fmt: skip
     """The elastic angle beyond the play p.
 
-    S(q_v − p) − S(−q_v − p) with a soft ramp S.
+    S(q_v − p) − S(−q_v − p) with a soft ramp S; with soft edges `leave_softly`.
     """
-    play, width = model.joint[j, _PLAY], model.joint[j, _WIDTH]
-    by_play = -math.tanh(elastic / (2.0 * width))
-    if play > 0.0:
+    play, width, hard = model.joint[j, _PLAY], model.joint[j, _WIDTH], model.joint[j, _HARD]
+    by_play, by_hard = -math.tanh(elastic / (2.0 * width)), 0.0
+    if play > 0.0 and hard > 0.0:
+        spring[FREE], spring[STEEP], by_play, by_hard = leave_softly(elastic, play, hard)
+    elif play > 0.0:
         above, rise = softplus(elastic - play, width)
         below, fall = softplus(-elastic - play, width)
         spring[FREE], spring[STEEP], by_play = above - below, rise + fall, fall - rise
     spring[LEAD] = play
     if tangents:
         for c in model.columns[j]:
-            d_spring[D_FREE, c] += by_play * model.d_joint[c, j, _PLAY]
+            change = model.d_joint[c, j]
+            d_spring[D_FREE, c] += by_play * change[_PLAY] + by_hard * change[_HARD]
+
+
+@compiled
+def leave_softly(elastic: float, play: float, hard: float) -> tuple[float, float, float, float]:
+    """The elastic angle beyond play with soft edges.
+
+    q_v − (p/2n) log(cosh(u + n)/cosh(u − n)), with u = n q_v/(p tanh n): stiffness begins at
+    `LEFT` of the spring's, and far from rest the play is p. For n → 0 it is q_v − p tanh(q_v/p),
+    for n → ∞ a gap. Returns it, and its derivatives by q_v, p and n.
+    """
+    tanh = math.tanh(hard)
+    at = hard * elastic / (play * tanh)
+    rise, fall = math.tanh(at + hard), math.tanh(at - hard)
+    far, near = abs(at + hard), abs(at - hard)
+    length = far - near + math.log1p(math.exp(-2.0 * far)) - math.log1p(math.exp(-2.0 * near))
+    turn = at * (1.0 / hard - (1.0 - tanh * tanh) / tanh)
+    half = 0.5 * (1.0 - LEFT) / hard
+    by_hard = play * half * (length / hard - rise * (turn + 1.0) + fall * (turn - 1.0))
+    steep = 1.0 - 0.5 * (1.0 - LEFT) * (rise - fall) / tanh
+    return elastic - play * half * length, steep, half * (at * (rise - fall) - length), by_hard
 
 
 @compiled
@@ -150,6 +176,11 @@ def _build_forms(setting: Setting) -> list[Form]:
     def slots(values: Values) -> dict:
         return {"play": values["play_rad"], "play_width": WIDTH_RAD}
 
+    edge = Parameter("softness", 0.5, 0.25, low=0.05, high=0.95)
+
+    def open_softly(values: Values) -> dict:
+        return slots(values) | {"play_hardness": 1.0 / values["softness"] - 1.0}
+
     usual, most = np.log(0.1 * setting.torque), np.log(0.5 * setting.torque)
     needed = Parameter("needed_torque_nm", usual, 1.0, log=True, low=usual - 4.0, high=most)
 
@@ -175,7 +206,7 @@ def _build_forms(setting: Setting) -> list[Form]:
     soft = Form("backlash_with_soft_edges", (play, part, ratio), lag_softly)
     # where its damper took its part, a joint has no use for little of it
     late = replace(play, far=(0.05,))
-    gap = Form("gap", (play,), slots)
+    gap = Form("gap", (play,), slots, finer=Form("gap_with_soft_edges", (play, edge), open_softly))
     law = Law("spring_law", "elastic_angle_rad", setting.reach, 0.5, terms=5, per="joint")
     return [
         gap,
