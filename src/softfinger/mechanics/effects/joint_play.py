@@ -193,6 +193,18 @@ def _build_forms(setting: Setting) -> list[Form]:
     def rise(values: Values) -> dict:
         return {**take(values), "play_steepness": values["steepness"]}
 
+    gap = Form("gap", (play,), slots, finer=Form("gap_with_soft_edges", (play, edge), open_softly))
+    law = Law("spring_law", "elastic_angle_rad", setting.reach, 0.5, terms=5, per="joint")
+    return [
+        gap,
+        Form("taken_up", (play, needed), take),
+        _build_backlash(play),
+        free_form(law, {"spring_reach": setting.reach}, gap, lent=True),
+        Form("taken_up_steeply", (play, wide, steep), rise),
+    ]
+
+
+def _build_backlash(play: Parameter) -> Form:
     def lag(values: Values) -> dict:
         return {"play_backlash": values["play_rad"]}
 
@@ -206,15 +218,7 @@ def _build_forms(setting: Setting) -> list[Form]:
     soft = Form("backlash_with_soft_edges", (play, part, ratio), lag_softly)
     # where its damper took its part, a joint has no use for little of it
     late = replace(play, far=(0.05,))
-    gap = Form("gap", (play,), slots, finer=Form("gap_with_soft_edges", (play, edge), open_softly))
-    law = Law("spring_law", "elastic_angle_rad", setting.reach, 0.5, terms=5, per="joint")
-    return [
-        gap,
-        Form("taken_up", (play, needed), take),
-        Form("backlash", (late,), lag, finer=soft),
-        free_form(law, {"spring_reach": setting.reach}, gap, lent=True),
-        Form("taken_up_steeply", (play, wide, steep), rise),
-    ]
+    return Form("backlash", (late,), lag, finer=soft)
 
 
 EFFECT = Effect(
